@@ -1,0 +1,68 @@
+"""`remac demo`, which `make demo` runs: four tasks, four methods, in physics, with the table and videos."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from remac_bench.commands.tasks import PAPER_TABLE
+from remac_bench.console import clean_errors, console
+from remac_bench.flags import Backend
+
+if TYPE_CHECKING:
+    from remac_bench.jobs import Job
+
+METHODS = ("BASE", "CC", "RE", "REMAC")
+
+
+@clean_errors
+def demo(
+    out: Annotated[str, typer.Option(help="Folder for records and videos.")] = "demo_output",
+    seeds: Annotated[str, typer.Option(help="Seeds, as for bench run.")] = "0:3",
+    backend: Backend = "physics",
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", "-j", help="Worker processes; by default one a core.")
+    ] = None,
+    video: Annotated[bool, typer.Option(help="One video of a REMAC episode a task.")] = True,
+    resume: Annotated[
+        bool, typer.Option(help="Go on with an earlier demo instead of starting anew.")
+    ] = False,
+) -> None:
+    """Play four tasks with BASE, CC, RE and REMAC, one kitchen a task: the table, records and videos."""
+    from remac_bench.commands.progress import run_and_report
+    from remac_bench.jobs import parse_seeds
+    from remac_bench.machine import cores
+    from remac_bench.runner import Settings
+
+    settings = Settings(
+        workers=cores() if jobs is None else jobs,
+        video="first" if video else "none",
+        video_methods=("REMAC",),
+        fresh=not resume,
+    )
+    run_and_report(demo_jobs(parse_seeds(seeds), backend), out, settings)
+    _name_videos(out)
+
+
+def demo_jobs(seeds: list[int], backend: str) -> list[Job]:
+    """The demo's jobs: every task in one kitchen, the first style and layout of its own."""
+    from remac_bench.jobs import make_jobs
+    from remac_env.tasks import get
+
+    jobs = []
+    for task in PAPER_TABLE:
+        cell = {"style": get(task).styles[0], "layout": get(task).layouts[0]}
+        kitchen = {**cell, "backend": backend}
+        jobs += make_jobs(tasks=[task], methods=METHODS, seeds=seeds, kitchen=kitchen, agent={})
+    return jobs
+
+
+def _name_videos(out: str) -> None:
+    """Say which videos there are, and why one is missing."""
+    from remac_bench.store import Store
+
+    for record in Store(out).read():
+        if record.video is not None:
+            told = record.video.path or f"none ({record.video.error})"
+            console().print(f"{record.task}, {record.agent}, seed {record.seed}: {told}", markup=False)

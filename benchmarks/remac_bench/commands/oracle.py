@@ -1,0 +1,43 @@
+"""`remac oracle`: the shortest plan of an episode."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from remac_bench.console import clean_errors
+from remac_bench.flags import Extensions, Layout, Starts, Style
+
+
+@clean_errors
+def oracle(
+    task: Annotated[str, typer.Option(help="Name of a task.")],
+    robots: Annotated[int, typer.Option(help="1 or 2.")] = 1,
+    seed: Annotated[int, typer.Option(help="The episode's seed.")] = 0,
+    starts: Starts = "paper",
+    style: Style = None,
+    layout: Layout = None,
+    max_rounds: Annotated[int, typer.Option(help="Where the search gives up.")] = 30,
+    extensions: Extensions = None,
+) -> None:
+    """Print the shortest plan of an episode as JSON; rounds and plan are null where there is none."""
+    import remac_env
+    from remac_bench.extensions import load_extensions
+    from remac_env.oracle import solve
+
+    load_extensions(extensions or ())
+    kitchen = remac_env.parallel_env(
+        task,
+        robots=robots,
+        backend="symbolic",
+        starts=starts,
+        style=style,
+        layout=layout,
+        max_rounds=max_rounds,
+    )
+    kitchen.reset(seed=seed)
+    found = solve(kitchen.start.scene, kitchen.world, kitchen.goal, max_rounds=max_rounds)
+    answer = {"rounds": found.length, "plan": found.as_text()} if found else {"rounds": None, "plan": None}
+    typer.echo(json.dumps(answer))

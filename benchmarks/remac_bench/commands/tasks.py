@@ -1,0 +1,55 @@
+"""`remac tasks`: which tasks there are."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any
+
+import typer
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from remac_bench.console import clean_errors, console
+from remac_bench.flags import Extensions
+
+PAPER_TABLE = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
+"""The tasks of the paper's 27-style table."""
+
+
+@clean_errors
+def tasks(
+    as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False, extensions: Extensions = None
+) -> None:
+    """List the tasks with their styles and layouts."""
+    from remac_bench.extensions import load_extensions
+
+    load_extensions(extensions or ())
+    entries = list_tasks()
+    if as_json:
+        typer.echo(json.dumps(entries))
+        return
+    table = Table(box=box.SIMPLE_HEAD)
+    for name in ("Task", "Goal", "Styles", "Layouts", "Paper's table"):
+        table.add_column(name)
+    for entry in entries:
+        cells = [entry["name"], entry["goal"], ", ".join(entry["styles"]), ", ".join(entry["layouts"])]
+        table.add_row(*(escape(cell) for cell in cells), "yes" if entry["in_table"] else "no")
+    console().print(table)
+
+
+def list_tasks() -> list[dict[str, Any]]:
+    """Name, goal sentence, styles, layouts of each task, and whether it is in the paper's table."""
+    import remac_env
+    from remac_env.tasks import get
+
+    return [
+        {
+            "name": name,
+            "goal": get(name).wordings[2],
+            "styles": list(get(name).styles),
+            "layouts": list(get(name).layouts),
+            "in_table": name in PAPER_TABLE,
+        }
+        for name in remac_env.tasks()
+    ]

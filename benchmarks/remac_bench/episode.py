@@ -1,0 +1,214 @@
+"""Plays one episode and writes down what happened. The agent's faults are told from the infrastructure's."""
+
+from __future__ import annotations
+
+import os
+import time
+import traceback
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from remac_bench.agents import Agent
+from remac_bench.jobs import Job
+from remac_bench.machine import redact, versions
+from remac_bench.recording import Recorder
+from remac_bench.records import CheckEntry, ErrorEntry, OutcomeEntry, Record, VideoEntry
+from remac_env.errors import ActionError, UnknownNameError
+from remac_env.oracle import solve
+
+MESSAGE_MAX = 500
+FRAMES_MAX = 12
+"""How much of an exception goes into a record: characters of its message, frames of its traceback."""
+
+Kind = Literal["agent", "infrastructure"]
+
+
+class Fault(Exception):
+    """An exception, and whose it is."""
+
+    def __init__(self, kind: Kind, error: Exception) -> None:
+        super().__init__(str(error))
+        self.kind, self.error = kind, error
+
+    def entry(self) -> ErrorEntry:
+        """The exception for the record: no local paths, no keys."""
+        frames = traceback.extract_tb(self.error.__traceback__)[-FRAMES_MAX:]
+        return ErrorEntry(
+            kind=self.kind,
+            type=type(self.error).__name__,
+            message=redact(str(self.error))[:MESSAGE_MAX],
+            where=[f"{os.path.basename(f.filename)}:{f.lineno} in {f.name}" for f in frames],
+        )
+
+
+@contextmanager
+def blaming(kind: Kind) -> Iterator[None]:
+    """Turn any exception inside into a Fault of this kind."""
+    try:
+        yield
+    except Fault:
+        raise
+    except Exception as error:  # noqa: BLE001 - planners and simulators may raise anything; it is recorded
+        raise Fault(kind, error) from error
+
+
+@dataclass
+class Course:
+    """What is known of an episode so far. `joined`: the agent has begun it, and reports on it."""
+
+    infos: Mapping[str, Any] = field(default_factory=dict)
+    outcomes: list[dict[str, OutcomeEntry]] = field(default_factory=list)
+    progress: float = 0.0
+    optimum: int | None = None
+    joined: bool = False
+
+    @property
+    def shared(self) -> Mapping[str, Any]:
+        """The part of the last infos that is the same for all robots; empty before the first reset."""
+        return next(iter(self.infos.values()), {})
+
+
+def play_episode(
+    env: Any, agent: Agent, job: Job, iteration: int, recorder: Recorder, *, optimum: bool = False
+) -> Record:
+    """Play the job's episode once, whatever happens.
+
+    Args:
+        env: a KitchenParallelEnv made for the job.
+        optimum: also search the shortest plan.
+    """
+    began = time.perf_counter()
+    course, fault, report = Course(), None, None
+    try:
+        with blaming("infrastructure"):
+            recorder.start()
+            _play(env, agent, job, course, optimum=optimum)
+    except Fault as caught:
+        fault = caught
+    try:
+        with blaming("agent"):
+            report = report_fields(agent.report()) if course.joined else None
+    except Fault as caught:
+        fault = fault or caught
+    success = fault is None and course.shared.get("end") == "success"
+    wall = time.perf_counter() - began
+    return make_record(
+        job,
+        iteration,
+        course=course,
+        report=report or {},
+        fault=fault,
+        wall_seconds=round(wall, 3),
+        video=None
+        if fault is not None and fault.kind == "infrastructure"
+        else recorder.finish(success=success),
+    )
+
+
+def _play(env: Any, agent: Agent, job: Job, course: Course, *, optimum: bool) -> None:
+    observations, course.infos = env.reset(seed=job.seed)
+    course.progress = env.progress
+    if optimum:
+        plan = solve(env.start.scene, env.world, env.goal)
+        course.optimum = None if plan is None else plan.length
+    with blaming("agent"):
+        agent.reset(observations, course.infos)
+        course.joined = True
+    while env.agents:
+        with blaming("agent"):
+            actions = agent.act(observations, course.infos)
+        try:
+            observations, _, _, _, course.infos = env.step(actions)
+        except ActionError as error:
+            raise Fault("agent", error) from error
+        course.outcomes.append(_outcomes(env, actions, course.infos))
+        course.progress = env.progress
+        if job.options.render_mode == "human":
+            env.render()
+    with blaming("agent"):
+        agent.close_episode(observations, course.infos)
+
+
+def _outcomes(env: Any, actions: Mapping[str, int], infos: Mapping[str, Any]) -> dict[str, OutcomeEntry]:
+    return {
+        robot: OutcomeEntry(subtask=_text(env, actions[robot]), **(info["outcome"] or {"status": "failure"}))
+        for robot, info in infos.items()
+    }
+
+
+def _text(env: Any, token: int) -> str:
+    try:
+        return str(env.vocabulary.decode(int(token)))
+    except UnknownNameError:
+        return f"token {int(token)}"
+
+
+def report_fields(report: Any) -> dict[str, Any]:
+    """The fields of a record that come from the agent's own report."""
+    return {
+        "initial_plan": {robot: list(row) for robot, row in report.initial_plan.items()},
+        "final_plan": {robot: list(row) for robot, row in report.final_plan.items()},
+        "initial_plan_length": report.initial_plan_length,
+        "final_plan_length": report.final_plan_length,
+        "subtasks_done": report.subtasks_done,
+        "pre_checks": [_check(entry) for entry in report.pre_checks],
+        "post_checks": [_check(entry) for entry in report.post_checks],
+        "adjusted": report.adjusted,
+        "retries": report.retries,
+        "reflections": list(report.reflections),
+        "truth_readers": list(report.truth_readers),
+        "planner_errors": [redact(text)[:MESSAGE_MAX] for text in report.errors],
+    }
+
+
+def _check(entry: Any) -> CheckEntry:
+    return CheckEntry(**{name: getattr(entry, name) for name in CheckEntry.model_fields})
+
+
+def make_record(
+    job: Job,
+    iteration: int,
+    *,
+    course: Course,
+    report: Mapping[str, Any],
+    fault: Fault | None,
+    wall_seconds: float = 0.0,
+    video: VideoEntry | None = None,
+) -> Record:
+    """The record of one episode, or of one that an error kept from beginning."""
+    shared = course.shared
+    episode = shared.get("episode", {})
+    broken = fault is not None and fault.kind == "infrastructure"
+    return Record(
+        job=job.key,
+        agent=job.label,
+        method=job.method,
+        task=job.task,
+        style=episode.get("style", job.options.style),
+        layout=episode.get("layout", job.options.layout),
+        starts=job.options.starts,
+        seed=job.seed,
+        digest=episode.get("digest"),
+        robots=job.options.robots,
+        backend=job.options.backend,
+        iteration=iteration,
+        scored=iteration == job.iterations and not broken,
+        success=fault is None and shared.get("end") == "success",
+        end=shared.get("end"),
+        progress=round(course.progress, 6),
+        rounds=len(course.outcomes),
+        sim_seconds=round(float(shared.get("seconds", 0.0)), 6),
+        wall_seconds=wall_seconds,
+        outcomes=course.outcomes,
+        robot_contacts=int(shared.get("robot_contacts", 0)),
+        near_misses=int(shared.get("near_misses", 0)),
+        physics_steps=int(shared.get("physics_steps", 0)),
+        optimum_rounds=course.optimum,
+        video=video,
+        error=None if fault is None else fault.entry(),
+        options=job.facts,
+        versions=versions(),
+        **report,
+    )

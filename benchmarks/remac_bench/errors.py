@@ -1,0 +1,17 @@
+"""Errors of the benchmark. Those that a user can mend by another command line are UsageErrors."""
+
+from __future__ import annotations
+
+from remac_env.errors import RemacError
+
+
+class UsageError(RemacError, ValueError):
+    """A command that cannot be run as it was given; the message says what is valid."""
+
+
+class RecordFileError(RemacError, ValueError):
+    """A records file that cannot be read; the message names file and line."""
+
+
+class LockedError(RemacError, RuntimeError):
+    """Another runner is at work in this folder."""

@@ -1,0 +1,85 @@
+"""The flags that commands share: one for every keyword of `parallel_env` and of `remac_agents.make`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Annotated, Any
+
+import typer
+
+from remac_bench import agents
+from remac_env.options import Options
+
+_KITCHEN, _AGENT, _RUN = "The kitchen", "The agent", "The run"
+
+
+def _kitchen(text: str) -> Any:
+    return typer.Option(help=text, rich_help_panel=_KITCHEN)
+
+
+def _agent(text: str) -> Any:
+    return typer.Option(help=text, rich_help_panel=_AGENT)
+
+
+def _run(text: str, *names: str) -> Any:
+    return typer.Option(*names, help=text, rich_help_panel=_RUN)
+
+
+Backend = Annotated[str, _kitchen("physics (MuJoCo decides) or symbolic (the skill table).")]
+Style = Annotated[str | None, _kitchen("Name of a look; by default the seed picks.")]
+Layout = Annotated[str | None, _kitchen("Name of a floor plan; by default the seed picks.")]
+Starts = Annotated[str, _kitchen("paper (doors closed, all off) or mixed.")]
+Observations = Annotated[str, _kitchen("state or state+images.")]
+Text = Annotated[str, _kitchen("What planners are told: plain (names) or states.")]
+Feedback = Annotated[str, _kitchen("What planners hear of a failure: status or reason.")]
+Wording = Annotated[int, _kitchen("Goal sentence 1, 2 or 3 (the simplest).")]
+Naming = Annotated[str, _kitchen("How objects are called: role.")]
+PerceptionNoise = Annotated[float, _kitchen("Error of the poses that controllers see, m (physics).")]
+FailureRate = Annotated[float, _kitchen("Probability that a subtask slips (symbolic).")]
+ImageSize = Annotated[int, _kitchen("Pixels of a side of observation images.")]
+RenderMode = Annotated[str | None, _kitchen("human: watch the episodes; rgb_array.")]
+MaxRounds = Annotated[int, _kitchen("Rounds after which an episode is truncated.")]
+Reward = Annotated[str, _kitchen("sparse or progress.")]
+Robots = Annotated[int | None, _kitchen("1 or 2; by default the method's own: REMAC 2, others 1.")]
+
+Planner = Annotated[
+    str | None, _agent("A planner's name or package.module:Name; options as name,option=value.")
+]
+Conditions = Annotated[str | None, _agent("Who says what should be true before and after a subtask.")]
+Checker = Annotated[str | None, _agent("Who judges it.")]
+Adjuster = Annotated[str | None, _agent("Who mends a plan.")]
+Reflector = Annotated[str | None, _agent("Who says what was learnt.")]
+Handover = Annotated[str | None, _agent("How a second robot is given work.")]
+Retries = Annotated[int | None, _agent("How often a subtask whose post-conditions fail is tried again.")]
+MaxAdjustments = Annotated[int | None, _agent("How often a plan is changed at most.")]
+AgentMaxRounds = Annotated[int | None, _agent("Rounds after which a method stops by itself.")]
+Lead = Annotated[str | None, _agent("The robot that works alone or leads; by default the first by name.")]
+Helper = Annotated[str | None, _agent("The second robot of a team.")]
+Iterations = Annotated[
+    int | None, _agent("Number of the last iteration: 2 plays 0, 1, 2 (methods with a memory).")
+]
+
+Out = Annotated[str, _run("Folder for records and videos; what it holds already is not run again.")]
+Jobs = Annotated[
+    int | None, _run("Worker processes; 0 runs in this one; by default one a core.", "--jobs", "-j")
+]
+Video = Annotated[str, _run("none, failed, all, or first: the first seed's scored episode.")]
+Optimum = Annotated[bool, _run("Also search each episode's shortest plan.", "--optimum/--no-optimum")]
+Extensions = Annotated[
+    list[str] | None, _run("Module or file.py that registers tasks; may be repeated.", "--import")
+]
+
+AGENT = {
+    **{name: name for name in agents.OPTIONS},
+    "max_rounds": "agent_max_rounds",
+}
+"""Keyword of `remac_agents.make` -> the flag, which differs where the kitchen has a keyword of that name."""
+
+KITCHEN = {field.name: field.name for field in fields(Options) if field.name != "robots"}
+"""Keyword of `parallel_env` -> the flag; `robots` is apart, its default is the method's."""
+
+
+def pick(context: typer.Context, flags: Mapping[str, str]) -> dict[str, Any]:
+    """Keyword -> the value of its flag, from the command line that typer has read."""
+    return {keyword: context.params[flag] for keyword, flag in flags.items()}

@@ -1,0 +1,150 @@
+"""Jobs: one cell and seed for one agent, with its iterations 0..k in order and a memory of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+from remac_bench import agents
+from remac_bench.errors import UsageError
+from remac_env.options import Options
+from remac_env.seeding import digest
+
+NOT_IN_KEY = ("render_mode",)
+"""Options of the kitchen that cannot change what happens in it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """One cell and seed for one agent.
+
+    Attributes:
+        method: name of a method of remac_agents.
+        task: name of a task.
+        seed: the episode's seed; every iteration plays the same episode.
+        options: the kitchen's; `robots` among them.
+        agent: keywords of `remac_agents.make` that are not at their defaults; roles as text (agents.role).
+        iterations: the number of the last iteration, which is the scored one.
+    """
+
+    method: str
+    task: str
+    seed: int
+    options: Options
+    agent: Mapping[str, Any] = field(default_factory=dict)
+    iterations: int = 0
+
+    @cached_property
+    def key(self) -> str:
+        """Twelve hexadecimal digits that name this job, the same in every process.
+
+        Options at their defaults are left out, so that an option added later does not rename old jobs.
+        """
+        return digest(
+            {
+                "method": self.method,
+                "task": self.task,
+                "seed": self.seed,
+                "agent": dict(self.agent),
+                "iterations": self.iterations,
+                "robots": self.options.robots,
+                "kitchen": changed_options(self.options),
+            }
+        )
+
+    @property
+    def label(self) -> str:
+        """The agent's name in tables: the method, in brackets where it departs from the method's defaults."""
+        facts: dict[str, object] = dict(self.agent)
+        if self.options.robots != agents.default_robots(self.method):
+            facts["robots"] = self.options.robots
+        if self.iterations != agents.default_iterations(self.method):
+            facts["iterations"] = self.iterations
+        named = ", ".join(f"{name}={value}" for name, value in sorted(facts.items()))
+        return f"{self.method} ({named})" if named else self.method
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """Everything that the job was made with, for the record."""
+        return {"kitchen": asdict(self.options), "agent": dict(self.agent), "iterations": self.iterations}
+
+
+def changed_options(options: Options) -> dict[str, Any]:
+    """The kitchen's options that are not at their defaults, without the number of robots."""
+    skipped = (*NOT_IN_KEY, "robots")
+    values = {f.name: (getattr(options, f.name), f.default) for f in fields(options) if f.name not in skipped}
+    return {name: value for name, (value, default) in values.items() if value != default}
+
+
+def make_jobs(
+    *,
+    tasks: Sequence[str],
+    methods: Sequence[str],
+    seeds: Iterable[int],
+    kitchen: Mapping[str, Any],
+    agent: Mapping[str, Any],
+    robots: int | None = None,
+    iterations: int | None = None,
+) -> list[Job]:
+    """Every combination of tasks, methods and seeds.
+
+    Args:
+        kitchen: keywords of `remac_env.parallel_env` but `robots`.
+        agent: keywords of `remac_agents.make`; those that are None count as not given.
+        robots, iterations: None means the method's own; methods without a memory play iteration 0 alone.
+
+    Raises:
+        UnknownNameError, OptionError: for names and numbers that are not valid, of any of the jobs.
+    """
+    given = agents.changed_options(agent)
+    jobs: dict[str, Job] = {}
+    for task in tasks:
+        for method in methods:
+            options = Options(**kitchen, robots=agents.default_robots(method) if robots is None else robots)
+            last = agents.default_iterations(method)
+            last = iterations if last and iterations is not None else last
+            for seed in seeds:
+                job = Job(method=method, task=task, seed=seed, options=options, agent=given, iterations=last)
+                jobs[job.key] = job
+    _check(list(jobs.values()))
+    return list(jobs.values())
+
+
+def parse_seeds(text: str) -> list[int]:
+    """Seeds from "0:10" (0 to 9), "3" or "0,4,7".
+
+    Raises:
+        UsageError: for anything else, and for an empty range.
+    """
+    seeds: list[int] = []
+    for part in text.split(","):
+        first, colon, last = part.strip().partition(":")
+        if not first.isdecimal() or (colon and not last.isdecimal()):
+            raise UsageError(f"seeds {text!r} are not valid; valid: a range 0:10, a number 3 or a list 0,4,7")
+        seeds += range(int(first), int(last)) if colon else [int(first)]
+    if not seeds:
+        raise UsageError(f"seeds {text!r} name no seed; valid: a range 0:10, a number 3 or a list 0,4,7")
+    return list(dict.fromkeys(seeds))
+
+
+def parse_names(text: str, kind: str) -> list[str]:
+    """Names from a list with commas; UsageError where there is none."""
+    names = [part.strip() for part in text.split(",") if part.strip()]
+    if not names:
+        raise UsageError(f"{kind} {text!r} name nothing; give one or more, with commas between them")
+    return list(dict.fromkeys(names))
+
+
+def _check(jobs: Sequence[Job]) -> None:
+    """Build one kitchen and one agent of each sort, so that bad names come out before any work is done."""
+    import remac_env
+
+    kitchens = {(job.task, job.options) for job in jobs}
+    for task, options in sorted(kitchens, key=str):
+        remac_env.parallel_env(task, **asdict(options)).close()
+    for job in {job.method: job for job in jobs}.values():
+        agents.make(job)
+    if any(job.iterations < 0 for job in jobs):
+        raise UsageError("iterations must be 0 or more: the number of the last iteration")

@@ -1,0 +1,133 @@
+"""One self-sufficient JSON line an episode. Every table is computed from these alone."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+SCHEMA = 1
+"""Raised whenever the meaning of a field changes; fields may be added without."""
+
+
+class Model(BaseModel):
+    """Unknown fields are ignored, so that records of a later version with added fields stay readable."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore", populate_by_name=True, protected_namespaces=())
+
+
+class OutcomeEntry(Model):
+    """How one robot's subtask of one round ended; `seconds` is simulated time."""
+
+    subtask: str
+    status: str
+    reason: str | None = None
+    detail: str = ""
+    seconds: float = 0.0
+
+
+class CheckEntry(Model):
+    """A checker's verdict on one condition beside the truth (None where the kitchen did not tell it).
+
+    `round` counts the rounds played before it; `asked` marks a question of the adjuster's.
+    """
+
+    round: int
+    robot: str
+    subtask: str
+    condition: str
+    verdict: bool
+    truth: bool | None = None
+    asked: bool = False
+
+
+class ErrorEntry(Model):
+    """An exception. `agent`: planner or method crashed: a failure. `infrastructure`: not scored."""
+
+    kind: Literal["agent", "infrastructure"]
+    type: str
+    message: str
+    where: list[str] = Field(default_factory=list)
+
+
+class VideoEntry(Model):
+    """The video of an episode, its path relative to the records' folder, or why there is none."""
+
+    path: str | None = None
+    error: str | None = None
+
+
+class Record(Model):
+    """One episode.
+
+    Attributes:
+        schema_version: written as `schema`.
+        job: key of the job that the episode belongs to; `iteration` counts from 0 within it.
+        agent: the method with the options in which it departs from its defaults; `method` is its bare name.
+        digest: name of the exact start; None, like style and layout, where the episode never began.
+        scored: this is the job's last iteration and no infrastructure error; only scored records count.
+        success: the goal held at the end, and the agent did not crash.
+        end: success, lost, done or truncated, None where an error ended it.
+        progress: the fraction of the goal's parts that hold at the end.
+        initial_plan_length, final_plan_length: in rounds; the latter of the plan in force at the end,
+            retries not counted. None where the agent reports none.
+        subtasks_done: rounds of the plan in force whose subtasks' post-conditions all held.
+        rounds: rounds played, retries included. sim_seconds: each round as long as its slowest robot.
+        outcomes: a round an entry, robot -> how its subtask ended.
+        robot_contacts, near_misses: control steps in which robots touched, or were within 0.05 m.
+        truth_readers: the roles that were given the WorldState.
+        planner_errors: replies of the planner that were no plans.
+        optimum_rounds: length of the shortest plan, where it was asked for.
+        options: {"kitchen": ..., "agent": ...}: everything that the job was made with.
+    """
+
+    schema_version: int = Field(default=SCHEMA, alias="schema")
+    job: str
+    agent: str
+    method: str
+    task: str
+    style: str | None = None
+    layout: str | None = None
+    starts: str
+    seed: int
+    digest: str | None = None
+    robots: int
+    backend: str
+    iteration: int
+    scored: bool
+    success: bool
+    end: str | None = None
+    progress: float = 0.0
+    subtasks_done: int = 0
+    initial_plan_length: int | None = None
+    final_plan_length: int | None = None
+    rounds: int = 0
+    sim_seconds: float = 0.0
+    wall_seconds: float = 0.0
+    initial_plan: dict[str, list[str]] = Field(default_factory=dict)
+    final_plan: dict[str, list[str]] = Field(default_factory=dict)
+    outcomes: list[dict[str, OutcomeEntry]] = Field(default_factory=list)
+    pre_checks: list[CheckEntry] = Field(default_factory=list)
+    post_checks: list[CheckEntry] = Field(default_factory=list)
+    adjusted: bool = False
+    retries: int = 0
+    reflections: list[str] = Field(default_factory=list)
+    truth_readers: list[str] = Field(default_factory=list)
+    planner_errors: list[str] = Field(default_factory=list)
+    robot_contacts: int = 0
+    near_misses: int = 0
+    physics_steps: int = 0
+    optimum_rounds: int | None = None
+    video: VideoEntry | None = None
+    error: ErrorEntry | None = None
+    options: dict[str, Any] = Field(default_factory=dict)
+    versions: dict[str, str] = Field(default_factory=dict)
+
+    @property
+    def infrastructure_error(self) -> bool:
+        """True when the episode has to be run again."""
+        return self.error is not None and self.error.kind == "infrastructure"
+
+    def line(self) -> str:
+        """The record as one line of JSON, without the line's end."""
+        return self.model_dump_json(by_alias=True)

@@ -1,0 +1,142 @@
+"""Runs jobs and records them: resumable after any kind of end, one runner a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from remac_bench.errors import UsageError
+from remac_bench.extensions import load_extensions
+from remac_bench.jobs import Job
+from remac_bench.lock import locked
+from remac_bench.pool import play_all
+from remac_bench.recording import VIDEO_CHOICES, VideoMode
+from remac_bench.records import Record
+from remac_bench.store import Store, finished_jobs
+from remac_bench.worker import Work
+from remac_env.errors import check_choice
+
+
+class Listener:
+    """Is told, in the runner's process, how a run goes; this one takes no notice."""
+
+    def begin(self, jobs: Sequence[Job]) -> None:
+        """The folder is ours, and these jobs are to be played."""
+
+    def end(self, job: Job, records: Sequence[Record]) -> None:
+        """A job has ended, and its records are on the disk."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """How jobs are run; nothing here changes a result.
+
+    Attributes:
+        workers: number of processes; 0 plays in this one.
+        video: one of VIDEO_CHOICES; see `recording`.
+        video_methods: methods that are filmed; None means all.
+        optimum: search the shortest plan of every episode.
+        extensions: modules or files that register tasks, imported in every process.
+        fresh: forget the records and videos that the folder holds.
+    """
+
+    workers: int = 1
+    video: str = "none"
+    video_methods: tuple[str, ...] | None = None
+    optimum: bool = False
+    extensions: tuple[str, ...] = ()
+    fresh: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse an unknown kind of video and a negative number of workers.
+
+        Raises:
+            UnknownNameError, UsageError: naming what is valid.
+        """
+        check_choice("video", self.video, VIDEO_CHOICES)
+        if self.workers < 0:
+            raise UsageError(f"jobs {self.workers} is not valid; valid: 0 (in this process) or more")
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a call of `run_jobs` did: numbers of jobs, and what the infrastructure errors were."""
+
+    skipped: int
+    played: int
+    infrastructure: tuple[str, ...]
+
+
+def run_jobs(
+    jobs: Sequence[Job],
+    folder: str | Path,
+    settings: Settings,
+    *,
+    listener: Listener | None = None,
+) -> Summary:
+    """Run the jobs that the folder has no finished records of.
+
+    Each job's records are written together at its end, so a job that was broken off is simply run again.
+
+    Args:
+        listener: is told how it goes.
+
+    Raises:
+        LockedError: if another runner is at work in the folder.
+        RecordFileError: if its records cannot be read.
+    """
+    listener = listener or Listener()
+    load_extensions(settings.extensions)
+    store = Store(folder)
+    store.folder.mkdir(parents=True, exist_ok=True)
+    with locked(store.folder):
+        if settings.fresh:
+            store.clear()
+        store.repair()
+        done = finished_jobs(store.read())
+        works = [work for work in _works(jobs, store.folder, settings) if work.job.key not in done]
+        works.sort(key=_effort, reverse=True)
+        broken: list[str] = []
+        listener.begin([work.job for work in works])
+        for work, records in play_all(works, workers=settings.workers, extensions=settings.extensions):
+            store.append(records)
+            broken += [_problem(record) for record in records if record.infrastructure_error]
+            listener.end(work.job, records)
+    return Summary(len(jobs) - len(works), len(works), tuple(broken))
+
+
+def pending(jobs: Sequence[Job], folder: str | Path) -> list[Job]:
+    """The jobs that `run_jobs` would play."""
+    done = finished_jobs(Store(folder).read())
+    return [job for job in jobs if job.key not in done]
+
+
+def _problem(record: Record) -> str:
+    told = "" if record.error is None else f"{record.error.type}: {record.error.message}"
+    return f"{record.task}, {record.agent}, seed {record.seed}: {told}"
+
+
+def _works(jobs: Sequence[Job], folder: Path, settings: Settings) -> list[Work]:
+    filmed: set[tuple[str, str]] = set()
+    works = []
+    for job in jobs:
+        first = (job.task, job.label) not in filmed
+        filmed.add((job.task, job.label))
+        mode = _video_mode(job, settings, first=first)
+        works.append(Work(job=job, folder=str(folder), video=mode, optimum=settings.optimum))
+    return works
+
+
+def _video_mode(job: Job, settings: Settings, *, first: bool) -> VideoMode:
+    if settings.video_methods is not None and job.method not in settings.video_methods:
+        return "none"
+    if settings.video == "first":
+        return "last" if first else "none"
+    modes: dict[str, VideoMode] = {"none": "none", "failed": "failed", "all": "all"}
+    return modes[settings.video]
+
+
+def _effort(work: Work) -> int:
+    """Longest first, so that no long job is left for the end: episodes by robots, and a video on top."""
+    return (work.job.iterations + 1) * (1 + work.job.options.robots) + 6 * (work.video != "none")

@@ -1,0 +1,111 @@
+"""Planners for REMAC Kitchen: the paper's methods over roles that anyone can fill.
+
+agent = remac_agents.make("REMAC", planner="literal", checker="truth")
+for iteration in range(3):
+    obs, infos = env.reset(seed=7)
+    agent.reset(obs, infos)
+    while env.agents:
+        obs, _, _, _, infos = env.step(agent.act(obs, infos))
+    agent.close_episode(obs, infos)
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from remac_agents.agent import Agent
+from remac_agents.briefing import Bounds
+from remac_agents.catalogue import ROLES, make_role
+from remac_agents.ledger import Check, EpisodeReport, Step
+from remac_agents.memory import Memory, Run
+from remac_agents.methods import METHODS
+from remac_agents.plan import Plan, PlanError
+from remac_agents.roles import Roles
+from remac_env.errors import OptionError, check_choice
+
+__all__ = [
+    "Agent",
+    "Bounds",
+    "Check",
+    "EpisodeReport",
+    "Memory",
+    "Plan",
+    "PlanError",
+    "Roles",
+    "Run",
+    "Step",
+    "make",
+    "methods",
+    "roles",
+]
+
+
+def methods() -> list[str]:
+    """The names of all methods."""
+    return list(METHODS)
+
+
+def roles() -> dict[str, list[str]]:
+    """Role -> the names that fill it."""
+    return {role: list(names) for role, names in ROLES.items()}
+
+
+def make(
+    name: str,
+    *,
+    planner: Any = "literal",
+    checker: Any = "truth",
+    conditions: Any = "rule",
+    adjuster: Any = "rule",
+    reflector: Any = "rule",
+    handover: Any = "reflections",
+    memory: Memory | str | Path | None = None,
+    retries: int = 2,
+    max_adjustments: int = 20,
+    max_rounds: int = 60,
+    lead: str | None = None,
+    helper: str | None = None,
+) -> Agent:
+    """A method with its roles filled.
+
+    Args:
+        name: one of `methods()`.
+        planner, checker, conditions, adjuster, reflector, handover: a name of `roles()`,
+        `package.module:Name`, a
+            mapping {"name": ..., **options}, or an object with the role's methods (remac_agents.roles).
+        memory: a Memory, a path of a JSON-lines file, or None for one in this process.
+        retries: how often a subtask whose post-conditions fail is tried again.
+        max_adjustments, max_rounds: after so many in an episode the plan is no longer changed, or ends.
+        lead: the robot that works alone or leads; None: the first by name.
+        helper: the second robot of a team; None: the first by name of the others.
+
+    Raises:
+        UnknownNameError: for an unknown method or role; lists the valid ones.
+        OptionError: for a negative bound, or an object that does not fit its role.
+    """
+    check_choice("method", name, METHODS)
+    for option, value in (
+        ("retries", retries),
+        ("max_adjustments", max_adjustments),
+        ("max_rounds", max_rounds),
+    ):
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise OptionError(f"{option} {value!r} is not valid; valid: a whole number from 0")
+    given = {
+        "planner": planner,
+        "checker": checker,
+        "conditions": conditions,
+        "adjuster": adjuster,
+        "reflector": reflector,
+        "handover": handover,
+    }
+    filled = Roles(**{role: make_role(role, who) for role, who in given.items()})
+    return Agent(
+        METHODS[name],
+        filled,
+        memory=memory if isinstance(memory, Memory) else Memory(memory),
+        bounds=Bounds(rounds=max_rounds, retries=retries, adjustments=max_adjustments),
+        lead=lead,
+        helper=helper,
+    )

@@ -1,0 +1,1 @@
+"""Adjusters: who changes a plan whose next subtask is not ready."""

@@ -1,0 +1,125 @@
+"""What repairs have in common: where to put a thing down, how to fetch it again, what stands where.
+
+Everything that is not a static fact is asked of the checker.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from remac_agents.roles import AdjustRequest
+from remac_env.conditions import condition
+from remac_env.state import FixtureFacts, ObjectFacts
+from remac_env.subtasks import Subtask
+
+
+def go(target: str) -> Subtask:
+    """Navigate to it."""
+    return Subtask("navigate to", target)
+
+
+def take(thing: str) -> Subtask:
+    """Pick it up."""
+    return Subtask("pick up", thing)
+
+
+def put(target: str) -> Subtask:
+    """Place what is held there."""
+    return Subtask("place to", target)
+
+
+class KitchenSense:
+    """Questions and short sequences around one request."""
+
+    def __init__(self, request: AdjustRequest) -> None:
+        self.request = request
+        self.robot, self.subtask, self.target = request.robot, request.subtask, request.subtask.target
+        self.rest = request.plan.row(request.robot)[1:]
+        self.held = request.view.holding.get(request.robot)
+        self.fixtures = request.view.scene.fixtures
+        self.objects = request.view.scene.objects
+
+    def true(self, predicate: str, *args: str) -> bool:
+        """What the checker says."""
+        return self.request.ask(condition(predicate, *args))
+
+    def kind(self, target: str) -> FixtureFacts | ObjectFacts:
+        """The static facts of a fixture or object."""
+        return self.fixtures[target] if target in self.fixtures else self.objects[target]
+
+    def open_surface(self, thing: str, *, avoid: Sequence[str] = ()) -> str | None:
+        """A fixture to put `thing` down on: no door, no switch, no vessel needed; the largest first."""
+        needs = self.objects[thing].needs_vessel_in
+        options = [
+            name
+            for name, facts in self.fixtures.items()
+            if facts.slots
+            and not facts.door
+            and not facts.switches
+            and facts.kind not in needs
+            and name not in avoid
+        ]
+        for name in sorted(options, key=lambda name: -len(self.fixtures[name].slots)):
+            # Whether there is room can only be seen from where the robot stands; a long surface has other
+            # parts.
+            stations = {self.request.view.scene.slots[slot].station for slot in self.fixtures[name].slots}
+            if (
+                len(stations) > 1
+                or not self.true("at", self.robot, name)
+                or self.true("room", self.robot, name)
+            ):
+                return name
+        return None
+
+    def put_down(self, *, avoid: Sequence[str] = ()) -> tuple[Subtask, ...] | None:
+        """Steps that empty the hand; () if it is empty, None if there is nowhere to put the thing."""
+        if self.held is None:
+            return ()
+        surface = self.open_surface(self.held, avoid=avoid)
+        return None if surface is None else (go(surface), put(surface))
+
+    def move_away(self, thing: str, *, avoid: Sequence[str] = ()) -> tuple[Subtask, ...] | None:
+        """Steps, with an empty hand, that bring `thing` to an open surface."""
+        surface = self.open_surface(thing, avoid=avoid)
+        return None if surface is None else (go(thing), take(thing), go(surface), put(surface))
+
+    def with_empty_hand(self, work: Sequence[Subtask]) -> tuple[Subtask, ...] | None:
+        """Put down what is held, do `work`, fetch the thing if it is needed, come back to the target."""
+        down = self.put_down(avoid=(self.target,))
+        if down is None:
+            return None
+        steps = [*down, *work]
+        needs_thing = any(
+            r.condition.predicate != "hand_empty" for r in self.subtask.requirements(self.robot)
+        )
+        if self.held is not None and needs_thing and self.subtask.skill != "pick up":
+            steps += [go(self.held), take(self.held)]
+        if any(step.skill == "navigate to" for step in steps) and steps[-1] != go(self.target):
+            steps.append(go(self.target))
+        return tuple(steps)
+
+    def inside(self, container: str) -> list[str]:
+        """The objects that the checker sees on or in a fixture or vessel, other than what is held."""
+        return [name for name in self.objects if name != self.held and self.true("inside", name, container)]
+
+    def lowest(self, names: Sequence[str]) -> str | None:
+        """Of things at one place, one that lies on none of the others."""
+        vessels = [name for name in names if self.objects[name].holds]
+        for name in names:
+            if not any(self.true("directly_on", name, vessel) for vessel in vessels if vessel != name):
+                return name
+        return next(iter(names), None)
+
+    def last_taken(self) -> str | None:
+        """What the robot took up last, as far as it knows."""
+        taken = [step.target for step in self.request.executed if step.skill == "pick up"]
+        return taken[-1] if taken else None
+
+    def surrounding(self, target: str) -> str | None:
+        """The fixture with a door that `target` is, or is in."""
+        doors = [name for name, facts in self.fixtures.items() if facts.door]
+        if target in doors:
+            return target
+        return next(
+            (name for name in doors if target in self.objects and self.true("inside", target, name)), None
+        )

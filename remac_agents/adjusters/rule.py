@@ -1,0 +1,208 @@
+"""Backward chaining over the predicates: for each that can be false, steps that make it true.
+
+It sees no more than it asks the checker, so a checker that errs misleads it. New steps are checked before
+they are run like any others, so each repair looks one step back only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from remac_agents.adjusters.kitchen_sense import KitchenSense, go, put, take
+from remac_agents.roles import AdjustRequest, Advice
+from remac_env.subtasks import Subtask
+
+Repair = Callable[[KitchenSense], Advice | None]
+
+
+class RuleAdjuster:
+    """Repairs the first false condition that a rule can repair, the most telling first."""
+
+    needs_truth = False
+
+    def adjust(self, request: AdjustRequest) -> Advice:
+        """Steps to be run first and the robot's new row; the old row where no rule helps."""
+        sense = KitchenSense(request)
+        failed = {condition.predicate: condition for condition in request.failed}
+        for predicate, repair in REPAIRS.items():
+            if predicate in failed and (advice := repair(sense)) is not None:
+                return advice
+        sentences = "; ".join(condition.sentence for condition in request.failed)
+        return Advice(f"no rule helps here, not true: {sentences}", row=request.plan.row(request.robot))
+
+
+def _advice(
+    sense: KitchenSense,
+    reason: str,
+    steps: tuple[Subtask, ...] | None,
+    *,
+    remedy: tuple[Subtask, ...] = (),
+    instead: Subtask | None = None,
+) -> Advice | None:
+    if steps is None:
+        return None
+    row = (*steps, instead or sense.subtask, *sense.rest)
+    return Advice(reason, steps, row, remedy, instead)
+
+
+def _already_done(sense: KitchenSense) -> Advice:
+    return Advice(f'"{sense.subtask.text}" is done already', (), sense.rest, left_out=True)
+
+
+def _leave_out(sense: KitchenSense, reason: str) -> Advice:
+    """Drop the step; unlike work that was done already, this says nothing about the task."""
+    return Advice(reason, (), sense.rest)
+
+
+def _not_placed(sense: KitchenSense) -> Advice | None:
+    if sense.held == sense.target and sense.subtask.skill in ("navigate to", "pick up"):
+        return _leave_out(sense, f"the {sense.target} is in hand already")
+    return None
+
+
+def _hand_is_empty(sense: KitchenSense) -> Advice | None:
+    thing = sense.last_taken()
+    if thing is None or (sense.held is None and sense.true("inside", thing, sense.target)):
+        return _leave_out(sense, "there is nothing left to place")
+    if sense.held is not None:
+        return None  # the gripper feels something: the checker errs
+    return _advice(sense, f"the {thing} was not in hand", (go(thing), take(thing), go(sense.target)))
+
+
+def _no_shaker(sense: KitchenSense) -> Advice | None:
+    shaker = next((name for name, facts in sense.objects.items() if facts.seasons), None)
+    down = sense.put_down()
+    if shaker is None or shaker == sense.held or down is None:
+        return None
+    fetch = (go(shaker), take(shaker))
+    return _advice(
+        sense,
+        "a shaker is needed in hand",
+        (*down, *fetch, go(sense.target)),
+        remedy=(*fetch, go(sense.target)),
+    )
+
+
+def _shut(sense: KitchenSense) -> Advice | None:
+    fixture = sense.surrounding(sense.target)
+    if fixture is None:
+        return None
+    opening = Subtask("open door", fixture)
+    here = sense.held is None and sense.true("at", sense.robot, fixture)
+    work = (opening,) if here else (go(fixture), opening)
+    return _advice(sense, f"the {fixture} door is shut", sense.with_empty_hand(work), remedy=work)
+
+
+def _loaded(sense: KitchenSense) -> Advice | None:
+    if not sense.objects[sense.target].holds:
+        return None  # nothing can lie on it: the checker errs
+    load = next(
+        (n for n in sense.objects if n != sense.target and sense.true("directly_on", n, sense.target)), None
+    )
+    work = None if load is None else sense.move_away(load, avoid=(sense.target,))
+    if load is None or work is None:
+        return None
+    return _advice(
+        sense, f"the {load} lies on or in the {sense.target}", sense.with_empty_hand(work), remedy=work
+    )
+
+
+def _vessel_needed(sense: KitchenSense) -> Advice | None:
+    kind = sense.kind(sense.target)
+    if sense.held is None or getattr(kind, "kind", "") not in sense.objects[sense.held].needs_vessel_in:
+        return None  # no thing in hand needs one there: the checker errs
+    vessels = [
+        n
+        for n, facts in sense.objects.items()
+        if getattr(kind, "kind", "") in facts.vessel_in and n != sense.held
+    ]
+    for vessel in vessels:
+        if sense.true("inside", vessel, sense.target):
+            return _advice(sense, f"the {vessel} has to hold the {sense.held}", (), instead=put(vessel))
+    if not vessels:
+        return None
+    goal = sense.request.view.goal
+    vessel = min(vessels, key=lambda name: name not in goal)  # one that the goal names, else the first
+    work = (go(vessel), take(vessel), go(sense.target), put(sense.target))
+    reason = f"a vessel has to hold the {sense.held} in the {sense.target}"
+    return _advice(sense, reason, sense.with_empty_hand(work), remedy=work, instead=put(vessel))
+
+
+def _hand_is_full(sense: KitchenSense) -> Advice | None:
+    if sense.held is None:
+        return None  # the gripper feels nothing: the checker errs
+    if sense.subtask == take(sense.held):
+        return _leave_out(sense, f"the {sense.held} is in hand already")
+    down = sense.put_down(avoid=(sense.target,))
+    if down is None:
+        return None
+    reason = f"the hand has to be empty to {sense.subtask.text}"
+    steps = (*down, go(sense.target))
+    if sense.subtask.skill == "pick up":
+        return _advice(sense, reason, steps, remedy=down)
+    fetch: tuple[Subtask, ...] = ()
+    if _uses_thing(sense.rest):
+        back = () if sense.rest and sense.rest[0].skill == "navigate to" else (go(sense.target),)
+        fetch = (go(sense.held), take(sense.held), *back)
+    return Advice(
+        reason,
+        (*steps, sense.subtask, *fetch),
+        (*steps, sense.subtask, *fetch, *sense.rest),
+        (go(sense.target), sense.subtask),
+    )
+
+
+def _uses_thing(rest: tuple[Subtask, ...]) -> bool:
+    """Whether what is in hand is placed before anything else is taken up."""
+    return next((step.skill == "place to" for step in rest if step.skill in ("pick up", "place to")), False)
+
+
+def _must_be_shut(sense: KitchenSense) -> Advice | None:
+    if not sense.fixtures[sense.target].door:
+        return None
+    work = (Subtask("close door", sense.target),)
+    return _advice(
+        sense, f"the {sense.target} runs only when it is shut", sense.with_empty_hand(work), remedy=work
+    )
+
+
+def _elsewhere(sense: KitchenSense) -> Advice | None:
+    steps = (go(sense.target),)
+    return _advice(sense, f"{sense.robot} has to stand at the {sense.target}", steps, remedy=steps)
+
+
+def _no_room(sense: KitchenSense) -> Advice | None:
+    if sense.held is None:
+        return None
+    facts, holding = sense.kind(sense.target), sense.objects[sense.held].holds > 0
+    others = sense.inside(sense.target)
+    kind = getattr(facts, "kind", "")
+    for vessel in others:
+        if kind and kind in sense.objects[vessel].vessel_in and not holding:
+            return _advice(sense, f"the {vessel} stands in the {sense.target}", (), instead=put(vessel))
+    if kind and len(getattr(facts, "slots", ())) > 1 and sense.request.executed[-1:] != (go(sense.target),):
+        return _advice(sense, f"another part of the {sense.target} may have room", (go(sense.target),))
+    thing = sense.lowest(others)
+    work = None if thing is None else sense.move_away(thing, avoid=(sense.target,))
+    if thing is None or work is None:
+        return None
+    return _advice(sense, f"the {thing} is in the way", sense.with_empty_hand(work), remedy=work)
+
+
+REPAIRS: dict[str, Repair] = {
+    "door_not_open": _already_done,
+    "door_not_closed": _already_done,
+    "switched_off": _already_done,
+    "some_on": _already_done,
+    "placed": _not_placed,
+    "hand_full": _hand_is_empty,
+    "holds_shaker": _no_shaker,
+    "accessible": _shut,
+    "unloaded": _loaded,
+    "no_vessel_needed": _vessel_needed,
+    "hand_empty": _hand_is_full,
+    "may_run": _must_be_shut,
+    "at": _elsewhere,
+    "room": _no_room,
+}
+"""Predicate -> repair, in the order in which they are tried: those further up mend those below as well."""

@@ -1,0 +1,223 @@
+"""A method with its roles filled, driven by the ordinary loop: reset, act, act, ..., close_episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from remac_agents.briefing import Bounds, Briefing
+from remac_agents.episode import Episode
+from remac_agents.ledger import Check, EpisodeReport, Ledger
+from remac_agents.memory import Memory, Run
+from remac_agents.methods import Method
+from remac_agents.plan import Plan
+from remac_agents.roles import Report, Roles, View
+from remac_env.errors import LifecycleError, check_choice
+from remac_env.state import WorldState
+from remac_env.subtasks import DONE, WAIT, Subtask
+
+Told = Mapping[str, Mapping[str, Any]]
+
+_STEP_ASIDE = Subtask("navigate aside")
+_NOT_PICTURES = ("observation", "action_mask")
+
+
+class Agent:
+    """Keeps its memory from episode to episode; reset the kitchen with the same seed for iterations 0..k."""
+
+    def __init__(
+        self,
+        method: Method,
+        roles: Roles,
+        *,
+        memory: Memory,
+        bounds: Bounds,
+        lead: str | None = None,
+        helper: str | None = None,
+    ) -> None:
+        """See `remac_agents.make`."""
+        self.method, self.roles, self.memory, self.bounds = method, roles, memory, bounds
+        self._lead, self._helper = lead, helper
+        self._iterations: dict[str, int] = {}
+        self._episode: Episode | None = None
+        self._open = False
+        self._success = False
+        self._iteration = 0
+
+    def reset(self, obs: Told, infos: Told) -> None:
+        """Begin an episode; one that was never closed is closed first, as a failure.
+
+        Raises:
+            UnknownNameError: if the leading or helping robot that was asked for is not in this kitchen.
+        """
+        if self._open:
+            self.close_episode({}, {})
+        briefing = self._brief(infos)
+        label = f"{briefing.task} {briefing.episode.get('digest', '')}"
+        self._iteration = self._iterations.get(label, 0)
+        self._iterations[label] = self._iteration + 1
+        for role in self.roles.named().values():
+            begin = getattr(role, "begin_episode", None)
+            if begin is not None:
+                begin(int(briefing.episode.get("seed", 0)), self._iteration)
+        view, world = _look(obs, infos, briefing)
+        self._episode = Episode(briefing, self.roles, view, world, bounds=self.bounds, memory=self.memory)
+        self._turns = self.method.run(self._episode)
+        self._tokens = {robot: dict(infos[robot]["commands"]) for robot in infos}
+        self._played: dict[str, Subtask] | None = None
+        self._open, self._success, self._ended = True, False, False
+
+    def act(self, obs: Told, infos: Told) -> dict[str, int]:
+        """The tokens of the next round, one for every robot in `infos`.
+
+        Raises:
+            LifecycleError: before reset or after close_episode.
+        """
+        episode = self._running()
+        if not self._open:
+            raise LifecycleError("act() needs an episode under way: call reset(obs, infos) first")
+        turn = self._next_turn(obs, infos)
+        first, self._played = self._played is None, turn
+        if not turn and self._ended:
+            return {robot: self._token(robot, DONE) for robot in infos}
+        idle = _STEP_ASIDE if first else WAIT
+        return {
+            robot: self._token(robot, turn.get(robot, idle))
+            for robot in infos
+            if robot in episode.briefing.robots
+        }
+
+    def close_episode(self, obs: Told, infos: Told) -> None:
+        """End the episode with what came last, if known (it may have crashed), and write the memory."""
+        episode = self._running()
+        if not self._open:
+            return
+        self._open = False
+        if infos:
+            if self._played is not None:
+                episode.observe(*_look(obs, infos, episode.briefing), self._played)
+            self._success = any(bool(info.get("success")) for info in infos.values())
+        review = getattr(self.roles.reflector, "review", None)
+        if review is not None:
+            episode.ledger.reflections = list(review(episode.ledger.reflections, success=self._success))
+        if self.method.remembers:
+            self.memory.append(_run(episode, success=self._success))
+
+    def report(self) -> EpisodeReport:
+        """What the episode, running or closed, has come to so far."""
+        episode = self._running()
+        ledger, final = episode.ledger, episode.ledger.plan_in_force(episode.plan)
+        return EpisodeReport(
+            method=self.method.name,
+            iteration=self._iteration,
+            success=self._success,
+            initial_plan=ledger.initial.as_text(),
+            final_plan=final.as_text(),
+            initial_plan_length=ledger.initial.length,
+            final_plan_length=final.length,
+            subtasks_done=ledger.rounds_done(episode.plan),
+            executed=tuple(ledger.steps),
+            pre_checks=tuple(ledger.pre_checks),
+            post_checks=tuple(ledger.post_checks),
+            adjusted=ledger.adjusted,
+            retries=sum(step.retry for step in ledger.steps),
+            reflections=tuple(ledger.reflections),
+            truth_readers=self.roles.truth_readers(),
+            errors=tuple(ledger.errors),
+        )
+
+    # -- inside ----------------------------------------------------------------------------------------------
+
+    def _next_turn(self, obs: Told, infos: Told) -> dict[str, Subtask]:
+        """What the method yields next; nothing once it has ended."""
+        episode = self._running()
+        if self._ended:
+            return {}
+        try:
+            if self._played is None:
+                return next(self._turns)
+            view, world = _look(obs, infos, episode.briefing)
+            episode.observe(view, world, self._played)
+            return self._turns.send(view)
+        except StopIteration:
+            self._ended = True
+            return {}
+
+    def _running(self) -> Episode:
+        if self._episode is None:
+            raise LifecycleError("no episode has begun: call reset(obs, infos) first")
+        return self._episode
+
+    def _token(self, robot: str, subtask: Subtask) -> int:
+        """The token of a subtask; a command that the kitchen lacks becomes a wait."""
+        tokens = self._tokens[robot]
+        return int(tokens.get(subtask.text, tokens.get(WAIT.text, 0)))
+
+    def _brief(self, infos: Told) -> Briefing:
+        robots = tuple(infos)
+        lead = self._named(self._lead, robots, "leading robot")
+        helper = self._named(self._helper, tuple(name for name in robots if name != lead), "helping robot")
+        told = infos[lead]
+        label = dict(told.get("episode", {}))
+        return Briefing(
+            goal=str(told["goal"]),
+            text=str(told["text"]),
+            commands=tuple(told["commands"]),
+            robots=robots,
+            lead=lead,
+            helper=helper or None,
+            task=str(label.get("task", told["goal"])),
+            episode=label,
+            verbs={verb: tuple(commands) for verb, commands in told.get("verbs", {}).items()},
+        )
+
+    def _named(self, wanted: str | None, robots: tuple[str, ...], what: str) -> str:
+        """The robot asked for, else the first by name; "" where there is none to choose from."""
+        if wanted is not None:
+            check_choice(what, wanted, robots)
+            return wanted
+        return min(robots, default="")
+
+
+def _look(obs: Told, infos: Told, briefing: Briefing) -> tuple[View, WorldState | None]:
+    """What roles see now, and apart from it the truth."""
+    told = infos.get(briefing.lead) or next(iter(infos.values()))
+    world: WorldState | None = told.get("world")
+    holding = {} if world is None else {name: state.holding for name, state in world.robots.items()}
+    images = {
+        robot: {name: value for name, value in seen.items() if name not in _NOT_PICTURES}
+        for robot, seen in obs.items()
+    }
+    reports = {robot: _report(info) for robot, info in infos.items()}
+    return View(briefing.goal, told["scene"], holding, reports, images), world
+
+
+def _report(info: Mapping[str, Any]) -> Report | None:
+    outcome = info.get("outcome")
+    if not outcome:
+        return None
+    told_why = info.get("feedback") == "reason"
+    return Report(str(outcome["status"]), outcome.get("reason") if told_why else None)
+
+
+def _run(episode: Episode, *, success: bool) -> Run:
+    """The episode in the eight fields of the memory."""
+    ledger: Ledger = episode.ledger
+    initial: Plan = ledger.initial
+    return Run(
+        task_description=episode.briefing.task,
+        task_goal=episode.briefing.goal,
+        initial_plan={robot: list(row) for robot, row in initial.as_text().items()},
+        action_list=[f"{step.robot}: {step.subtask} ({step.status or 'unknown'})" for step in ledger.steps],
+        pre_check_results=[_checked(check) for check in ledger.pre_checks if not check.asked],
+        post_check_results=[_checked(check) for check in ledger.post_checks],
+        success=success,
+        reflection=list(ledger.reflections),
+    )
+
+
+def _checked(check: Check) -> dict[str, Any]:
+    """A check as the memory keeps it: without the truth, which the agent is not to learn from."""
+    kept = ("round", "robot", "subtask", "condition", "verdict")
+    return {name: value for name, value in asdict(check).items() if name in kept}

@@ -1,0 +1,32 @@
+"""What stays the same during an episode: what the kitchen told, and where a method stops trying."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bounds:
+    """Where a method stops trying. `rounds`: in all; `retries`: of one subtask; `replies`: of the planner."""
+
+    rounds: int = 60
+    retries: int = 2
+    adjustments: int = 20
+    replies: int = 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Briefing:
+    """What stays the same during an episode. `helper` is the second robot, None where there is none."""
+
+    goal: str
+    text: str
+    commands: tuple[str, ...]
+    robots: tuple[str, ...]
+    lead: str
+    helper: str | None
+    task: str
+    episode: Mapping[str, Any] = field(default_factory=dict)
+    verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

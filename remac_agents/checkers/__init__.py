@@ -1,0 +1,1 @@
+"""Checkers: who judges whether a condition is true."""

@@ -1,0 +1,43 @@
+"""A checker that errs by chance, as vision models do: it flips true verdicts, seeded per episode."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from remac_agents.checkers.truth import TruthChecker
+from remac_agents.roles import Verdict, View
+from remac_env.conditions import Condition
+from remac_env.errors import OptionError
+from remac_env.seeding import generator
+
+
+class NoisyChecker:
+    """Flips the truth.
+
+    Args:
+        false_alarm: probability that a true condition is called false.
+        miss: probability that a false condition is called true.
+    """
+
+    needs_truth = True
+
+    def __init__(self, *, false_alarm: float = 0.1, miss: float = 0.1) -> None:
+        for name, value in (("false_alarm", false_alarm), ("miss", miss)):
+            if not 0.0 <= value <= 1.0:
+                raise OptionError(f"{name} {value!r} is not valid; valid: 0..1")
+        self.false_alarm, self.miss = false_alarm, miss
+        self._truth = TruthChecker()
+        self._chance = generator(0, "noisy checker")
+
+    def begin_episode(self, seed: int, iteration: int) -> None:
+        """Draw from here on what this seed and iteration hold."""
+        self._chance = generator(seed, "noisy checker", iteration)
+
+    def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
+        """One verdict a condition, some of them wrong."""
+        return [self._flip(verdict) for verdict in self._truth.check(conditions, view)]
+
+    def _flip(self, verdict: Verdict) -> Verdict:
+        rate = self.false_alarm if verdict.value else self.miss
+        wrong = self._chance.random() < rate
+        return Verdict(verdict.condition, verdict.value != wrong, "a flipped verdict" if wrong else "")

@@ -1,0 +1,1 @@
+"""Condition makers: what should be true before and after a subtask."""

@@ -1,0 +1,274 @@
+"""One episode as a method sees it: the plan at hand, the roles to consult, and the book that is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import replace
+
+from remac_agents.briefing import Bounds, Briefing
+from remac_agents.ledger import Check, Ledger, really_done
+from remac_agents.memory import Memory
+from remac_agents.plan import Commands, Plan, PlanError, read_plan
+from remac_agents.roles import AdjustRequest, HandoverRequest, PlanRequest, ReflectRequest, Roles, View
+from remac_env.conditions import Condition
+from remac_env.state import WorldState
+from remac_env.subtasks import WAIT, Subtask
+
+Turns = Generator[dict[str, Subtask], View, None]
+"""What a method is: it yields what its robots do next, and is sent the view after the round."""
+
+
+class Episode:
+    """The state of a method's run. Methods call the few verbs below; the agent calls `observe`."""
+
+    def __init__(
+        self,
+        briefing: Briefing,
+        roles: Roles,
+        view: View,
+        world: WorldState | None,
+        *,
+        bounds: Bounds,
+        memory: Memory,
+    ) -> None:
+        """Start at a reset; `world` is the truth, handed only to roles that need it and to the ledger."""
+        self.briefing, self.roles, self.bounds, self.memory = briefing, roles, bounds, memory
+        self.commands = Commands(briefing.commands)
+        self.view, self._world = view, world
+        self.plan = Plan.of({})
+        self.ledger = Ledger()
+        self.lessons: tuple[str, ...] = ()
+        self.reflecting = False
+        self.rounds = 0
+        self._pending: set[str] = set()
+        self._tries = 0
+        self._adjustments = 0
+        self._accepted: set[str] = set()
+        self._slipped: set[str] = set()
+        self._answers: dict[Condition, bool] = {}
+        self._noted: set[tuple[str, Condition]] = set()
+        self._before, self._world_before = view, world
+
+    # -- the plan --------------------------------------------------------------------------------------------
+
+    @property
+    def turn(self) -> dict[str, Subtask]:
+        """What the plan's robots do next; those that are through with this round wait."""
+        return {robot: step if robot in self._pending else WAIT for robot, step in self.plan.round().items()}
+
+    @property
+    def finished(self) -> bool:
+        """True when the plan has ended or the bound on rounds is reached."""
+        return self.plan.length == 0 or self.rounds >= self.bounds.rounds
+
+    def recall(self) -> None:
+        """Read the lessons of earlier iterations, and add to them from now on."""
+        self.lessons = self.memory.lessons(self.briefing.task)
+        self.reflecting = True
+
+    def make_plan(self, robots: Sequence[str] | None = None) -> None:
+        """Ask the planner; a reply that is no plan is sent back once, then counts as an empty plan."""
+        names = tuple(robots or (self.briefing.lead,))
+        failure = ""
+        for _ in range(self.bounds.replies):
+            reply = self.roles.planner.plan(self._plan_request(names, failure))
+            plan = read_plan(reply, self.commands, names, self.briefing.lead)
+            if not isinstance(plan, PlanError):
+                self._adopt(plan)
+                return
+            failure = plan.problem
+            self.ledger.errors.append(failure)
+        self._adopt(Plan.of({}))
+
+    def proven_plan(self) -> tuple[Subtask, ...] | None:
+        """The single-robot plan that an earlier iteration carried out without adjustment, or None."""
+        recorded = self.memory.proven_plan(self.briefing.task)
+        steps = [self.commands.parse(text) for row in (recorded or {}).values() for text in row]
+        return tuple(step for step in steps if step is not None) if steps and None not in steps else None
+
+    def hand_over(self, single: tuple[Subtask, ...], helper: str) -> bool:
+        """Share a proven plan with the helper; False when no way to share it was found."""
+        lead, view = self.briefing.lead, self._seen_by(self.roles.handover)
+        request = HandoverRequest(
+            self.briefing.goal, single, lead, helper, self.lessons, self.briefing.commands, view
+        )
+        reply = self.roles.handover.share(request)
+        plan = (
+            PlanError("none was found")
+            if reply is None
+            else read_plan(reply, self.commands, (lead, helper), lead)
+        )
+        if isinstance(plan, PlanError):
+            self.ledger.errors.append(f"hand-over: {plan.problem}")
+            return False
+        self._adopt(plan)
+        return True
+
+    def advance(self) -> None:
+        """Go on to the next round of the plan."""
+        self.ledger.close_round(self.plan.round())
+        self.plan = self.plan.rest()
+        self._open_round()
+
+    # -- checks ----------------------------------------------------------------------------------------------
+
+    def check_before(self) -> dict[str, tuple[Condition, ...]]:
+        """Robot -> pre-conditions of its next subtask that are found false; none where it is ready."""
+        failed: dict[str, tuple[Condition, ...]] = {}
+        for robot, subtask in self.turn.items():
+            if subtask == WAIT or robot in self._accepted:
+                continue
+            conditions = self.roles.conditions.before(subtask, robot, self._seen_by(self.roles.conditions))
+            verdicts = self._judge(conditions)
+            self._note(self.ledger.pre_checks, robot, subtask, verdicts)
+            wrong = tuple(condition for condition, value in verdicts.items() if not value)
+            if wrong:
+                failed[robot] = wrong
+        return failed
+
+    def adjust(self, failed: Mapping[str, tuple[Condition, ...]]) -> None:
+        """Let the adjuster change the rest of one robot's row; or else the subtask is tried as it is."""
+        robot = min(failed)  # by name; the others' turn comes when the pre-conditions are checked again
+        subtask = self.turn[robot]
+        if self._adjustments >= self.bounds.adjustments:
+            self._accepted.add(robot)
+            return
+        self._adjustments += 1
+        held = self.view.holding.get(robot)
+        request = AdjustRequest(
+            failed=failed[robot],
+            subtask=subtask,
+            robot=robot,
+            plan=self.plan,
+            executed=tuple(played[robot] for played in self.ledger.finished if robot in played),
+            commands=self.briefing.commands,
+            view=self._seen_by(self.roles.adjuster),
+            ask=lambda condition: self._ask(robot, subtask, condition),
+        )
+        advice = self.roles.adjuster.adjust(request)
+        old = self.plan.row(robot)
+        row = (*advice.next_steps, *old) if advice.row is None else advice.row
+        row = tuple(step for step in row if self.commands.allows(step))
+        if row == old:
+            self._accepted.add(robot)
+        else:
+            self._replace_row(robot, row)
+        if self.reflecting and robot not in self._slipped:
+            seen = self._seen_by(self.roles.reflector)
+            self.ledger.reflections += self.roles.reflector.reflect(
+                ReflectRequest(self.briefing.goal, failed[robot], subtask, robot, held, advice, seen)
+            )
+
+    def check_after(self) -> None:
+        """Check what was run; a robot whose post-conditions fail tries again, at most `retries` times."""
+        for robot, subtask in self.turn.items():
+            view = _shown(self._before, self._world_before, self.roles.conditions)
+            verdicts = self._judge(self.roles.conditions.after(subtask, robot, view))
+            self._note(self.ledger.post_checks, robot, subtask, verdicts)
+            if all(verdicts.values()):
+                self._pending.discard(robot)
+                if subtask != WAIT:
+                    self._slipped.discard(robot)
+            else:
+                self._slipped.add(robot)
+        self._tries += 1
+        if not self._pending or self._tries > self.bounds.retries:
+            self.advance()
+
+    # -- what the agent calls --------------------------------------------------------------------------------
+
+    def observe(self, view: View, world: WorldState | None, played: Mapping[str, Subtask]) -> None:
+        """Take in the moment after a round, and score what was played by the truth."""
+        for robot, subtask in played.items():
+            if subtask == WAIT or robot not in self.plan.robots:
+                continue
+            report = view.reports.get(robot)
+            done = None
+            if self._world is not None and world is not None:
+                done = really_done(view.scene, self._world, world, robot, subtask)
+            status = None if report is None else report.status
+            self.ledger.score(robot, subtask, status=status, done=done, round_=self.rounds)
+        self._before, self._world_before = self.view, self._world
+        self.view, self._world = view, world
+        self.rounds += 1
+        self._accepted.clear()
+        self._answers.clear()
+        self._noted.clear()
+
+    # -- inside ----------------------------------------------------------------------------------------------
+
+    def _adopt(self, plan: Plan) -> None:
+        self.plan = self.ledger.initial = plan
+        self._open_round()
+
+    def _open_round(self) -> None:
+        self._pending = set(self.plan.robots)
+        self._tries = 0
+
+    def _replace_row(self, robot: str, row: Sequence[Subtask]) -> None:
+        """A new row; what other robots have done of this round already is closed as a round of its own."""
+        self.ledger.adjusted = True
+        through = {r: s for r, s in self.plan.round().items() if r not in self._pending and s != WAIT}
+        if through:
+            self.ledger.close_round(through)
+            rows = {r: (WAIT, *old[1:]) if r in through else old for r, old in self.plan.rows.items()}
+            self.plan = Plan.of(rows)
+        self.ledger.current_done.clear()
+        self.plan = self.plan.with_row(robot, row)
+        self._open_round()
+
+    def _plan_request(self, names: tuple[str, ...], failure: str) -> PlanRequest:
+        runs = self.memory.runs(self.briefing.task) if self.reflecting else ()
+        before = {robot: tuple(row) for robot, row in runs[-1].initial_plan.items()} if runs else None
+        return PlanRequest(
+            goal=self.briefing.goal,
+            scene=self.briefing.text,
+            facts=self.view.scene,
+            robots=names,
+            lead=self.briefing.lead,
+            commands=self.briefing.commands,
+            reflections=self.lessons,
+            previous_plan=before,
+            failure=failure,
+            images=self.view.images,
+            verbs=self.briefing.verbs,
+            episode=self.briefing.episode,
+            world=self._seen_by(self.roles.planner).world,
+        )
+
+    def _seen_by(self, role: object) -> View:
+        return _shown(self.view, self._world, role)
+
+    def _judge(self, conditions: Sequence[Condition]) -> dict[Condition, bool]:
+        """Verdicts; a question put twice at one moment is answered once."""
+        fresh = [condition for condition in dict.fromkeys(conditions) if condition not in self._answers]
+        if fresh:
+            for verdict in self.roles.checker.check(fresh, self._seen_by(self.roles.checker)):
+                self._answers[verdict.condition] = verdict.value
+        return {condition: self._answers.get(condition, True) for condition in conditions}
+
+    def _ask(self, robot: str, subtask: Subtask, condition: Condition) -> bool:
+        verdicts = self._judge([condition])
+        self._note(self.ledger.pre_checks, robot, subtask, verdicts, asked=True)
+        return verdicts[condition]
+
+    def _note(
+        self,
+        book: list[Check],
+        robot: str,
+        subtask: Subtask,
+        verdicts: Mapping[Condition, bool],
+        *,
+        asked: bool = False,
+    ) -> None:
+        for condition, value in verdicts.items():
+            key = (f"{id(book)} {robot} {subtask.text}", condition)
+            if key in self._noted:
+                continue
+            self._noted.add(key)
+            truth = None if self._world is None else condition.holds(self.view.scene, self._world)
+            book.append(Check(self.rounds, robot, subtask.text, condition.sentence, value, truth, asked))
+
+
+def _shown(view: View, world: WorldState | None, role: object) -> View:
+    return replace(view, world=world) if getattr(role, "needs_truth", False) else view

@@ -1,0 +1,59 @@
+"""The paper's hand-over: one robot keeps the main object's plan, the other gets what comes before it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from remac_agents.handovers.schedule import schedule
+from remac_agents.lessons import Before, read_lesson
+from remac_agents.plan import Commands, Plan
+from remac_agents.roles import HandoverRequest
+from remac_env.subtasks import Subtask
+
+
+class ReflectionHandover:
+    """Extracts the main object's plan, guided by the recorded reflections; schedules the rest beside it."""
+
+    needs_truth = False
+
+    def share(self, request: HandoverRequest) -> Plan | None:
+        """A plan for both, or None where nothing comes before the main object or nothing is gained."""
+        thing = main_object(request)
+        if thing is None:
+            return None
+        prerequisites, main = _split(request.plan, thing)
+        if not any(step.skill != "navigate to" for step in prerequisites):
+            return None
+        plan = schedule(request.lead, main, request.helper, prerequisites, request.view.scene)
+        return plan if plan.length < len(request.plan) else None
+
+
+def main_object(request: HandoverRequest) -> str | None:
+    """The thing that the plan is about.
+
+    Lessons say before the taking up of which thing something had to be done: the last such thing that no
+    lesson itself brought in. Without lessons, the last thing taken up that the goal names, else the last one.
+    """
+    taken = [step.target for step in request.plan if step.skill == "pick up"]
+    commands = Commands(request.commands)
+    lessons = [
+        lesson for text in request.reflections if isinstance(lesson := read_lesson(text, commands), Before)
+    ]
+    brought = {step.target for lesson in lessons for step in lesson.steps if step.skill == "pick up"}
+    anchors = {lesson.anchor.target for lesson in lessons if lesson.anchor.skill == "pick up"} - brought
+    named = {name for name in taken if name in request.goal.lower()}
+    for choice in (anchors, named, set(taken)):
+        found = [name for name in taken if name in choice]
+        if found:
+            return found[-1]
+    return None
+
+
+def _split(plan: Sequence[Subtask], thing: str) -> tuple[list[Subtask], list[Subtask]]:
+    """What comes before the last way to `thing`, and the rest; the rest begins with that way."""
+    way = Subtask("navigate to", thing)
+    index = max(i for i, step in enumerate(plan) if step == Subtask("pick up", thing))
+    before = list(plan[:index])
+    while before and before[-1] == way:
+        before.pop()
+    return before, [way, *plan[index:]]

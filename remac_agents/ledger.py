@@ -1,0 +1,134 @@
+"""What an episode leaves behind: checks, steps and plans. It keeps score with the truth; no role reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from remac_agents.plan import Plan
+from remac_env.state import Scene, WorldState
+from remac_env.subtasks import WAIT, Subtask
+
+
+@dataclass(frozen=True)
+class Check:
+    """One verdict beside the truth (None where the kitchen did not tell it).
+
+    `round` counts rounds played before it; `asked` marks a question of the adjuster's, which is no pre-check
+    itself.
+    """
+
+    round: int
+    robot: str
+    subtask: str
+    condition: str
+    verdict: bool
+    truth: bool | None
+    asked: bool = False
+
+
+@dataclass(frozen=True)
+class Step:
+    """A subtask that was run. `done`: its post-conditions then held. `retry`: not its first try."""
+
+    round: int
+    robot: str
+    subtask: str
+    status: str | None
+    done: bool | None
+    retry: bool
+
+
+@dataclass(frozen=True)
+class EpisodeReport:
+    """One episode of an agent.
+
+    Attributes:
+        method, iteration, success: which method, the how-manieth episode on this start, and how it ended.
+        initial_plan: the first plan, robot -> commands.
+        final_plan: the plan in force at the end: steps executed, retries not counted, plus those that remain.
+        initial_plan_length, final_plan_length: in rounds.
+        subtasks_done: rounds of the final plan whose subtasks' post-conditions all held.
+        executed: every step in order, retries included.
+        pre_checks, post_checks: verdicts beside the truth.
+        adjusted: whether the plan was changed on the way.
+        retries: how many steps were second or later tries.
+        reflections: what this episode taught.
+        truth_readers: the roles that were given the WorldState.
+        errors: replies of the planner that were no plans.
+    """
+
+    method: str
+    iteration: int
+    success: bool
+    initial_plan: Mapping[str, tuple[str, ...]]
+    final_plan: Mapping[str, tuple[str, ...]]
+    initial_plan_length: int
+    final_plan_length: int
+    subtasks_done: int
+    executed: tuple[Step, ...]
+    pre_checks: tuple[Check, ...]
+    post_checks: tuple[Check, ...]
+    adjusted: bool
+    retries: int
+    reflections: tuple[str, ...]
+    truth_readers: tuple[str, ...]
+    errors: tuple[str, ...]
+
+
+@dataclass
+class Ledger:
+    """The book of a running episode."""
+
+    initial: Plan = field(default_factory=lambda: Plan.of({}))
+    finished: list[dict[str, Subtask]] = field(default_factory=list)
+    finished_done: list[bool] = field(default_factory=list)
+    steps: list[Step] = field(default_factory=list)
+    pre_checks: list[Check] = field(default_factory=list)
+    post_checks: list[Check] = field(default_factory=list)
+    reflections: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+    adjusted: bool = False
+    current_done: dict[str, bool] = field(default_factory=dict)
+
+    def score(
+        self, robot: str, subtask: Subtask, *, status: str | None, done: bool | None, round_: int
+    ) -> None:
+        """Note a step that was run, as a try at the round at hand."""
+        retry = robot in self.current_done
+        self.current_done[robot] = bool(done)
+        self.steps.append(Step(round_, robot, subtask.text, status, done, retry))
+
+    def close_round(self, played: Mapping[str, Subtask]) -> None:
+        """The plan goes on: what was played belongs to the plan in force."""
+        self.finished.append(dict(played))
+        self.finished_done.append(self._round_done(played))
+        self.current_done = {}
+
+    def plan_in_force(self, remaining: Plan) -> Plan:
+        """The rounds played, each once, and those that remain."""
+        names = dict.fromkeys([*(name for played in self.finished for name in played), *remaining.robots])
+        rows = {
+            name: [played.get(name, WAIT) for played in self.finished] + list(remaining.row(name))
+            for name in names
+        }
+        return Plan.of(rows)
+
+    def rounds_done(self, remaining: Plan) -> int:
+        """Rounds of the plan in force that are done, the one at hand included."""
+        here = bool(self.current_done) and self._round_done(remaining.round()) if remaining.length else False
+        return sum(self.finished_done) + here
+
+    def _round_done(self, played: Mapping[str, Subtask]) -> bool:
+        return all(
+            self.current_done.get(robot, False) for robot, subtask in played.items() if subtask != WAIT
+        )
+
+
+def really_done(scene: Scene, before: WorldState, after: WorldState, robot: str, subtask: Subtask) -> bool:
+    """Whether a subtask's post-conditions hold; one that needs something in hand is never done without it."""
+    held = before.robots[robot].holding
+    needs_hold = any(r.condition.predicate == "hand_full" for r in subtask.requirements(robot))
+    if needs_hold and held is None:
+        return False
+    return all(condition.holds(scene, after) for condition in subtask.achieves(robot, held))

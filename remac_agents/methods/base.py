@@ -1,0 +1,13 @@
+"""BASE: the plan as it is, step after step, without looking."""
+
+from __future__ import annotations
+
+from remac_agents.episode import Episode, Turns
+
+
+def base(episode: Episode) -> Turns:
+    """Carry out the planner's plan open-loop; a subtask that fails does not stop it."""
+    episode.make_plan()
+    while not episode.finished:
+        yield episode.turn
+        episode.advance()

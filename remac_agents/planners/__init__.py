@@ -1,0 +1,1 @@
+"""Planners: who makes the plan of an episode."""

@@ -1,0 +1,45 @@
+"""The planner that searches: the shortest plan from the true state of the kitchen to the task's goal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from remac_agents.plan import Plan, PlanError
+from remac_agents.roles import PlanRequest
+from remac_env import oracle
+from remac_env.state import FrozenMap, Scene, WorldState
+from remac_env.tasks import get
+from remac_env.tasks.goals import Goal
+
+
+class OraclePlanner:
+    """Exact search by remac_env.oracle, over the robots that it plans for."""
+
+    needs_truth = True
+
+    def plan(self, request: PlanRequest) -> Plan | PlanError:
+        """A shortest plan, or an error where there is none."""
+        if request.world is None:
+            return PlanError("the oracle was not given the WorldState")
+        scene, world = for_robots(request.facts, request.world, request.robots)
+        found = oracle.solve(scene, world, _goal(request))
+        if found is None:
+            return PlanError("no plan reaches the goal")
+        return Plan.of({robot: [joint[robot] for joint in found.rounds] for robot in request.robots})
+
+
+def for_robots(scene: Scene, world: WorldState, robots: tuple[str, ...]) -> tuple[Scene, WorldState]:
+    """The kitchen with these robots alone."""
+    kept = FrozenMap({name: world.robots[name] for name in robots})
+    return replace(scene, robots=robots), replace(world, robots=kept)
+
+
+def _goal(request: PlanRequest) -> Goal:
+    """The terminal goal of the episode's task, with the nouns of this kitchen."""
+    spec = get(str(request.episode.get("task")))
+    words = request.goal.lower()
+    names = {}
+    for role in spec.roles:
+        here = [noun for noun in role.nouns if noun in request.facts.objects]
+        names[role.name] = next((noun for noun in here if noun in words), here[0] if here else role.nouns[-1])
+    return spec.goal.bind(names)

@@ -1,0 +1,1 @@
+"""Reflectors: who puts into words what a failed pre-check teaches."""

@@ -1,0 +1,241 @@
+"""The roles that methods are made of: one small protocol each, with a frozen request and a frozen reply.
+
+A role that sets `needs_truth = True` is given the WorldState; every report lists which roles do. A role may
+also have `begin_episode(seed, iteration)`, which is called at each reset: whatever it draws by chance comes
+from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
+
+from remac_agents.plan import Plan, PlanError
+from remac_env.conditions import Condition
+from remac_env.state import Scene, WorldState
+from remac_env.subtasks import Subtask
+
+Ask = Callable[[Condition], bool]
+"""A question to the checker about the moment at hand."""
+
+Images = Mapping[str, Mapping[str, Any]]
+"""Robot -> camera -> picture, shape (height, width, 3), uint8."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """How a robot's last subtask ended: status, and the reason where the kitchen's feedback gives it."""
+
+    status: str
+    reason: str | None = None
+
+
+@dataclass(frozen=True)
+class View:
+    """What a role sees at one moment. `holding` is what every robot feels in its own gripper."""
+
+    goal: str
+    scene: Scene
+    holding: Mapping[str, str | None]
+    reports: Mapping[str, Report | None] = field(default_factory=dict)
+    images: Images = field(default_factory=dict)
+    world: WorldState | None = None
+
+
+@dataclass(frozen=True)
+class PlanRequest:
+    """What a planner is given.
+
+    Attributes:
+        goal: the goal sentence.
+        scene: what the kitchen says of itself, as text; `facts` are the same facts as values.
+        robots: whom to plan for; `lead` is the one whose row a bare list of commands is.
+        commands: every legal command.
+        reflections: what earlier iterations taught, oldest first.
+        previous_plan: robot -> commands of the iteration before, if any.
+        executed: robot -> commands run so far in this episode.
+        failure: why the last reply was no plan, "" at first.
+        images: pictures by robot and camera.
+        verbs: goal verb -> commands that the verb itself implies.
+        episode: what the kitchen says of the episode (task, seed, ...).
+        world: the truth, for planners that need it.
+    """
+
+    goal: str
+    scene: str
+    facts: Scene
+    robots: tuple[str, ...]
+    lead: str
+    commands: tuple[str, ...]
+    reflections: tuple[str, ...] = ()
+    previous_plan: Mapping[str, tuple[str, ...]] | None = None
+    executed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    failure: str = ""
+    images: Images = field(default_factory=dict)
+    verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    episode: Mapping[str, Any] = field(default_factory=dict)
+    world: WorldState | None = None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A checker's answer to one condition, and why where it says so."""
+
+    condition: Condition
+    value: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class AdjustRequest:
+    """A plan that met false pre-conditions.
+
+    Attributes:
+        failed: the conditions that were found false.
+        subtask: what `robot` was to do next; the first of its row in `plan`.
+        plan: what remains of the plan, for all robots.
+        executed: the robot's subtasks so far.
+        commands: every legal command.
+        view: the moment.
+        ask: puts further conditions to the checker.
+    """
+
+    failed: tuple[Condition, ...]
+    subtask: Subtask
+    robot: str
+    plan: Plan
+    executed: tuple[Subtask, ...]
+    commands: tuple[str, ...]
+    view: View
+    ask: Ask
+
+
+@dataclass(frozen=True)
+class Advice:
+    """The paper's analysis and adjustment.
+
+    Attributes:
+        reason: why the pre-conditions failed, in words.
+        next_steps: the recommended steps, to be run before the rest of the old plan.
+        row: the robot's whole new row; None means the recommended steps and then the old row.
+        remedy: the steps that, done in time, would have made the failed condition true (for the reflection).
+        instead: a subtask that should stand where the failed one stands.
+        left_out: True when the failed subtask has nothing left to do.
+    """
+
+    reason: str
+    next_steps: tuple[Subtask, ...] = ()
+    row: tuple[Subtask, ...] | None = None
+    remedy: tuple[Subtask, ...] = ()
+    instead: Subtask | None = None
+    left_out: bool = False
+
+
+@dataclass(frozen=True)
+class ReflectRequest:
+    """A failed pre-check and what was made of it. `held` is what the robot held then."""
+
+    goal: str
+    failed: tuple[Condition, ...]
+    subtask: Subtask
+    robot: str
+    held: str | None
+    advice: Advice
+    view: View
+
+
+@dataclass(frozen=True)
+class HandoverRequest:
+    """A single-robot plan that succeeded, to be shared by two robots.
+
+    Attributes:
+        plan: the leading robot's row of the single-robot plan.
+        reflections: the recorded lessons that shaped it.
+        view: the start of this episode.
+    """
+
+    goal: str
+    plan: tuple[Subtask, ...]
+    lead: str
+    helper: str
+    reflections: tuple[str, ...]
+    commands: tuple[str, ...]
+    view: View
+
+
+@runtime_checkable
+class Planner(Protocol):
+    """Makes the plan of an episode."""
+
+    def plan(
+        self, request: PlanRequest
+    ) -> Plan | PlanError | Mapping[str, Sequence[str]] | Sequence[str] | str:
+        """A plan, or anything that `read_plan` reads."""
+
+
+@runtime_checkable
+class Conditions(Protocol):
+    """Says what should be true before and after a subtask."""
+
+    def before(self, subtask: Subtask, robot: str, view: View) -> list[Condition]:
+        """What must hold for `robot` to run `subtask` now."""
+
+    def after(self, subtask: Subtask, robot: str, view: View) -> list[Condition]:
+        """What must hold once it has been run; `view` is the moment before it."""
+
+
+@runtime_checkable
+class Checker(Protocol):
+    """Judges conditions."""
+
+    def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
+        """One verdict a condition, in order."""
+
+
+@runtime_checkable
+class Adjuster(Protocol):
+    """Repairs a plan whose next subtask is not ready."""
+
+    def adjust(self, request: AdjustRequest) -> Advice:
+        """What to do first, and the plan thereafter."""
+
+
+@runtime_checkable
+class Reflector(Protocol):
+    """Puts into words what a failed pre-check teaches.
+
+    It may also have `review(lessons, *, success) -> list[str]`: at the end of the episode, which of its
+    lessons to keep.
+    """
+
+    def reflect(self, request: ReflectRequest) -> list[str]:
+        """Lessons for the next iteration; may be none."""
+
+
+@runtime_checkable
+class Handover(Protocol):
+    """Shares a proven single-robot plan between two robots."""
+
+    def share(self, request: HandoverRequest) -> Plan | None:
+        """A plan with a row for each of the two, or None when there is no better way than working alone."""
+
+
+@dataclass(frozen=True)
+class Roles:
+    """A method's roles, filled."""
+
+    planner: Planner
+    conditions: Conditions
+    checker: Checker
+    adjuster: Adjuster
+    reflector: Reflector
+    handover: Handover
+
+    def named(self) -> dict[str, object]:
+        """Role -> who fills it."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+    def truth_readers(self) -> tuple[str, ...]:
+        """The roles that are given the WorldState."""
+        return tuple(name for name, role in self.named().items() if getattr(role, "needs_truth", False))

@@ -1,0 +1,59 @@
+"""Where robots and things are as far as a plan itself says: labels that are equal for one and the same place.
+
+A fixture used from one station has that station as its label. A thing that no step has moved yet has a label
+of its own: where it stands is not told. What is used from several stations has a new label at each visit.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+
+from remac_env.state import ASIDE, Scene
+from remac_env.subtasks import Subtask
+
+
+class Whereabouts:
+    """Follows the steps of a plan, for one robot or several."""
+
+    def __init__(self, facts: Scene) -> None:
+        """Nobody has moved: every robot is aside with an empty hand."""
+        self._facts = facts
+        self._visits = itertools.count()
+        self.station: dict[str, str] = {}
+        self.hand: dict[str, str | None] = {}
+        self._things: dict[str, str] = {}
+
+    def of(self, target: str) -> str:
+        """The label of the place from which a fixture or object is used."""
+        if target not in self._facts.fixtures:
+            return self._things.get(target, f"by the {target}")
+        fixture = self._facts.fixtures[target]
+        stations = {self._facts.slots[name].station for name in fixture.slots} or {fixture.station}
+        return next(iter(stations)) if len(stations) == 1 else f"{target}, visit {next(self._visits)}"
+
+    def goal(self, robot: str, step: Subtask) -> str:
+        """The label at which this step would leave the robot."""
+        if step.skill == "navigate aside":
+            return ASIDE
+        return self.of(step.target) if step.skill == "navigate to" else self.station.get(robot, ASIDE)
+
+    def run(self, robot: str, step: Subtask, goal: str | None = None) -> None:
+        """The step succeeds; `goal` is its label if it was asked for before."""
+        here = self.station[robot] = self.goal(robot, step) if goal is None else goal
+        if step.skill == "pick up":
+            self.hand[robot] = step.target
+            self._things.pop(step.target, None)
+        elif step.skill == "place to" and (held := self.hand.get(robot)) is not None:
+            self._things[held] = here
+            self.hand[robot] = None
+
+
+def hands(steps: Iterable[Subtask]) -> list[str | None]:
+    """For each step, what one robot that runs them all holds just before it."""
+    held: str | None = None
+    found: list[str | None] = []
+    for step in steps:
+        found.append(held)
+        held = step.target if step.skill == "pick up" else None if step.skill == "place to" else held
+    return found

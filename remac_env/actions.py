@@ -1,0 +1,39 @@
+"""Checks actions before anything moves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from remac_env.errors import ActionError
+
+
+def check_actions(actions: Mapping[str, Any], agents: Sequence[str]) -> dict[str, int]:
+    """Whole numbers, one for each agent.
+
+    Raises:
+        ActionError: naming the agent whose action is missing, unexpected or not a whole number.
+    """
+    if not isinstance(actions, Mapping):
+        raise ActionError(f"actions must map agents to tokens, got {type(actions).__name__}; agents: {list(agents)}")
+    missing = [name for name in agents if name not in actions]
+    strange = [name for name in actions if name not in agents]
+    if missing or strange:
+        problem = f"missing {missing}, unexpected {strange}"
+        raise ActionError(f"actions for the wrong agents: {problem}; agents: {list(agents)}")
+    return {name: check_token(actions[name], name) for name in agents}
+
+
+def check_token(value: Any, name: str) -> int:
+    """`value` as an int.
+
+    Raises:
+        ActionError: unless it is an integer, or a NumPy array of one integer. Floats, NaN and booleans are refused.
+    """
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
+        raise ActionError(f"action of {name} is {value!r} ({type(value).__name__}); valid: a whole number, a token")
+    return int(value)

@@ -1,0 +1,1 @@
+"""The physics backend: MuJoCo decides what a skill achieves."""

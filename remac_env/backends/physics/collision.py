@@ -1,0 +1,236 @@
+"""Collision checks on a scratch copy of the world, for one robot at a time.
+
+The scratch model differs from the simulated one only in what meets what: pairs without the planning robot (or the
+thing in its hand) are switched off, and margins are added around the robot. The simulation is never touched.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from remac_env.backends.physics.simulation import RobotHandle, Simulation
+from remac_env.robots.ik import Kinematics
+from remac_env.robots.rotation import Array
+
+ARM_MARGIN = 0.008  # m, around arm links, column and base
+TOUCH_MARGIN = 0.001  # m, around the gripper where it works; more would forbid every grasp on a counter
+TRANSIT_MARGIN = 0.012  # m, around the gripper on the way: the arm lags its command at speed
+
+OTHER, ARM, GRIPPER, HELD, TARGET, IGNORED = range(6)
+_GRIPPER_PARTS = ("hand", "finger_left", "finger_right")
+
+
+def _forbidden() -> np.ndarray:
+    """Table (6, 6): which classes of geoms must not meet."""
+    bad = np.zeros((6, 6), bool)
+    bad[ARM, [OTHER, ARM, GRIPPER, HELD, TARGET]] = True
+    bad[GRIPPER, OTHER] = True
+    bad[HELD, OTHER] = True
+    return bad | bad.T
+
+
+_FORBIDDEN = _forbidden()
+
+
+@dataclass(frozen=True)
+class Attached:
+    """A thing in the hand: its body, qpos address, and its pose in the grip frame."""
+
+    body: str
+    address: int
+    position: Array
+    rotation: Array
+
+
+class Scratch:
+    """Answers whether a configuration of one robot is free of forbidden contact."""
+
+    def __init__(self, simulation: Simulation, robot: RobotHandle, kinematics: Kinematics) -> None:
+        self.simulation, self.robot, self.kinematics = simulation, robot, kinematics
+        model = simulation.model
+        self.model = copy.copy(model)
+        self.data = mujoco.MjData(self.model)
+        self.checks = 0
+        self.touching = ("", "")
+        names = [model.body(b).name for b in range(model.nbody)]
+        own = np.array([n.startswith(robot.name + "/") for n in names])
+        grip = np.array([n.startswith(robot.name + "/") and n.split("/")[1] in _GRIPPER_PARTS for n in names])
+        others = np.array([any(n.startswith(r + "/") for r in simulation.robots) for n in names]) & ~own
+        self._body_names, self._others = names, others
+        of = model.geom_bodyid
+        self._classes = np.full(model.ngeom, OTHER)
+        self._classes[own[of]] = ARM
+        self._classes[grip[of]] = GRIPPER
+        self._classes[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE] = IGNORED
+        self._own_grip = np.flatnonzero(grip[of])
+        # Only pairs with the planning robot are tested; body masks must follow, the broad phase reads them.
+        for mask, geoms in ((self.model.geom_conaffinity, True), (self.model.body_conaffinity, False)):
+            mask[~(own | others)[of] if geoms else ~(own | others)] = 0
+            mask[others[of] if geoms else others] = 4
+        self.model.geom_margin[self._classes == ARM] = ARM_MARGIN
+        self.model.geom_margin[self._own_grip] = TOUCH_MARGIN
+        self.model.opt.enableflags = 0
+        self.classes = self._classes.copy()
+        self.held: Attached | None = None
+        self.fence: tuple[float, float] | None = None  # x (m) between which robot and held thing must stay
+        self._spans = _geom_spans(model)
+        self._fenced = np.flatnonzero(own[of])
+        self._start = self.data.qpos.copy()
+
+    def begin(
+        self, *, target: Iterable[int] = (), held: str | None = None, contents: Iterable[str] = (),
+        held_meets: bool = True,
+    ) -> None:
+        """Copy the present world. The gripper and what it holds may touch the geoms ``target``.
+
+        ``contents`` ride in a held vessel and are ignored. ``held_meets=False`` ignores the held thing's contacts.
+        """
+        self.release()
+        self.data.qpos[:] = self.simulation.data.qpos
+        self._start = self.data.qpos.copy()
+        self.classes[:] = self._classes
+        self.mark(target, TARGET)
+        for body in contents:
+            self.mark(self.simulation.geoms(body), IGNORED)
+        if held is not None:
+            grip = self.robot.grip_pose()
+            self.hold(held, grip, self.simulation.pose(held), meets=held_meets)
+
+    def mark(self, geoms: Iterable[int], kind: int) -> None:
+        """Class ``kind`` for these geoms until the next :meth:`begin`."""
+        for geom in geoms:
+            self.classes[geom] = kind
+
+    def fingers(self, opening: float) -> None:
+        """Plan with each finger ``opening`` (m) from the middle."""
+        self.data.qpos[self.robot.finger_qpos] = opening
+
+    def hold(
+        self, body: str, grip: tuple[Array, Array], pose: tuple[Array, Array], *, meets: bool = True
+    ) -> None:
+        """Attach ``body`` to the hand, at ``pose`` when the grip is at ``grip``."""
+        self.release()
+        geoms = self.simulation.geoms(body)
+        self.mark(geoms, HELD)
+        self._fenced = np.concatenate([self._fenced, geoms])
+        self._set_meeting(body, 3 if meets else 0)
+        turn = grip[1].T
+        address = int(self.simulation.model.joint(body).qposadr[0])
+        self.held = Attached(body, address, turn @ (pose[0] - grip[0]), turn @ pose[1])
+
+    def release(self, *, leave: bool = False) -> None:
+        """Detach the held thing: back to where it was, or left where it is now."""
+        if self.held is None:
+            return
+        if not leave:
+            a = self.held.address
+            self.data.qpos[a : a + 7] = self._start[a : a + 7]
+        self._set_meeting(self.held.body, 0)
+        self._fenced = self._fenced[: len(self._fenced) - len(self.simulation.geoms(self.held.body))]
+        self.held = None
+
+    @contextmanager
+    def clearance(self, margin: float) -> Iterator[None]:
+        """Keep the gripper ``margin`` (m) away from things within this context."""
+        self.model.geom_margin[self._own_grip] = margin
+        try:
+            yield
+        finally:
+            self.model.geom_margin[self._own_grip] = TOUCH_MARGIN
+
+    def free(self, q: Array, joints: Mapping[int, float] | None = None) -> bool:
+        """True when configuration ``q`` (11,) has no forbidden contact; ``joints`` sets other qpos entries first."""
+        self.checks += 1
+        data = self.data
+        data.qpos[self.robot.qpos] = q
+        if joints:
+            for address, value in joints.items():
+                data.qpos[address] = value
+        if self.held is not None:
+            a = self.held.address
+            position, rotation = self.kinematics.forward(q)
+            data.qpos[a : a + 3] = position + rotation @ self.held.position
+            quat = np.empty(4)
+            mujoco.mju_mat2Quat(quat, (rotation @ self.held.rotation).ravel())
+            data.qpos[a + 3 : a + 7] = quat
+        mujoco.mj_kinematics(self.model, data)
+        if self.fence is not None and self._beyond(self.fence):
+            self.touching = (self.robot.name, "the room of another robot")
+            return False
+        try:
+            mujoco.mj_collision(self.model, data)
+        except mujoco.FatalError:
+            # Deeply overlapping boxes can yield more contacts than MuJoCo allows for; that is no free configuration.
+            self._renew()
+            self.touching = (self.robot.name, "something it overlaps deeply")
+            return False
+        count = data.ncon
+        if count == 0:
+            return True
+        pairs = data.contact.geom[:count]
+        kinds = self.classes[pairs]
+        bad = _FORBIDDEN[kinds[:, 0], kinds[:, 1]]
+        if not bad.any():
+            return True
+        first = pairs[int(np.argmax(bad))]
+        one, other = (self._body_names[self.simulation.model.geom_bodyid[g]] or "world" for g in first)
+        self.touching = (one, other)
+        return False
+
+    def extent(self) -> tuple[Array, Array]:
+        """Low and high corners (n, 3) around the geoms of the robot and of what it holds, as last checked."""
+        ids = self._fenced
+        turns = np.abs(self.data.geom_xmat[ids].reshape(-1, 3, 3))
+        reach = np.einsum("nij,nj->ni", turns, self._spans[ids, :3]) + self._spans[ids, 3:]
+        return self.data.geom_xpos[ids] - reach, self.data.geom_xpos[ids] + reach
+
+    @contextmanager
+    def without_robots(self) -> Iterator[None]:
+        """Leave the other robots out of account within this context."""
+        self._set_others(0)
+        try:
+            yield
+        finally:
+            self._set_others(4)
+
+    def _set_others(self, bits: int) -> None:
+        self.model.geom_conaffinity[self._others[self.model.geom_bodyid]] = bits
+        self.model.body_conaffinity[self._others] = bits
+        self.model.geom_contype[self._others[self.model.geom_bodyid]] = bits
+        self.model.body_contype[self._others] = bits
+
+    def _renew(self) -> None:
+        """Fresh memory after MuJoCo gave up in the middle of a computation."""
+        qpos = self.data.qpos.copy()
+        self.data = mujoco.MjData(self.model)
+        self.data.qpos[:] = qpos
+
+    def _beyond(self, fence: tuple[float, float]) -> bool:
+        """True when a geom of the robot or of what it holds reaches over the fence."""
+        ids = self._fenced
+        middle = self.data.geom_xpos[ids, 0]
+        reach = (np.abs(self.data.geom_xmat[ids, :3]) * self._spans[ids, :3]).sum(axis=1) + self._spans[ids, 3]
+        return bool((middle - reach).min() < fence[0] or (middle + reach).max() > fence[1])
+
+    def _set_meeting(self, body: str, bits: int) -> None:
+        self.model.geom_conaffinity[self.simulation.geoms(body)] = bits
+        self.model.body_conaffinity[self.simulation.model.body(body).id] = bits
+
+
+def _geom_spans(model: mujoco.MjModel) -> np.ndarray:
+    """(ngeom, 4): half extents along a geom's own axes, and a radius around them."""
+    spans = np.zeros((model.ngeom, 4))
+    size, kind = model.geom_size, model.geom_type
+    box = kind == mujoco.mjtGeom.mjGEOM_BOX
+    rod = (kind == mujoco.mjtGeom.mjGEOM_CAPSULE) | (kind == mujoco.mjtGeom.mjGEOM_CYLINDER)
+    spans[box, :3] = size[box]
+    spans[rod, 2], spans[rod, 3] = size[rod, 1], size[rod, 0]
+    rest = ~box & ~rod
+    spans[rest, 3] = size[rest].max(axis=1)
+    return spans

@@ -1,0 +1,113 @@
+"""Turns a subtask into the motion that carries it out, from the scene's facts and the present world."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remac_env.backends.physics.doors import close_door, open_door
+from remac_env.backends.physics.insert import insert, take_out
+from remac_env.backends.physics.pick_up import pick_up
+from remac_env.backends.physics.place import place_on
+from remac_env.backends.physics.season import season
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, require_open
+from remac_env.backends.physics.switches import press_button, turn_knob, turn_lever
+from remac_env.conditions import landing, switch_for
+from remac_env.kitchen.fixtures import Slot
+from remac_env.robots import panda
+from remac_env.robots.rotation import Array
+from remac_env.state import Scene, WorldState, base_place, contents
+from remac_env.subtasks import Subtask
+
+_FALL = 20  # control periods in which a dropped thing reaches the floor
+
+
+def motion(here: Surroundings, scene: Scene, world: WorldState, robot: str, subtask: Subtask) -> Steps:
+    """The generator that runs an accepted subtask other than driving."""
+    target = subtask.target
+    if subtask.skill == "pick up":
+        yield from _pick_up(here, world, target)
+    elif subtask.skill == "place to":
+        yield from _place(here, scene, world, robot, target)
+    elif subtask.skill == "season":
+        yield from _season(here, world, target)
+    elif subtask.skill in ("open door", "close door"):
+        yield from _empty(here)
+        yield from (open_door if subtask.skill == "open door" else close_door)(here, target)
+    elif subtask.skill in ("turn on", "turn off"):
+        yield from _empty(here)
+        yield from _switch(here, scene, world, target, on=subtask.skill == "turn on")
+    else:
+        raise SkillFailure("invalid", f"physics has no skill {subtask.skill!r}")
+
+
+def _empty(here: Surroundings) -> Steps:
+    """Open the hand where the robot stands; what it held falls, and the skill with it."""
+    body = here.hand.body
+    if body is None:
+        return
+    yield from here.mover.fingers(panda.FINGER_OPEN, _FALL)
+    here.hand.body = None
+    raise SkillFailure("dropped", f"the hand opened and the {body} fell")
+
+
+def _slot_of(here: Surroundings, world: WorldState, name: str) -> Slot:
+    """The slot in which a thing stands, directly or in a vessel."""
+    place = base_place(world, name)
+    if place.relation != "slot":
+        raise SkillFailure("unreachable", f"the {name} is in no slot")
+    return here.layout.slots[place.where]
+
+
+def _pick_up(here: Surroundings, world: WorldState, target: str) -> Steps:
+    slot = _slot_of(here, world, target)
+    place = world.objects[target].place
+    vessel = place.where if place.relation == "vessel" else None
+    inner = tuple(contents(world, target))
+    if slot.kind == "cavity":
+        yield from take_out(here, slot.fixture, target, vessel=vessel, contents=inner)
+    else:
+        lift = 0.26 if slot.kind == "basin" else 0.20 if here.things[target].vessel else 0.14
+        yield from pick_up(here, target, vessel=vessel, contents=inner, lift=lift)
+
+
+def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, target: str) -> Steps:
+    if here.hand.body is None:
+        raise SkillFailure("hands_empty", "there is nothing to place")
+    place = landing(scene, world, robot, target)
+    if place is None:
+        slot = _slot_of(here, world, target) if target in scene.objects else None
+        require_open(here, slot.fixture if slot is not None else target)
+        raise SkillFailure("blocked", f"no room for the {here.hand.body} at the {target}")
+    if place.relation == "slot":
+        slot, vessel = here.layout.slots[place.where], None
+        point: Array = np.array(slot.center)
+    else:
+        slot, vessel = _slot_of(here, world, place.where), place.where
+        point = here.seen(vessel)[0] + [0.0, 0.0, here.things[vessel].inside_height]
+    if slot.kind == "cavity":
+        yield from insert(here, slot.fixture, point, vessel=vessel)
+    else:
+        yield from place_on(here, point, vessel=vessel, deep=slot.kind == "basin")
+
+
+def _season(here: Surroundings, world: WorldState, target: str) -> Steps:
+    slot = _slot_of(here, world, target)
+    if slot.kind == "cavity":
+        require_open(here, slot.fixture)
+    yield from season(here, target, inside=slot.fixture if slot.kind == "cavity" else None)
+
+
+def _switch(here: Surroundings, scene: Scene, world: WorldState, target: str, *, on: bool) -> Steps:
+    fixture = here.layout.fixtures[target]
+    if fixture.kind == "stove":
+        switch = switch_for(scene, world, target, turning_on=on)
+        knob = fixture.knobs[fixture.switches.index(str(switch))]  # type: ignore[attr-defined]
+        yield from turn_knob(here, knob, on=on)
+    elif fixture.kind == "faucet":
+        yield from turn_lever(here, target, on=on)
+    else:
+        yield from press_button(here, target)
+        angle = here.door_angle(target)
+        if on and scene.fixtures[target].shut_to_run and angle is not None and angle > 0.05:
+            raise SkillFailure("blocked", f"the {target} does not run with its door open")
+

@@ -1,0 +1,194 @@
+"""Open and close a door hinged on its left: the hand holds the bar and goes along the arc, arm and base together."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from remac_env.backends.physics.grasps import Grasp
+from remac_env.backends.physics.paths import STEP_LIMIT
+from remac_env.backends.physics.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.simulation import CONTROL_PERIOD
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances, tuck
+from remac_env.robots import panda
+from remac_env.robots.ik import DOOR_WEIGHTS
+from remac_env.robots.rotation import Array, about_z, grip_frame
+
+OPEN_TO = 1.45  # rad
+_PLANNED = 0.05  # rad beyond, in planning
+_SPEED = 0.7  # rad/s
+_LEAD = 0.22  # rad by which the command may run ahead of the door
+_STALLED = 25  # control periods without progress
+# Share of the door's turn that the hand follows; the round bar turns in the fingers.
+_OPENING_FOLLOWS, _CLOSING_FOLLOWS = (0.5, 0.8, 0.3), (0.3, 0.5, 0.15, 0.65)
+_NARROW_GRIP = 0.024  # m of finger travel with which the inner finger fits between bar and panel
+_BAR_GRIP = 0.010  # m of finger travel around the bar
+# How much the base helps along the arc: as ever, or hardly where another robot stands close by.
+_HELP = (DOOR_WEIGHTS, DOOR_WEIGHTS * np.array([0.1, 0.1, 0.1, *[1.0] * 8]))
+_DISTANCES, _SIDES, _TURNS = (0.58, 0.5, 0.66, 0.74), (-0.05, 0.1, -0.2, 0.25, 0.4), (0.0, 0.3, -0.3)
+
+
+@dataclass(frozen=True)
+class _Door:
+    """A door's geometry in the world: hinge line, and the bar in the door's frame."""
+
+    name: str
+    hinge: Array
+    bar: Array
+    address: int
+    geoms: tuple[int, ...]
+
+    def at(self, angle: float) -> Array:
+        """Position of the bar's middle."""
+        return self.hinge + about_z(-angle) @ self.bar
+
+
+@dataclass(frozen=True)
+class _DoorGrasp(Grasp):
+    """A grasp of the bar, with the share of the door's turn that the hand follows."""
+
+    follows: float
+    weights: Array
+
+
+def _door(here: Surroundings, name: str) -> _Door:
+    model = here.simulation.model
+    body = model.body(f"{name}/door")
+    bar = model.site(f"{name}/handle").pos
+    address = int(model.joint(f"{name}/door").qposadr[0])
+    return _Door(name, np.array(body.pos), np.array(bar), address, tuple(here.simulation.geoms(f"{name}/door")))
+
+
+def open_door(here: Surroundings, name: str) -> Steps:
+    """Swing the door of fixture ``name`` open from any angle."""
+    yield from _swing(here, name, OPEN_TO)
+    angle = here.door_angle(name) or 0.0
+    if angle < 1.0:
+        raise SkillFailure("slipped", f"the {name} door stopped at {angle:.2f} rad")
+
+
+def close_door(here: Surroundings, name: str) -> Steps:
+    """Swing the door of fixture ``name`` shut from any angle."""
+    yield from _swing(here, name, 0.0)
+    angle = here.door_angle(name) or 0.0
+    if angle > 0.045:
+        raise SkillFailure("slipped", f"the {name} door stopped at {angle:.2f} rad")
+
+
+def _swing(here: Surroundings, name: str, target: float) -> Steps:
+    simulation, robot, planner, scratch = here.simulation, here.robot, here.planner, here.scratch
+    here.begin()
+    yield from tuck(here)
+    door = _door(here, name)
+    start = simulation.joint(f"{name}/door")
+    here.begin(door.geoms[1:])
+    robot.grip = panda.FINGER_OPEN if target > start else _NARROW_GRIP
+    scratch.fingers(robot.grip)
+    grasps = _grasps(door, start, closing=target < start)
+
+    def after(goal: Array, grasp: Grasp) -> bool | None:
+        if not isinstance(grasp, _DoorGrasp):
+            return None
+        free = _arc_is_free(here, door, goal, grasp, start, target)
+        scratch.data.qpos[door.address] = start
+        scratch.fingers(robot.grip)
+        return True if free else None
+
+    found = plan_reach(here, stances(here, door.at(start), _DISTANCES, _SIDES, _TURNS), grasps, after)
+    yield from go_to_grasp(here, found)
+    yield from here.mover.fingers(0.0, 8)
+    if robot.opening < 0.008:
+        yield from here.mover.fingers(panda.FINGER_OPEN, 6)
+        raise SkillFailure("slipped", f"the hand missed the {name} handle")
+    if isinstance(found.grasp, _DoorGrasp):
+        yield from _follow_arc(here, door, found.grasp, start, target)
+    yield from here.mover.fingers(_NARROW_GRIP, 6)
+    here.begin(door.geoms)
+    position, rotation = planner.kinematics.forward(robot.q)
+    away = position - rotation[:, 2] * 0.10
+    path = planner.line(robot.q, away, rotation, weights=DOOR_WEIGHTS) or planner.line(
+        robot.q, away, rotation, weights=DOOR_WEIGHTS, check=False
+    )
+    yield from here.mover.play(path or [])
+    here.begin()
+    back = robot.q.copy()
+    back[:2] -= min(0.3, max(0.0, back[1] - here.station.y)) * robot.heading[:2]
+    if planner.edge(robot.q, back):
+        yield from here.mover.go([back])
+    yield from go_home(here)
+
+
+def _grasps(door: _Door, angle: float, *, closing: bool) -> list[_DoorGrasp]:
+    """Hands on the bar: level or pitched down, either way round.
+
+    To open, the hand starts square to the panel. To close, it starts turned from the wall by its share of the door's
+    angle, so that it ends square: the mirror of opening, and the robot stays in front of the fixture.
+    """
+    at = door.at(angle)
+    pitches = (0.0, -0.4, -0.8) if at[2] > 1.25 else (-0.8, -0.5, 0.0)
+    found: list[_DoorGrasp] = []
+    for pitch in pitches:
+        for follows in _CLOSING_FOLLOWS if closing else _OPENING_FOLLOWS:
+            turn = about_z(-follows * angle if closing else -angle)
+            for side in (1.0, -1.0):
+                approach = turn @ np.array([0.0, math.cos(pitch), math.sin(pitch)])
+                hand = grip_frame(approach, turn @ np.array([side, 0.0, 0.0]))
+                for help_ in _HELP:
+                    found.append(_DoorGrasp(at + hand[:, 2] * 0.004, hand, at - hand[:, 2] * 0.12, follows, help_))
+    return sorted(found, key=lambda grasp: grasp.weights is not _HELP[0])
+
+
+def _arc_is_free(
+    here: Surroundings, door: _Door, q: Array, grasp: _DoorGrasp, start: float, target: float
+) -> bool:
+    """Whether the whole swing, the release and the way home are free, the panel moving along."""
+    planner, scratch = here.planner, here.scratch
+    beyond = target + math.copysign(_PLANNED, target - start)
+    count = max(1, int(abs(beyond - start) / 0.06))
+    angle = start
+    scratch.fingers(_BAR_GRIP)
+    for k in range(1, count + 1):
+        angle = start + (beyond - start) * k / count
+        at = about_z(-grasp.follows * (angle - start)) @ grasp.rotation
+        step = planner.kinematics.track(
+            q, door.at(angle), at, weights=grasp.weights, iterations=6, largest=1.7 * STEP_LIMIT
+        )
+        q = step.q
+        panel = {door.address: max(angle, 0.0)}
+        if step.position_error > 0.008 or step.rotation_error > 0.12 or not scratch.free(q, panel):
+            planner.reason = "arc at {:.2f} rad: {} meets {}".format(angle, *scratch.touching)
+            return False
+    position, turned = planner.kinematics.forward(q)
+    scratch.fingers(_NARROW_GRIP)
+    away = planner.line(q, position - turned[:, 2] * 0.10, turned, weights=grasp.weights)
+    if away is None:
+        return False
+    back = away[-1].copy()
+    heading = np.array([math.cos(back[2]), math.sin(back[2])])
+    back[:2] -= min(0.3, max(0.0, back[1] - here.station.y)) * heading
+    return planner.edge(away[-1], back) and planner.path(back, panda.tucked(*back[:3])) is not None
+
+
+def _follow_arc(here: Surroundings, door: _Door, grasp: _DoorGrasp, start: float, target: float) -> Steps:
+    """Lead the bar along its arc until the door is there or stops moving."""
+    simulation, planner, robot = here.simulation, here.planner, here.robot
+    sign = math.copysign(1.0, target - start)
+    angle, last, stalled = start, start, 0
+    for _ in range(300):
+        now = simulation.joint(f"{door.name}/door")
+        limit = min(sign * now + _LEAD, sign * (target + sign * 0.10))
+        angle = sign * min(sign * angle + _SPEED * CONTROL_PERIOD, limit)
+        at = about_z(-grasp.follows * (angle - start)) @ grasp.rotation
+        step = planner.kinematics.track(robot.q, door.at(angle), at, weights=grasp.weights, largest=STEP_LIMIT)
+        yield from here.mover.step(step.q)
+        reached = sign * now >= sign * target - (0.005 if sign < 0 else 0.0)
+        if reached:
+            return
+        if sign * now > sign * last + 0.004:
+            last, stalled = now, 0
+        else:
+            stalled += 1
+        if stalled > _STALLED:
+            return

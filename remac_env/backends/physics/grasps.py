@@ -1,0 +1,81 @@
+"""How each thing is grasped: candidates for the pose of the hand, from the catalogue's facts about the thing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots.rotation import Array, about_z, grip_frame
+
+OPENINGS = {"side": 0.04, "rim": 0.016, "handle": 0.03}
+"""Travel of each finger (m) while the hand approaches, by grasp mode: no wider than needed among other things."""
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """One candidate: the grip's position and rotation at the grasp, and its position before the approach."""
+
+    position: Array
+    rotation: Array
+    before: Array
+
+
+DOWN = np.array([0.0, 0.0, -1.0])
+_UP = np.array([0.0, 0.0, 1.0])
+_STAND_OFF, _HANDLE_STAND_OFF = 0.12, 0.10
+_ANY_YAW = (0.0, 0.25 * math.pi, 0.5 * math.pi, -0.25 * math.pi)
+
+
+def candidates(thing: Category, position: Array, rotation: Array) -> list[Grasp]:
+    """Grasps of a thing whose frame is at ``position`` (3,) and ``rotation`` (3, 3), best first."""
+    makers = {"side": _sides, "rim": _rims, "handle": _handles}
+    return list(makers[thing.grasp.mode](thing, position, rotation))
+
+
+def _sides(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
+    # A long thing that came to stand on end is taken across its other axis.
+    axis = rotation[:, 0] if abs(rotation[2, 0]) < 0.8 else rotation[:, 1]
+    yaw = math.atan2(axis[1], axis[0])
+    for lean in thing.grasp.lean:
+        for turn in _ANY_YAW if thing.grasp.any_yaw else (0.0,):
+            for side in (0.5 * math.pi, -0.5 * math.pi):
+                finger = about_z(yaw + turn + side)[:, 0]
+                # Lean about the finger axis only, so that both fingertips stay level.
+                out = np.cross(_UP, finger)
+                out = out if out[1] >= 0 else -out
+                hand = grip_frame(out * math.sin(lean) + DOWN * math.cos(lean), finger)
+                height = max(thing.grasp.height + 0.008 * math.sin(lean), tip_depth(lean) - thing.rest_height)
+                at = position + _UP * height
+                yield Grasp(at, hand, at - hand[:, 2] * _STAND_OFF)
+
+
+def tip_depth(lean: float) -> float:
+    """How far the fingertips reach below the grip site, with a little air (m), for a hand leaning from the vertical."""
+    return 0.0164 * math.cos(lean) + 0.0095 * math.sin(lean) + 0.0025
+
+
+def _rims(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
+    around = sorted(np.linspace(-math.pi, math.pi, 17)[:-1], key=lambda angle: abs(angle + 0.5 * math.pi))
+    for lean in thing.grasp.lean:
+        for angle in around:
+            out = about_z(float(angle))[:, 0]
+            approach = DOWN * math.cos(lean) - out * math.sin(lean)
+            for side in (1.0, -1.0):
+                at = position + out * thing.grasp.reach[0] + _UP * thing.grasp.height
+                yield Grasp(at, grip_frame(approach, side * out), at - approach * _STAND_OFF)
+
+
+def _handles(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
+    along = -rotation[:, 1] * [1.0, 1.0, 0.0]
+    along = along / np.linalg.norm(along)
+    across = np.cross(_UP, along)
+    for reach in thing.grasp.reach:
+        for lean in thing.grasp.lean:
+            for side in (1.0, -1.0):
+                approach = DOWN * math.cos(lean) - along * math.sin(lean)
+                at = position + along * reach + _UP * thing.grasp.height
+                yield Grasp(at, grip_frame(approach, side * across), at - approach * _HANDLE_STAND_OFF)

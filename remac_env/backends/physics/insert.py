@@ -1,0 +1,217 @@
+"""Into and out of a cavity (microwave, cabinet): the hand tilted forward, driven in and out by the base."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from remac_env.backends.physics.collision import IGNORED
+from remac_env.backends.physics.grasps import OPENINGS, tip_depth
+from remac_env.backends.physics.paths import Path
+from remac_env.backends.physics.pick_up import draw_in
+from remac_env.backends.physics.place import release
+from remac_env.backends.physics.skill import (
+    SkillFailure,
+    Steps,
+    Surroundings,
+    drive_to,
+    go_home,
+    require_open,
+    stances,
+    tuck,
+)
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots import panda
+from remac_env.robots.rotation import Array, about_z, grip_frame
+
+_DISTANCES = (0.78, 0.72, 0.84)
+_SIDES = (0.0, -0.08, 0.08, -0.16, 0.16)
+_TURNS = (0.0, 0.2, -0.2, 0.4, -0.4)
+_TILTS = (0.45, 0.3, 0.6, 0.8)  # of the hand below the horizontal
+_BACK = 0.36  # m that the base drives in and out
+_CHECKS = 9000
+_CLEAR = 0.012  # m between the thing's lowest point and the floor while driving in
+
+
+@dataclass(frozen=True)
+class Insertion:
+    """A checked way in: base poses outside and inside, the arm's way to its posture, and the last bit by hand."""
+
+    outside: Array
+    way: Path
+    inside: Array
+    last: Path
+
+
+def insert(here: Surroundings, fixture: str, point: Array, *, vessel: str | None = None) -> Steps:
+    """Put the held thing into the open ``fixture``, its lowest point at ``point`` (3,), and come home."""
+    require_open(here, fixture)
+    body = here.hand.body
+    if body is None:
+        raise SkillFailure("hands_empty", "there is nothing to place")
+    here.begin(here.simulation.geoms(vessel) if vessel else ())
+    carry = here.robot.q.copy()
+    found = _search(here, point, carry, lambda base: _placing(here, body, point, base), _lowered)
+    yield from _enter(here, found)
+    if here.robot.opening < 0.004:
+        here.hand.body = None
+        raise SkillFailure("slipped", f"the {body} slipped out of the hand on the way")
+    yield from release(here, 8)
+    yield from _leave(here, found)
+    here.begin()
+    yield from go_home(here)
+
+
+def take_out(
+    here: Surroundings, fixture: str, body: str, *, vessel: str | None = None, contents: tuple[str, ...] = ()
+) -> Steps:
+    """Grasp ``body`` inside the open ``fixture``, bring it out and come home."""
+    require_open(here, fixture)
+    simulation, thing = here.simulation, here.things[body]
+    here.begin()
+    yield from tuck(here)
+    here.begin(simulation.geoms(body) + (simulation.geoms(vessel) if vessel else []))
+    for inner in contents:
+        here.scratch.mark(simulation.geoms(inner), IGNORED)
+    opening = OPENINGS[thing.grasp.mode]
+    here.scratch.fingers(opening)
+    here.robot.grip = opening
+    position, rotation = here.seen(body)
+    carry = panda.tucked(*here.robot.q[:3])
+    found = _search(here, position, carry, lambda base: _grasping(thing, position, rotation, base), _advanced)
+    yield from _enter(here, found)
+    yield from here.mover.fingers(0.0, 8)
+    grip = here.planner.kinematics.forward(here.robot.q)
+    up = here.planner.line(here.robot.q, grip[0] + [0.0, 0.0, 0.025], grip[1], speed=0.1, check=False)
+    yield from here.mover.play(up or [])
+    if here.robot.opening < 0.004:
+        yield from here.mover.fingers(opening, 6)
+        yield from _leave(here, found)
+        raise SkillFailure("slipped", f"the {body} did not come with the hand")
+    here.hand.body, here.hand.upright, here.hand.contents = body, rotation, contents
+    yield from _leave(here, found)
+    if thing.vessel:
+        yield from draw_in(here)
+    yield from go_home(here)
+
+
+Poses = Callable[[Array], Iterator[tuple[Array, Array, Array]]]
+
+
+def _search(
+    here: Surroundings, point: Array, carry: Array, poses: Poses, last: Callable[..., Path | None]
+) -> Insertion:
+    """The first stance, tilt and branch whose whole way in is free. ``poses`` yields (first, end, rotation)."""
+    planner, scratch = here.planner, here.scratch
+    why: Counter[str] = Counter()
+    limit = scratch.checks + _CHECKS
+    for base in stances(here, point, _DISTANCES, _SIDES, _TURNS):
+        heading = about_z(float(base[2]))[:, 0]
+        outside = base.copy()
+        outside[:2] -= _BACK * heading[:2]
+        for first, end, rotation in poses(base):
+            if scratch.checks > limit:
+                break
+            for q in planner.reach(first, rotation, base, np.concatenate([base, carry[3:]]), most=5):
+                retreated = np.concatenate([outside, q[3:]])
+                if not scratch.free(q) or not scratch.free(retreated) or not planner.edge(retreated, q, 0.06):
+                    why["inside: {} meets {}".format(*scratch.touching)] += 1
+                    continue
+                final = last(here, q, end, rotation)
+                if final is None:
+                    why["last bit: " + planner.reason] += 1
+                    continue
+                way = planner.path(np.concatenate([outside, carry[3:]]), retreated)
+                if way is None or planner.drive(carry, outside, here.station.y) is None:
+                    why["no way to the front: {} meets {}".format(*scratch.touching)] += 1
+                    continue
+                return Insertion(outside, way, q, final)
+    raise SkillFailure("blocked" if why else "unreachable", "; ".join(f"{t} ({n})" for t, n in why.most_common(3)))
+
+
+def _lowered(here: Surroundings, q: Array, end: Array, rotation: Array) -> Path | None:
+    return here.planner.line(q, end, rotation, speed=0.1, check=False)
+
+
+def _advanced(here: Surroundings, q: Array, end: Array, rotation: Array) -> Path | None:
+    return here.planner.line(q, end, rotation, speed=0.12)
+
+
+def _enter(here: Surroundings, found: Insertion) -> Steps:
+    yield from drive_to(here, found.outside)
+    yield from here.mover.go(found.way, 0.6)
+    yield from here.mover.go([found.inside], 0.5)
+    yield from here.mover.play(found.last)
+
+
+def _leave(here: Surroundings, found: Insertion) -> Steps:
+    out = here.robot.q.copy()
+    out[:3] = found.outside
+    yield from here.mover.go([out], 0.8)
+
+
+def _placing(here: Surroundings, body: str, point: Array, base: Array) -> Iterator[tuple[Array, Array, Array]]:
+    """Hand poses that bring the held thing in over ``point``: (while driving in, at the release, rotation)."""
+    grip, pose = here.robot.grip_pose(), here.simulation.pose(body)
+    inward = grip[1].T
+    offset, turned = inward @ (pose[0] - grip[0]), inward @ pose[1]
+    heading = about_z(float(base[2]))
+    for tilt in _TILTS:
+        for side in (-heading[:, 1], heading[:, 1]):
+            hand = grip_frame(heading[:, 0] * math.cos(tilt) - np.array([0.0, 0.0, math.sin(tilt)]), side)
+            below = lowest(here, body, hand @ turned)
+            shift = -hand @ offset
+            height = max(point[2] + below + _CLEAR, point[2] + 0.03 - shift[2])
+            at = np.array([point[0], point[1], height]) + shift
+            yield at + [0.0, 0.0, _CLEAR], at, hand
+
+
+def _grasping(
+    thing: Category, position: Array, rotation: Array, base: Array
+) -> Iterator[tuple[Array, Array, Array]]:
+    """Hand poses that grasp a thing from the front: (before, at the grasp, rotation)."""
+    heading = float(base[2])
+    along = math.atan2(rotation[1, 0], rotation[0, 0]) if thing.grasp.mode == "side" else heading
+    turn = (along - heading + 0.5 * math.pi) % math.pi - 0.5 * math.pi
+    turns = (turn,) if thing.grasp.mode == "side" else (0.0, 0.3, -0.3, 0.6, -0.6)
+    for tilt in (0.6, 0.8, 0.45, 1.0, 0.3):
+        for yaw in turns:
+            if abs(yaw) > 0.9:
+                continue
+            front = about_z(heading + yaw)
+            for side in (-front[:, 1], front[:, 1]):
+                approach = front[:, 0] * math.cos(tilt) - np.array([0.0, 0.0, math.sin(tilt)])
+                hand = grip_frame(approach, side)
+                height = max(thing.grasp.height, tip_depth(0.5 * math.pi - tilt) - thing.rest_height)
+                at = position + [0.0, 0.0, height]
+                yield at + [0.0, 0.0, 0.03] - 0.04 * approach, at, hand
+
+
+def lowest(here: Surroundings, body: str, rotation: Array) -> float:
+    """How far the colliders of a thing reach below its origin when it is turned so (m)."""
+    model = here.simulation.model
+    deepest = 0.0
+    for geom in here.simulation.geoms(body):
+        if not (model.geom_contype[geom] or model.geom_conaffinity[geom]):
+            continue
+        turn = np.empty(9)
+        mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+        down = (rotation @ turn.reshape(3, 3))[2]
+        size, kind = model.geom_size[geom], model.geom_type[geom]
+        if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
+            reach = abs(down[2]) * size[1] + size[0]
+        elif kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+            reach = float(np.linalg.norm(down * size))
+        elif kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
+            reach = abs(down[2]) * size[1] + math.hypot(down[0], down[1]) * size[0]
+        elif kind == mujoco.mjtGeom.mjGEOM_SPHERE:
+            reach = size[0]
+        else:
+            reach = float(np.abs(down) @ size)
+        deepest = max(deepest, reach - float((rotation @ model.geom_pos[geom])[2]))
+    return deepest

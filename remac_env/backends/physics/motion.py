@@ -1,0 +1,75 @@
+"""Motion primitives: generators that set the robot's command and yield once per control period (0.05 s)."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Generator, Sequence
+
+import numpy as np
+
+from remac_env.backends.physics.simulation import CONTROL_PERIOD, RobotHandle
+from remac_env.robots import panda
+from remac_env.robots.ik import Kinematics
+from remac_env.robots.rotation import Array
+
+Steps = Generator[None, None, None]
+
+LAG_LIMIT = 0.08  # rad or m by which a joint may miss all of the latest commands
+LAG_PERIODS = 6  # the servos follow 0.1 s late at steady speed, and later while they accelerate
+LAG_PATIENCE = 12  # control periods
+
+
+class StuckError(Exception):
+    """The robot has been held off its command for too long; caught by the skill runner, never by users."""
+
+
+class Mover:
+    """Plays back motions on one robot and watches that it follows."""
+
+    def __init__(self, robot: RobotHandle, kinematics: Kinematics) -> None:
+        self.robot, self._kinematics = robot, kinematics
+        self._late = 0
+        self._commands: deque[Array] = deque(maxlen=LAG_PERIODS)
+
+    def step(self, q: Array) -> Steps:
+        """Command ``q`` for one period. Raises StuckError when the robot has long been held off its command."""
+        self.robot.q = np.array(q, float)
+        yield
+        self._commands.append(self.robot.q)
+        recent, now = np.array(self._commands), self.robot.measured
+        lag = float(np.maximum(recent.min(axis=0) - now, now - recent.max(axis=0)).max())
+        self._late = self._late + 1 if lag > LAG_LIMIT else 0
+        if self._late > LAG_PATIENCE:
+            self._late = 0
+            raise StuckError(f"the robot is {lag:.2f} off its command")
+
+    def go(self, corners: Sequence[Array], speed: float = 1.0) -> Steps:
+        """Through joint way points, slowing down at each; ``speed`` scales the usual speeds."""
+        for corner in corners:
+            start = self.robot.q.copy()
+            longest = float(np.max(np.abs(corner - start) / (panda.SPEED * speed)))
+            count = max(2, int(np.ceil(longest * 1.5 / CONTROL_PERIOD)))
+            for k in range(1, count + 1):
+                u = k / count
+                yield from self.step(start + u * u * (3 - 2 * u) * (corner - start))
+        yield from self.settle(0.004, 8)
+
+    def play(self, path: Sequence[Array]) -> Steps:
+        """One configuration per period, then wait until the hand has caught up."""
+        for q in path:
+            yield from self.step(q)
+        yield from self.settle()
+
+    def settle(self, tolerance: float = 0.003, most: int = 12) -> Steps:
+        """Hold until the hand is within ``tolerance`` (m) of its command, at most ``most`` periods."""
+        for _ in range(most):
+            yield from self.step(self.robot.q)
+            wanted, _ = self._kinematics.forward(self.robot.q)
+            if np.linalg.norm(wanted - self.robot.grip_pose()[0]) < tolerance:
+                return
+
+    def fingers(self, opening: float, periods: int) -> Steps:
+        """Command each finger ``opening`` (m) from the middle and wait."""
+        self.robot.grip = opening
+        for _ in range(periods):
+            yield from self.step(self.robot.q)

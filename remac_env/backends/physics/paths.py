@@ -1,0 +1,234 @@
+"""Collision-free motion of one robot: joint paths, straight lines of the hand, short drives.
+
+Everything is a list of configurations (11,); nothing here moves the simulated robot. Searches are bounded by counts
+and draw from a generator that the caller seeds, so results never depend on the clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from remac_env.backends.physics.collision import TRANSIT_MARGIN, Scratch
+from remac_env.backends.physics.simulation import CONTROL_PERIOD
+from remac_env.robots import panda
+from remac_env.robots.ik import ARM_WEIGHTS, TORSO_HEIGHTS, solutions
+from remac_env.robots.rotation import Array, from_rotation_vector, rotation_vector
+
+Path = list[Array]
+
+STEP_LIMIT = panda.SPEED * CONTROL_PERIOD * 1.5  # largest change of a joint in one control period
+_VIA_ARMS = (
+    panda.HOME_ARM,
+    panda.TUCK_ARM,
+    np.array([0.0, -1.2, 0.0, -2.3, 0.0, 2.2, math.pi / 4]),
+    np.array([0.9, -1.2, 0.0, -2.6, 0.0, 2.4, math.pi / 4]),
+    np.array([-0.9, -1.2, 0.0, -2.6, 0.0, 2.4, math.pi / 4]),
+    np.array([0.0, -0.6, 0.0, -2.9, 0.0, 3.0, math.pi / 4]),
+)
+_TREE_ROUNDS = 300
+_TREE_STEP = 0.35
+_TREE_CHECKS = 6000
+_TREE_SCALE = np.array([0.0, 0.0, 0.0, 4.0, *[1.0] * 7])
+_ESCAPES = ((-0.05, 0.0), (-0.10, 0.0), (0.0, 0.05), (-0.2, 0.05), (-0.3, 0.0))  # base back, torso up (m)
+
+
+class Planner:
+    """Plans for the robot of ``scratch``. ``random`` is used by the tree search only."""
+
+    def __init__(self, scratch: Scratch, random: np.random.Generator) -> None:
+        self.scratch, self.random = scratch, random
+        self.robot = scratch.robot
+        self.kinematics = scratch.kinematics
+        self.reason = ""
+
+    # -- joint space -----------------------------------------------------------------------------------------
+
+    def edge(self, a: Array, b: Array, step: float = 0.05, joints: Mapping[int, float] | None = None) -> bool:
+        """True when the straight joint motion from ``a`` (known free) to ``b`` is free."""
+        change = np.abs(b - a)
+        count = max(1, math.ceil(max(change[4:].max(), change[:4].max() * 2.5) / step))
+        # The ends of ever smaller halves first: a hit shows early.
+        for k in sorted(range(1, count + 1), key=lambda k: -(k & -k)):
+            if not self.scratch.free(a + (b - a) * (k / count), joints):
+                return False
+        return True
+
+    def path(self, a: Array, b: Array, *, via: bool = True, tree: bool = True) -> Path | None:
+        """Way points after ``a`` up to ``b`` with the base still, clear of things; where that is impossible, tight."""
+        with self.scratch.clearance(TRANSIT_MARGIN):
+            found = self._path(a, b, via, tree) if self.scratch.free(a) and self.scratch.free(b) else None
+        return found if found is not None else self._path(a, b, via, tree)
+
+    def _path(self, a: Array, b: Array, via: bool, tree: bool) -> Path | None:
+        if not self.scratch.free(b):
+            return None
+        if not self.scratch.free(a):
+            return self._escape(a, b)
+        if self.edge(a, b):
+            return [b]
+        if via:
+            for arm in _VIA_ARMS:
+                for torso in (a[3], b[3], 0.3):
+                    middle = np.concatenate([a[:3], [torso], arm])
+                    if self.scratch.free(middle) and self.edge(a, middle) and self.edge(middle, b):
+                        return [middle, b]
+        return self._tree(a, b) if tree else None
+
+    def _escape(self, a: Array, b: Array) -> Path | None:
+        """From a start inside the margins (just released something): back or up a little, then on."""
+        heading = np.array([math.cos(a[2]), math.sin(a[2])])
+        for back, up in _ESCAPES:
+            c = a.copy()
+            c[:2] += back * heading
+            c[3] = min(c[3] + up, panda.UPPER[3])
+            if self.scratch.free(c):
+                end = b.copy()
+                end[:3] = c[:3]
+                rest = self._path(c, end, True, True) if self.scratch.free(end) else None
+                if rest is not None:
+                    return [c, *rest]
+        return None
+
+    def _tree(self, a: Array, b: Array) -> Path | None:
+        """RRT-connect over torso and arm, shortened."""
+        lower, upper = panda.LOWER.copy(), panda.UPPER.copy()
+        lower[:3] = upper[:3] = a[:3]
+        near, far = _Tree(a), _Tree(b)
+        limit = self.scratch.checks + _TREE_CHECKS
+        for _ in range(_TREE_ROUNDS):
+            if self.scratch.checks > limit:
+                return None
+            goal = far.nodes[0] if self.random.random() < 0.2 else self.random.uniform(lower, upper)
+            reached = self._extend(near, goal)
+            while reached is not None:
+                met = self._extend(far, reached)
+                if met is None:
+                    break
+                if np.abs(met - reached).max() < 1e-9:
+                    joined = near.branch()[::-1] + far.branch()[1:]
+                    if np.abs(joined[0] - a).max() > 1e-9:
+                        joined = joined[::-1]
+                    return self._shortened(joined)[1:]
+            near, far = far, near
+        return None
+
+    def _extend(self, tree: _Tree, goal: Array) -> Array | None:
+        nodes = np.array(tree.nodes)
+        nearest = int(np.argmin((((nodes - goal) * _TREE_SCALE) ** 2).sum(axis=1)))
+        change = goal - nodes[nearest]
+        length = float(np.linalg.norm(change * _TREE_SCALE))
+        reached = goal if length <= _TREE_STEP else nodes[nearest] + change * (_TREE_STEP / length)
+        if not self.edge(nodes[nearest], reached, 0.07):
+            return None
+        tree.add(reached, nearest)
+        return reached
+
+    def _shortened(self, path: Path) -> Path:
+        for _ in range(40):
+            if len(path) < 3:
+                break
+            i = int(self.random.integers(0, len(path) - 2))
+            j = int(self.random.integers(i + 2, len(path)))
+            if self.edge(path[i], path[j]):
+                path = path[: i + 1] + path[j:]
+        return path
+
+    # -- straight lines of the hand --------------------------------------------------------------------------
+
+    def line(
+        self, q: Array, position: Array, rotation: Array, *, speed: float = 0.2, turn_speed: float = 1.5,
+        weights: Array = ARM_WEIGHTS, check: bool = True, joints: Mapping[int, float] | None = None,
+    ) -> Path | None:
+        """One configuration per control period along the straight line from ``q`` to a pose, or None.
+
+        ``speed`` in m/s, ``turn_speed`` in rad/s. Without ``check`` contacts are not looked at.
+        """
+        start, turned = self.kinematics.forward(q)
+        turn = rotation_vector(rotation @ turned.T)
+        seconds = max(np.linalg.norm(position - start) / speed, np.linalg.norm(turn) / turn_speed) * 1.2
+        count = max(2, math.ceil(seconds / CONTROL_PERIOD))
+        path: Path = []
+        error = turn_error = 0.0
+        for k in range(1, count + 1):
+            u = k / count
+            u = 0.5 * (u * u * (3 - 2 * u) + u)
+            at = from_rotation_vector(u * turn) @ turned
+            tracked = self.kinematics.track(q, start + u * (position - start), at, weights=weights, largest=STEP_LIMIT)
+            q, error, turn_error = tracked.q, tracked.position_error, tracked.rotation_error
+            path.append(q)
+            if error > 0.01 or turn_error > 0.06:
+                self.reason = "the arm cannot follow the line"
+                return None
+            if check and (k % 2 == 0 or k == count) and not self.scratch.free(q, joints):
+                self.reason = "{} meets {}".format(*self.scratch.touching)
+                return None
+        if error > 0.004 or turn_error > 0.04:
+            self.reason = "the arm does not reach the end of the line"
+            return None
+        return path
+
+    def approach(self, goal: Array, rotation: Array, start: Array, *, speed: float = 0.15) -> Path | None:
+        """Configurations from a pre-grasp at ``start`` (3,) to ``goal``, tracked backwards from the tightest pose."""
+        back = self.line(goal, start, rotation, speed=speed)
+        return None if back is None else [*back[::-1], goal]
+
+    # -- the base --------------------------------------------------------------------------------------------
+
+    def drive(self, a: Array, base: Array, lane: float) -> Path | None:
+        """Way points from ``a`` with its arm as it is to a base pose (3,): straight, else by way of y = ``lane``."""
+        goal = a.copy()
+        goal[:3] = base
+        out, along, back = a.copy(), goal.copy(), a.copy()
+        out[1] = min(a[1], lane)
+        along[1] = min(goal[1], lane)
+        back[1], back[2] = out[1], base[2]
+        for way in ([goal], [out, along, goal], [out, back, along, goal]):
+            corners = [a, *way]
+            if all(self.edge(corners[k], corners[k + 1]) for k in range(len(way))):
+                return list(way)
+        return None
+
+    # -- inverse kinematics ----------------------------------------------------------------------------------
+
+    def reach(
+        self, position: Array, rotation: Array, base: Array, near: Array, *, torsos: Sequence[float] | None = None,
+        most: int = 8,
+    ) -> Path:
+        """Configurations that reach a pose, best first: near ``near``, away from limits, of different branches."""
+        heights = TORSO_HEIGHTS if torsos is None else np.asarray(torsos, float)
+        found = solutions(position, rotation, base, torsos=heights)
+        if not len(found):
+            return []
+        change = np.abs(found - near)
+        spare = np.minimum(found - panda.LOWER, panda.UPPER - found)[:, 4:].min(axis=1)
+        cost = change[:, 4:].max(axis=1) + 0.3 * change[:, 4:].mean(axis=1) + change[:, 3]
+        cost += np.maximum(0.0, 2.0 * (0.15 - spare) / 0.15)
+        kept: Path = []
+        while len(kept) < most and np.isfinite(cost).any():
+            best = found[int(np.argmin(cost))]
+            kept.append(best)
+            cost[np.abs(found - best)[:, 4:].max(axis=1) <= 0.35] = np.inf
+        return kept
+
+
+class _Tree:
+    """Nodes of a search tree with their parents."""
+
+    def __init__(self, root: Array) -> None:
+        self.nodes: list[Array] = [root]
+        self._parents = [-1]
+
+    def add(self, node: Array, parent: int) -> None:
+        self.nodes.append(node)
+        self._parents.append(parent)
+
+    def branch(self) -> Path:
+        """From the newest node back to the root."""
+        path, k = [], len(self.nodes) - 1
+        while k >= 0:
+            path.append(self.nodes[k])
+            k = self._parents[k]
+        return path

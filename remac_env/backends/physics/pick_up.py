@@ -1,0 +1,98 @@
+"""Pick up: from a slot on a worktop, burner or basin, or out of a vessel there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remac_env.backends.physics.collision import IGNORED, TARGET
+from remac_env.backends.physics.grasps import OPENINGS, Grasp, candidates
+from remac_env.backends.physics.paths import Path
+from remac_env.backends.physics.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances, tuck
+from remac_env.robots.rotation import Array
+
+DISTANCES = (0.55, 0.48, 0.62, 0.70)
+SIDES = (0.0, -0.12, 0.12, -0.24, 0.24)
+_LIFTS = ((0.0, 1.0), (-0.15, 0.6), (-0.25, 0.4))  # back (m) and share of the lift: slanting out from under something
+_LEAST_RISE = 0.02
+_EMPTY = 0.004  # m between closed fingers
+
+
+def pick_up(
+    here: Surroundings, body: str, *, vessel: str | None = None, contents: tuple[str, ...] = (), lift: float = 0.14
+) -> Steps:
+    """Grasp ``body`` where it stands, lift it and come home with it. ``vessel``: what it lies in."""
+    simulation, thing = here.simulation, here.things[body]
+    here.begin()
+    yield from tuck(here)
+    here.begin(simulation.geoms(body) + (simulation.geoms(vessel) if vessel else []))
+    position, rotation = here.seen(body)
+    opening = OPENINGS[thing.grasp.mode]
+    here.scratch.fingers(opening)
+    here.robot.grip = opening
+    for inner in contents:
+        here.scratch.mark(simulation.geoms(inner), IGNORED)
+
+    def after(goal: Array, grasp: Grasp) -> Path | None:
+        return _lift(here, body, goal, grasp, lift)
+
+    found = plan_reach(here, stances(here, position, DISTANCES, SIDES), candidates(thing, position, rotation), after)
+    yield from go_to_grasp(here, found)
+    yield from here.mover.fingers(0.0, 8)
+    yield from here.mover.play(found.after)
+    risen = simulation.pose(body)[0][2] - position[2]
+    if here.robot.opening < _EMPTY or risen < _LEAST_RISE:
+        yield from here.mover.fingers(opening, 6)
+        raise SkillFailure("slipped", f"the {body} did not come up with the hand")
+    here.hand.body, here.hand.upright, here.hand.contents = body, rotation, contents
+    if thing.vessel:
+        yield from draw_in(here)
+    yield from go_home(here)
+    if here.robot.opening < _EMPTY:
+        here.hand.body = None
+        raise SkillFailure("slipped", f"the {body} slipped out of the hand")
+
+
+def _lift(here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float) -> Path | None:
+    """Off the surface unchecked for the thing itself, then up, or slanting out from under something."""
+    scratch, planner = here.scratch, here.planner
+    at = planner.kinematics.forward(goal)
+    pose = here.seen(body)
+    scratch.hold(body, at, pose, meets=False)
+    off = planner.line(goal, grasp.position + [0.0, 0.0, 0.03], grasp.rotation, speed=0.15)
+    path: Path | None = None
+    if off is not None:
+        scratch.hold(body, at, pose)
+        for back, share in _LIFTS:
+            rest = planner.line(off[-1], grasp.position + [0.0, back, share * lift], grasp.rotation)
+            if rest is not None:
+                path = off + rest
+                break
+    scratch.release()
+    scratch.mark(here.simulation.geoms(body), TARGET)
+    return path
+
+
+def draw_in(here: Surroundings) -> Steps:
+    """Bring a thing that must stay level to the carry posture: near the body, the hand's orientation kept."""
+    here.begin()
+    robot, planner = here.robot, here.planner
+    position, rotation = planner.kinematics.forward(robot.q)
+    forward = robot.heading
+    left = np.array([-forward[1], forward[0], 0.0])
+    for back in (0.0, 0.2, 0.4):
+        stand = robot.q.copy()
+        stand[:2] -= back * forward[:2]
+        if stand[1] < here.station.y - 1e-6 or (back and not planner.edge(robot.q, stand)):
+            continue
+        axis = np.array([stand[0], stand[1], 0.0])
+        for ahead in (0.42, 0.50, 0.36, 0.60):
+            for up in (0.06, 0.15, 0.0, 1.15 - position[2], 1.25 - position[2]):
+                for side in (0.0, -0.1, 0.1, -0.2, 0.2):
+                    target = axis + ahead * forward + side * left + [0.0, 0.0, position[2] + up]
+                    path = planner.line(stand, target, rotation, speed=0.25)
+                    if path is not None:
+                        yield from here.mover.go([stand] if back else [])
+                        yield from here.mover.play(path)
+                        return
+    raise SkillFailure("blocked", "no level way to draw the hand in: " + planner.reason)

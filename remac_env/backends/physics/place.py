@@ -1,0 +1,120 @@
+"""Place to: set what the hand holds on a worktop, burner or basin, or on or into a vessel standing there."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+
+import numpy as np
+
+from remac_env.backends.physics.collision import TARGET
+from remac_env.backends.physics.grasps import Grasp
+from remac_env.backends.physics.paths import Path
+from remac_env.backends.physics.pick_up import DISTANCES, SIDES
+from remac_env.backends.physics.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots.rotation import Array, about_x, about_z
+
+_RELEASE = 0.008  # m above the surface at which the hand opens
+_LEANS = (0.0, 0.35, 0.6)  # leaning back brings wrist and forearm out from under a wall cabinet
+_TURNS = (0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2)
+_LEVEL_TURNS = (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.8, -0.8, 1.0, -1.0, 1.4, -1.4, 2.0, -2.0)
+# Vessels are set down beside and behind a basin's middle, with the hand at their side: at the middle the forearm
+# would meet the basin's front edge.
+_BASIN_SHIFTS = ((-0.05, 0.06), (0.05, 0.06), (-0.12, 0.06), (0.12, 0.06), (0.0, 0.08))
+_BASIN_TURNS = (1.4, -1.4, 1.0, -1.0, 0.8, -0.8, 1.8, -1.8, 0.2, -0.2, 0.0)
+_ABOVE, _ABOVE_BASIN = 0.10, 0.26  # m, height from which the hand comes down straight
+
+
+def place_on(here: Surroundings, point: Array, *, vessel: str | None = None, deep: bool = False) -> Steps:
+    """Set the held thing down with its lowest point at ``point`` (3,), then come home empty-handed.
+
+    ``vessel``: hand and thing may touch this body. ``deep``: the point lies in a recess; come in from above it.
+    """
+    body = here.hand.body
+    if body is None:
+        raise SkillFailure("hands_empty", "there is nothing to place")
+    thing, robot = here.things[body], here.robot
+    here.begin(here.simulation.geoms(vessel) if vessel else ())
+    if not here.scratch.free(robot.q):
+        here.begin(here.simulation.geoms(vessel) if vessel else (), held_meets=False)
+    grip, pose = robot.grip_pose(), here.simulation.pose(body)
+    grasps = _poses(here, point, deep)
+
+    def after(goal: Array, grasp: Grasp) -> Path | None:
+        here.scratch.free(goal)
+        here.scratch.release(leave=True)
+        here.scratch.mark(here.simulation.geoms(body), TARGET)
+        back = (_ABOVE_BASIN if deep else 0.12) if thing.vessel else 0.12
+        out = here.planner.line(goal, grasp.position - grasp.rotation[:, 2] * back, grasp.rotation, speed=0.25)
+        here.scratch.hold(body, grip, pose)
+        return out
+
+    stands = stances(here, point, DISTANCES, SIDES)
+    found = plan_reach(here, stands, grasps, after, carry=robot.q.copy())
+    yield from go_to_grasp(here, found, speed=0.7)
+    _check_held(here)
+    yield from release(here)
+    yield from here.mover.play(found.after)
+    here.begin(here.simulation.geoms(body))
+    yield from go_home(here)
+
+
+def release(here: Surroundings, periods: int = 6) -> Steps:
+    """Open the fingers; the hand is empty from now on."""
+    body = here.hand.body
+    level = body is not None and here.things[body].vessel
+    yield from here.mover.fingers(0.03 if level else 0.04, periods)
+    here.hand.body, here.hand.contents = None, ()
+
+
+def _check_held(here: Surroundings) -> None:
+    if here.robot.opening < 0.004:
+        body, here.hand.body = here.hand.body, None
+        raise SkillFailure("slipped", f"the {body} slipped out of the hand on the way")
+
+
+def _poses(here: Surroundings, point: Array, deep: bool) -> list[Grasp]:
+    """Poses of the hand that set the held thing upright on ``point``; its turn about the vertical is free."""
+    body = here.hand.body
+    if body is None:
+        return []
+    thing = here.things[body]
+    grip, pose = here.robot.grip_pose(), here.simulation.pose(body)
+    inward = grip[1].T
+    offset, turned = inward @ (pose[0] - grip[0]), inward @ pose[1]
+    # A vessel droops a little in the fingers: the hand sets it level again. Other things stood as they were found.
+    yaw = math.atan2(pose[1][1, 0], pose[1][0, 0])
+    upright = about_z(yaw) if thing.vessel else here.hand.upright
+    goals = [point + [0.0, 0.0, thing.rest_height]]
+    if deep and thing.vessel:
+        goals = [goals[0] + [dx, dy, 0.0] for dx, dy in _BASIN_SHIFTS]
+    before = np.array([0.0, 0.0, _ABOVE_BASIN if deep else _ABOVE])
+    found = []
+    for goal, lean, turn in product(goals, (0.0,) if thing.vessel else _LEANS, _turns(thing, deep)):
+        hand = about_x(lean) @ about_z(turn) @ upright @ turned.T
+        shift = [0.0, -0.05 * lean, _RELEASE + 0.035 * math.sin(lean)]
+        at = goal + shift - hand @ offset
+        found.append(Grasp(at, hand, at + before + [0.0, -0.08 * math.sin(lean), 0.0]))
+    if not thing.vessel and point[2] > 0.85 and _covered(here, point):
+        # Under something low every upright hand would be tried in vain: lean first.
+        found = found[len(found) // 3 :] + found[: len(found) // 3]
+    return found
+
+
+def _turns(thing: Category, deep: bool) -> tuple[float, ...]:
+    """Turns of a thing about the vertical worth trying, best first."""
+    if thing.vessel:
+        return _BASIN_TURNS if deep else _LEVEL_TURNS
+    return tuple(turn + flip for turn in _TURNS for flip in (0.0, math.pi))
+
+
+def _covered(here: Surroundings, point: Array) -> bool:
+    """True when a fixture hangs less than 0.6 m above the point, or just behind it."""
+    for fixture in here.layout.fixtures.values():
+        for block in fixture.blocks:
+            inside = block.low[0] - 0.1 < point[0] < block.high[0] + 0.1 and block.low[1] - 0.15 < point[1]
+            if inside and point[2] + 0.1 < block.low[2] < point[2] + 0.6:
+                return True
+    return False

@@ -1,0 +1,105 @@
+"""The planner of every skill: stance x grasp x branch, the tightest pose first, all of it checked before moving."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from remac_env.backends.physics.grasps import Grasp
+from remac_env.backends.physics.paths import Path
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, drive_to
+from remac_env.robots import panda
+from remac_env.robots.rotation import Array
+
+CHECKS = 9000  # collision checks (about 80 us each) after which a search gives up
+
+After = Callable[[Array, Grasp], Any]
+"""Plans what follows from the goal configuration; None refuses the candidate, anything else is handed on."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """A checked way to a grasp: where to stand, the way to the pre-grasp, the approach, and what follows."""
+
+    base: Array
+    way: Path
+    approach: Path
+    after: Any
+    grasp: Grasp
+
+
+def plan_reach(
+    here: Surroundings, stands: Sequence[Array], grasps: Sequence[Grasp], after: After, *, carry: Array | None = None,
+    most: int = 6, checks: int = CHECKS,
+) -> Reach:
+    """The first free combination. ``carry``: the configuration to start from instead of the folded arm.
+
+    Raises SkillFailure: ``unreachable`` when no pose can be reached, ``blocked`` when things are in the way.
+    """
+    planner, scratch, robot = here.planner, here.scratch, here.robot
+    why: Counter[str] = Counter()
+    limit = scratch.checks + checks
+    for base in stands:
+        ready = panda.tucked(*base) if carry is None else np.concatenate([base, carry[3:]])
+        if not scratch.free(ready):
+            why["stance: {} meets {}".format(*scratch.touching)] += 1
+            continue
+        drivable: bool | None = None
+        for grasp in grasps:
+            if scratch.checks > limit:
+                raise _given_up(why)
+            for goal in planner.reach(grasp.position, grasp.rotation, base, ready, most=most):
+                found = _try_goal(here, ready, goal, grasp, after, why)
+                if found is None:
+                    continue
+                if drivable is None:
+                    start = np.concatenate([robot.q[:3], ready[3:]])
+                    drivable = planner.drive(start, base, here.station.y) is not None
+                if not drivable:
+                    why["drive: {} meets {}".format(*scratch.touching)] += 1
+                    break
+                way, approach, following = found
+                return Reach(base, way, approach, following, grasp)
+            if drivable is False:
+                break
+    raise _given_up(why)
+
+
+def _try_goal(
+    here: Surroundings, ready: Array, goal: Array, grasp: Grasp, after: After, why: Counter[str]
+) -> tuple[Path, Path, Any] | None:
+    planner, scratch = here.planner, here.scratch
+    if not scratch.free(goal):
+        why["goal: {} meets {}".format(*scratch.touching)] += 1
+        return None
+    approach = planner.approach(goal, grasp.rotation, grasp.before)
+    if approach is None:
+        why["approach: " + planner.reason] += 1
+        return None
+    planner.reason = "no way on"
+    following = after(goal, grasp)
+    if following is None:
+        why["after: " + planner.reason] += 1
+        return None
+    way = planner.path(ready, approach[0], tree=False) or planner.path(ready, approach[0], via=False)
+    if way is None:
+        why["no path to the pre-grasp"] += 1
+        return None
+    return way, approach[1:], following
+
+
+def _given_up(why: Counter[str]) -> SkillFailure:
+    if not why:
+        return SkillFailure("unreachable", "no configuration reaches it")
+    return SkillFailure("blocked", "; ".join(f"{text} ({count})" for text, count in why.most_common(3)))
+
+
+def go_to_grasp(here: Surroundings, reach: Reach, *, speed: float = 1.0) -> Steps:
+    """Drive to the stance, move to the pre-grasp and approach."""
+    yield from drive_to(here, reach.base)
+    yield from here.mover.go(reach.way, speed)
+    yield from here.mover.play(reach.approach)

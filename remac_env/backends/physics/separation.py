@@ -1,0 +1,81 @@
+"""How near robots come to one another, with what they hold: for planning traffic and for counting near misses."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from remac_env.backends.physics.simulation import Simulation
+from remac_env.robots.rotation import Array
+
+NEAR_MISS = 0.05  # m
+_FAR = 2.4  # m between two bases from which on arms cannot meet
+
+
+class Separation:
+    """Distances between robots, measured on a scratch copy in which nothing else collides."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._model = copy.copy(simulation.model)
+        self._data = mujoco.MjData(self._model)
+        self._held: dict[str, str] = {}
+        names = [self._model.body(b).name for b in range(self._model.nbody)]
+        self._bodies = {
+            robot: [b for b, name in enumerate(names) if name.startswith(robot + "/")] for robot in simulation.robots
+        }
+        self._model.opt.enableflags = 0
+        self._model.geom_margin[:] = NEAR_MISS + 0.01
+        self._set_masks()
+
+    def holding(self, held: Mapping[str, str]) -> None:
+        """Let these things (robot -> body) count as parts of the robots that hold them."""
+        if held != self._held:
+            self._held = dict(held)
+            self._set_masks()
+
+    def of_world(self) -> float:
+        """Least distance (m) between robots now; at most 0.06 is told apart, larger ones are infinite."""
+        robots = list(self._simulation.robots.values())
+        places = [self._simulation.data.qpos[robot.qpos[:2]] for robot in robots]
+        if len(robots) < 2 or np.linalg.norm(places[0] - places[1]) > _FAR:
+            return np.inf
+        self._data.qpos[:] = self._simulation.data.qpos
+        return self._measure()
+
+    def of_configurations(
+        self, configurations: Mapping[str, Array], attached: Mapping[str, tuple[int, Array]]
+    ) -> float:
+        """Least distance (m) with robots in these configurations.
+
+        ``attached``: robot -> (qpos address, pose (7,)) of what it holds there; all else is as in the world.
+        """
+        for name, q in configurations.items():
+            self._data.qpos[self._simulation.robots[name].qpos] = q
+        for address, pose in attached.values():
+            self._data.qpos[address : address + 7] = pose
+        return self._measure()
+
+    def refresh(self) -> None:
+        """Copy the world's configuration, before a series of :meth:`of_configurations`."""
+        self._data.qpos[:] = self._simulation.data.qpos
+
+    def _measure(self) -> float:
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_collision(self._model, self._data)
+        return float(self._data.contact.dist.min()) if self._data.ncon else np.inf
+
+    def _set_masks(self) -> None:
+        model = self._model
+        for masks in (model.geom_contype, model.geom_conaffinity, model.body_contype, model.body_conaffinity):
+            masks[:] = 0
+        full = (1 << len(self._bodies)) - 1
+        for number, (robot, bodies) in enumerate(self._bodies.items()):
+            held = self._held.get(robot)
+            for body in [*bodies, *([model.body(held).id] if held else [])]:
+                geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] == body and model.geom_group[g] == 3]
+                model.geom_contype[geoms] = model.body_contype[body] = 1 << number
+                model.geom_conaffinity[geoms] = model.body_conaffinity[body] = full & ~(1 << number)

@@ -1,0 +1,117 @@
+"""The simulated kitchen: MuJoCo model and data, the clock, and handles on robots and objects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import mujoco
+import numpy as np
+
+from remac_env.errors import PhysicsError
+from remac_env.robots import panda
+from remac_env.robots.rotation import Array
+
+SUBSTEPS = 10  # steps of 5 ms, see remac_env.kitchen.builder
+CONTROL_PERIOD = 0.05  # s
+
+
+class RobotHandle:
+    """Addresses of one robot in the model, its commanded configuration ``q`` (11,) and finger opening ``grip`` (m)."""
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, name: str) -> None:
+        self.name = name
+        self._data = data
+        joints = [model.joint(f"{name}/{part}") for part in panda.JOINTS]
+        servos = [model.actuator(f"{name}/{part}") for part in panda.JOINTS]
+        fingers = [model.joint(f"{name}/{part}") for part in panda.FINGERS]
+        self.qpos = np.array([j.qposadr[0] for j in joints])
+        self.finger_qpos = np.array([j.qposadr[0] for j in fingers])
+        self._controls = np.array([s.id for s in servos])
+        self._activations = np.array([s.actadr[0] for s in servos])
+        self._finger_controls = np.array([model.actuator(f"{name}/{part}").id for part in panda.FINGERS])
+        self._site = model.site(f"{name}/grip").id
+        self.q = panda.tucked(0.0, 0.0, 0.0)
+        self.grip = panda.FINGER_OPEN
+
+    def put(self, q: Array, grip: float = panda.FINGER_OPEN) -> None:
+        """Pose the robot at once (at reset only)."""
+        self.q, self.grip = np.array(q, float), float(grip)
+        self._data.qpos[self.qpos] = self.q
+        self._data.qpos[self.finger_qpos] = grip
+        self._data.act[self._activations] = self.q
+
+    def apply(self) -> None:
+        """Write the servo commands that bring the setpoints to ``q`` within one control period."""
+        if not (np.isfinite(self.q).all() and np.isfinite(self.grip)):
+            raise PhysicsError(f"{self.name}: command is not finite: {self.q}")
+        activations = self._data.act[self._activations]
+        self._data.ctrl[self._controls] = (self.q - activations) / CONTROL_PERIOD
+        self._data.ctrl[self._finger_controls] = self.grip
+
+    @property
+    def measured(self) -> Array:
+        """The configuration (11,) in which the robot is."""
+        return self._data.qpos[self.qpos].copy()
+
+    @property
+    def opening(self) -> float:
+        """Distance between the fingertip pads (m)."""
+        return float(self._data.qpos[self.finger_qpos].sum())
+
+    def grip_pose(self) -> tuple[Array, Array]:
+        """Measured position (3,) and rotation (3, 3) of the grip site."""
+        return self._data.site_xpos[self._site].copy(), self._data.site_xmat[self._site].reshape(3, 3).copy()
+
+    @property
+    def heading(self) -> Array:
+        """Unit vector (3,) in which the commanded base looks."""
+        return np.array([np.cos(self.q[2]), np.sin(self.q[2]), 0.0])
+
+
+class Simulation:
+    """Model, data and clock, with the robots called ``robots``."""
+
+    def __init__(self, model: mujoco.MjModel, robots: Iterable[str]) -> None:
+        self.model = model
+        self.data = mujoco.MjData(model)
+        self.robots = {name: RobotHandle(model, self.data, name) for name in robots}
+        self.ticks = 0
+
+    def clear(self) -> None:
+        """Back to the model's initial state; nothing of what went before remains."""
+        mujoco.mj_resetData(self.model, self.data)
+        self.ticks = 0
+
+    def tick(self) -> None:
+        """One control period under the robots' present commands."""
+        for robot in self.robots.values():
+            robot.apply()
+        mujoco.mj_step(self.model, self.data, nstep=SUBSTEPS)
+        self.ticks += 1
+        if any(warning.number for warning in self.data.warning):
+            raised = [mujoco.mjtWarning(k).name for k, w in enumerate(self.data.warning) if w.number]
+            raise PhysicsError(f"MuJoCo warned after {self.ticks} control steps: {', '.join(raised)}")
+
+    def geoms(self, body: str) -> list[int]:
+        """Ids of the geoms that belong to ``body`` itself."""
+        b = self.model.body(body)
+        return list(range(int(b.geomadr[0]), int(b.geomadr[0]) + int(b.geomnum[0]))) if b.geomnum[0] else []
+
+    def pose(self, body: str) -> tuple[Array, Array]:
+        """Position (3,) and rotation (3, 3) of a body."""
+        b = self.model.body(body).id
+        return self.data.xpos[b].copy(), self.data.xmat[b].reshape(3, 3).copy()
+
+    def joint(self, name: str) -> float:
+        """Position of a hinge (rad) or slide (m)."""
+        return float(self.data.qpos[self.model.jnt_qposadr[self.model.joint(name).id]])
+
+    def place(self, body: str, position: Array, quaternion: Array) -> None:
+        """Pose a free object at once (at reset only)."""
+        address = int(self.model.joint(body).qposadr[0])
+        self.data.qpos[address : address + 3] = position
+        self.data.qpos[address + 3 : address + 7] = quaternion
+
+    def moving(self) -> float:
+        """Largest speed of any joint in the model (m/s or rad/s)."""
+        return float(np.abs(self.data.qvel).max())

@@ -1,0 +1,155 @@
+"""What all skills share: their surroundings, how they fail, and how they come home."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from remac_env.backends.physics.collision import IGNORED, Scratch
+from remac_env.backends.physics.motion import Mover
+from remac_env.backends.physics.paths import Planner
+from remac_env.backends.physics.simulation import RobotHandle, Simulation
+from remac_env.kitchen.fixtures import Fixture
+from remac_env.kitchen.layout import Layout, Station
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots import panda
+from remac_env.robots.ik import Kinematics
+from remac_env.robots.rotation import Array
+from remac_env.subtasks import Reason
+
+Steps = Generator[None, None, None]
+
+STATION_REACH = 0.34  # m, how far aside of its station a robot may stand within a skill
+FRONT_LIMIT = -0.20  # y of the arm axis nearest to the counters (their fronts are at 0, the base reaches 0.15 ahead)
+DOOR_OPEN = 0.90  # rad
+_FLOOR_THING = 0.4  # m; things lower than this have fallen down
+
+
+class SkillFailure(Exception):
+    """A skill gave up. ``reason`` is one of the closed list in :mod:`remac_env.subtasks`."""
+
+    def __init__(self, reason: Reason, detail: str = "") -> None:
+        super().__init__(f"{reason}: {detail}")
+        self.reason, self.detail = reason, detail
+
+
+@dataclass
+class Hand:
+    """What a robot holds, and how that was turned when it stood: leaning hands must set it upright again."""
+
+    body: str | None = None
+    upright: Array = field(default_factory=lambda: np.eye(3))
+    contents: tuple[str, ...] = ()
+
+
+@dataclass
+class Surroundings:
+    """One robot with everything its skills need. ``random`` is renewed for every skill."""
+
+    simulation: Simulation
+    robot: RobotHandle
+    layout: Layout
+    things: Mapping[str, Category]
+    kinematics: Kinematics
+    scratch: Scratch
+    planner: Planner
+    mover: Mover
+    hand: Hand
+    station: Station
+    shifts: dict[str, Array] = field(default_factory=dict)  # errors (3,) in the poses that controllers see
+
+    @property
+    def home(self) -> Array:
+        """The base pose (3,) at the station."""
+        return np.array([self.station.x, self.station.y, self.station.yaw])
+
+    def seen(self, body: str) -> tuple[Array, Array]:
+        """The pose of a thing as the controllers see it."""
+        position, rotation = self.simulation.pose(body)
+        return position + self.shifts.get(body, 0.0), rotation
+
+    def fixture(self, name: str) -> Fixture:
+        """A fixture of the layout."""
+        return self.layout.fixtures[name]
+
+    def door_angle(self, name: str) -> float | None:
+        """Angle of a fixture's door (rad), None where it has none."""
+        return self.fixture(name).read(self.simulation.model, self.simulation.data).door_angle
+
+    def begin(self, target: Iterable[int] = (), *, held_meets: bool = True) -> None:
+        """Refresh the scratch world, with what the hand holds."""
+        self.scratch.begin(target=target, held=self.hand.body, contents=self.hand.contents, held_meets=held_meets)
+        for body in self.things:
+            # What lies on the floor is pushed aside by the base, and must not keep the robot from moving.
+            if body != self.hand.body and self.simulation.pose(body)[0][2] < _FLOOR_THING:
+                self.scratch.mark(self.simulation.geoms(body), IGNORED)
+        self.scratch.fingers(self.robot.grip if self.hand.body is None else 0.5 * self.robot.opening)
+
+
+def stances(
+    here: Surroundings, target: Array, distances: Iterable[float], sides: Iterable[float],
+    turns: Iterable[float] = (0.0,),
+) -> list[Array]:
+    """Base poses (3,) in front of ``target``, best first, near the robot's station."""
+    first, *_ = distances = tuple(distances)
+    found: list[tuple[float, tuple[float, float, float]]] = []
+    for distance in distances:
+        for side in sides:
+            for turn in turns:
+                x = float(target[0]) + side
+                x = min(max(x, here.station.x - STATION_REACH), here.station.x + STATION_REACH)
+                y = min(float(target[1]) - distance, FRONT_LIMIT)
+                cost = abs(x - float(target[0])) + 0.5 * abs(distance - first) + 0.3 * abs(turn)
+                found.append((cost, (round(x, 6), round(y, 6), 0.5 * math.pi + turn)))
+    found.sort()
+    return [np.array(pose) for pose in dict.fromkeys(pose for _, pose in found)]
+
+
+def require_open(here: Surroundings, name: str) -> None:
+    """Fail with door_closed when the fixture has a door that is not open."""
+    angle = here.door_angle(name)
+    if angle is not None and angle < DOOR_OPEN:
+        raise SkillFailure("door_closed", f"the {name} door stands at {angle:.2f} rad")
+
+
+def tuck(here: Surroundings) -> Steps:
+    """Fold the arm where the robot stands, else after backing off. Fails with ``blocked``."""
+    planner, robot = here.planner, here.robot
+    if np.abs(robot.q[4:] - panda.TUCK_ARM).max() < 0.02 and abs(robot.q[3] - panda.TUCK_TORSO) < 0.01:
+        return
+    for back in (0.0, 0.15, 0.3, 0.45):
+        start = robot.q.copy()
+        stand = start.copy()
+        stand[:2] -= back * here.robot.heading[:2]
+        if stand[1] < here.station.y - 0.05 and back:
+            break
+        if back and not planner.edge(start, stand):
+            continue
+        way = planner.path(stand, panda.tucked(*stand[:3]), tree=back == 0.3)
+        if way is not None:
+            yield from here.mover.go(([stand] if back else []) + way)
+            return
+    raise SkillFailure("blocked", "no way to fold the arm: {} meets {}".format(*here.scratch.touching))
+
+
+def drive_to(here: Surroundings, base: Array) -> Steps:
+    """Move the base within the station, the arm as it is. Fails with ``blocked``."""
+    way = here.planner.drive(here.robot.q, base, here.station.y)
+    if way is None:
+        raise SkillFailure("blocked", "no way to drive: {} meets {}".format(*here.scratch.touching))
+    yield from here.mover.go(way)
+
+
+def go_home(here: Surroundings) -> Steps:
+    """Back to the station's home pose: arm folded, or as it is when the hand carries something level."""
+    here.begin()
+    held = here.hand.body
+    if not here.scratch.free(here.robot.q):
+        here.begin(held_meets=False)
+    if held is None or not here.things[held].vessel:
+        yield from tuck(here)
+    if np.abs(here.robot.q[:3] - here.home).max() > 1e-6:
+        yield from drive_to(here, here.home)

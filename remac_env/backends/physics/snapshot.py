@@ -1,0 +1,134 @@
+"""Reads a WorldState out of the simulation's geometry. Nothing else turns MjData into facts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from remac_env.backends.physics.simulation import RobotHandle, Simulation
+from remac_env.kitchen.fixtures import Slot
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots import panda
+from remac_env.robots.rotation import Array
+from remac_env.state import (
+    ASIDE,
+    FLOOR,
+    FixtureState,
+    FrozenMap,
+    ObjectState,
+    Place,
+    RobotState,
+    Scene,
+    WorldState,
+    door_state,
+)
+
+STATION_DISTANCE = 0.20  # m; released threshold
+STATION_COSINE = 0.98  # of the heading's error; released threshold
+PAN_ON_BURNER = 0.15  # m from the burner's middle; released threshold
+SLOT_SLACK = 0.06  # m over a slot's edge: a thing that rolled a little still lies in it
+_SURFACE_BAND = (-0.03, 0.12)  # m of a thing's frame over the slot's surface
+_CAVITY_HEIGHT = 0.5
+_VESSEL_BAND = (-0.01, 0.14)  # m of a thing's frame over that of the vessel it is in
+_UPRIGHT = 0.8  # z component of a vessel's axis
+
+
+def read_world(
+    simulation: Simulation, scene: Scene, layout: Layout, things: Mapping[str, Category], *,
+    marks: Mapping[str, frozenset[str]], running: frozenset[str],
+) -> WorldState:
+    """The world as it is.
+
+    ``marks`` and ``running`` are what geometry does not show: marks of objects, and switches that a push button
+    has left on.
+    """
+    held = {name: holding(simulation, robot, things) for name, robot in simulation.robots.items()}
+    robots = {name: RobotState(station_of(robot, layout), held[name]) for name, robot in simulation.robots.items()}
+    holders = {body: name for name, body in held.items() if body is not None}
+    objects = {
+        name: ObjectState(_place(simulation, layout, things, holders, name), marks.get(name, frozenset()))
+        for name in scene.objects
+    }
+    fixtures = {}
+    for name in scene.fixtures:
+        reading = layout.fixtures[name].read(simulation.model, simulation.data)
+        door = None if reading.door_angle is None else door_state(reading.door_angle)
+        on = reading.on | (running & frozenset(layout.fixtures[name].switches))
+        fixtures[name] = FixtureState(door, frozenset(on))
+    return WorldState(FrozenMap(robots), FrozenMap(objects), FrozenMap(fixtures))
+
+
+def station_of(robot: RobotHandle, layout: Layout) -> str:
+    """The station at which a robot stands, else ``aside``."""
+    x, y, yaw = robot.measured[:3]
+    for name, station in layout.stations.items():
+        near = math.hypot(x - station.x, y - station.y) <= STATION_DISTANCE
+        if near and math.cos(yaw - station.yaw) >= STATION_COSINE:
+            return name
+    return ASIDE
+
+
+def holding(simulation: Simulation, robot: RobotHandle, things: Mapping[str, Category]) -> str | None:
+    """The thing that both fingers of a robot touch, or None."""
+    model, data = simulation.model, simulation.data
+    fingers = [model.body(f"{robot.name}/{part}").id for part in panda.FINGERS]
+    bodies = {model.body(name).id: name for name in things}
+    touched: dict[int, set[int]] = {}
+    for pair in model.geom_bodyid[data.contact.geom[: data.ncon]]:
+        for one, other in (pair, pair[::-1]):
+            if int(one) in fingers and int(other) in bodies:
+                touched.setdefault(int(other), set()).add(int(one))
+    both = sorted(body for body, by in touched.items() if len(by) == 2)
+    return bodies[both[0]] if both else None
+
+
+def _place(
+    simulation: Simulation, layout: Layout, things: Mapping[str, Category], holders: Mapping[str, str], name: str
+) -> Place:
+    if name in holders:
+        return Place("held", holders[name])
+    position, _ = simulation.pose(name)
+    vessel = _vessel_around(simulation, things, name, position)
+    if vessel is not None:
+        return Place("vessel", vessel)
+    slot = slot_under(layout, position - [0.0, 0.0, things[name].rest_height])
+    return FLOOR if slot is None else Place("slot", slot)
+
+
+def _vessel_around(
+    simulation: Simulation, things: Mapping[str, Category], name: str, position: Array
+) -> str | None:
+    """The nearest upright vessel in or on which the thing's frame lies."""
+    found = []
+    if things[name].vessel:
+        return None
+    for other, kind in things.items():
+        if other == name or not kind.vessel:
+            continue
+        middle, rotation = simulation.pose(other)
+        aside, _, up = rotation.T @ (position - middle)
+        away = math.hypot(aside, float((rotation.T @ (position - middle))[1]))
+        if rotation[2, 2] >= _UPRIGHT and away <= kind.body["radius"] and _VESSEL_BAND[0] <= up <= _VESSEL_BAND[1]:
+            found.append((away, other))
+    return min(found)[1] if found else None
+
+
+def slot_under(layout: Layout, point: Array) -> str | None:
+    """The slot on which a thing with its lowest point at ``point`` (3,) lies, or None."""
+    found = [(distance, name) for name, slot in layout.slots.items() if (distance := _miss(slot, point)) is not None]
+    return min(found)[1] if found else None
+
+
+def _miss(slot: Slot, point: Array) -> float | None:
+    """Distance (m) of a point from a slot's middle, None where it is not in the slot."""
+    away = np.abs(point[:2] - slot.center[:2])
+    up = point[2] - slot.center[2]
+    distance = float(np.hypot(*away))
+    if slot.kind == "burner":
+        return distance if distance <= PAN_ON_BURNER and _SURFACE_BAND[0] <= up <= _SURFACE_BAND[1] else None
+    height = _CAVITY_HEIGHT if slot.kind == "cavity" else _SURFACE_BAND[1]
+    inside = (away <= np.array(slot.half) + (0.0 if slot.kind == "cavity" else SLOT_SLACK)).all()
+    return distance if inside and _SURFACE_BAND[0] <= up <= height else None

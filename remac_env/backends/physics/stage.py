@@ -1,0 +1,57 @@
+"""Poses a simulation as a start says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from remac_env.backends.physics.simulation import Simulation
+from remac_env.backends.physics.switches import KNOB_ON, LEVER_ON
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots import panda
+from remac_env.robots.rotation import Array
+from remac_env.start import Start
+
+_AIR = 0.0005  # m under a thing, so that it starts without penetration
+
+
+def pose_start(simulation: Simulation, layout: Layout, things: Mapping[str, Category], start: Start) -> None:
+    """Set every joint of a fresh simulation: objects, doors, switches and robots."""
+    simulation.clear()
+    for name in start.world.objects:
+        position, yaw = _object_pose(layout, things, start, name)
+        simulation.place(name, position, np.array([math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw)]))
+    for name, state in start.world.fixtures.items():
+        fixture = layout.fixtures[name]
+        if fixture.door:
+            _set_joint(simulation, f"{name}/door", start.doors.get(name, 0.0))
+        for switch in state.on:
+            if fixture.kind == "stove":
+                knob = fixture.knobs[fixture.switches.index(switch)]  # type: ignore[attr-defined]
+                _set_joint(simulation, knob, KNOB_ON)
+            elif fixture.kind == "faucet":
+                _set_joint(simulation, f"{name}/lever", LEVER_ON)
+    for name, (index, offset) in start.robots.items():
+        place = layout.asides[index]
+        yaw = place.yaw + offset.yaw
+        simulation.robots[name].put(panda.tucked(place.x + offset.dx, place.y + offset.dy, yaw))
+    mujoco.mj_forward(simulation.model, simulation.data)
+
+
+def _object_pose(layout: Layout, things: Mapping[str, Category], start: Start, name: str) -> tuple[Array, float]:
+    """Position (3,) and yaw of a thing in its slot, or in a vessel that is in one."""
+    place, offset = start.world.objects[name].place, start.offsets[name]
+    shift = np.array([offset.dx, offset.dy, things[name].rest_height + _AIR])
+    if place.relation == "vessel":
+        ground = _object_pose(layout, things, start, place.where)[0] + [0.0, 0.0, things[place.where].inside_height]
+    else:
+        ground = np.array(layout.slots[place.where].center)
+    return ground + shift, offset.yaw
+
+
+def _set_joint(simulation: Simulation, name: str, value: float) -> None:
+    simulation.data.qpos[int(simulation.model.joint(name).qposadr[0])] = value

@@ -1,0 +1,166 @@
+"""Turn things on and off: the stove's knobs, the faucet's lever, the microwave's start button."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from remac_env.backends.physics.grasps import Grasp
+from remac_env.backends.physics.paths import STEP_LIMIT, Path
+from remac_env.backends.physics.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.simulation import CONTROL_PERIOD
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances, tuck
+from remac_env.kitchen.fixtures.microwave import BUTTON_PRESSED
+from remac_env.robots.rotation import Array, about_x, about_y, about_z, grip_frame
+
+KNOB_ON, LEVER_ON = 0.9, 0.7  # rad to which they are turned; on from 0.35
+_LEVER_GRIP = 0.12  # m from the lever's hinge
+
+
+@dataclass(frozen=True)
+class _Turn:
+    """A hinge and how the hand goes with it: positions and turns of the hand by hinge angle."""
+
+    joint: str
+    body: str
+    at: Callable[[float], Array]
+    turn: Callable[[float], Array]
+    target: float
+    beyond: float  # rad commanded past the target
+    rate: float  # rad/s
+    opening: float
+    closing: float
+
+
+def turn_knob(here: Surroundings, joint: str, *, on: bool) -> Steps:
+    """Turn a knob (joint, body and site of one name) on or off."""
+    model = here.simulation.model
+    at = np.array(model.body(joint).pos) + np.array(model.site(joint).pos)
+    start = here.simulation.joint(joint)
+    grasps = []
+    for pitch in (0.0, 0.3, -0.3):
+        for side in (1.0, -1.0):
+            approach = [0.0, math.cos(pitch), -math.sin(pitch)]
+            hand = grip_frame(approach, about_y(start) @ [side, 0.0, 0.0])
+            grasps.append(Grasp(at, hand, at - hand[:, 2] * 0.12))
+    target, beyond = (KNOB_ON, 0.15) if on else (0.0, -0.10)
+    turn = _Turn(joint, joint, lambda _: at, about_y, target, beyond, 1.2, 0.035, 0.0)
+    stands = stances(here, at, (0.66, 0.74, 0.58, 0.82), (0.0, 0.12, -0.12, 0.25, -0.25))
+    yield from _turn_hinge(here, turn, grasps, stands)
+
+
+def turn_lever(here: Surroundings, fixture: str, *, on: bool) -> Steps:
+    """Lift or lower the lever of a faucet, pinched from above and below: the hand is wide along its fingers."""
+    joint = f"{fixture}/lever"
+    hinge = np.array(here.simulation.model.body(joint).pos)
+    start = here.simulation.joint(joint)
+
+    def at(angle: float) -> Array:
+        return hinge + about_x(-angle) @ np.array([0.0, -_LEVER_GRIP, 0.0])
+
+    tilted, grasps = about_x(-start), []
+    for pitch in (0.0, 0.3, 0.6, -0.3):
+        for yaw in (0.0, -0.4, -0.8, 0.4):
+            for side in (1.0, -1.0):
+                approach = tilted @ about_z(yaw) @ [0.0, math.cos(pitch), -math.sin(pitch)]
+                hand = grip_frame(approach, tilted @ [0.0, 0.0, side])
+                grasps.append(Grasp(at(start), hand, at(start) - hand[:, 2] * 0.10))
+    for pitch in (0.8, 1.1):
+        for side in (1.0, -1.0):
+            hand = grip_frame([0.0, math.cos(pitch), -math.sin(pitch)], [side, 0.0, 0.0])
+            grasps.append(Grasp(at(start), hand, at(start) - hand[:, 2] * 0.12))
+    target, beyond = (LEVER_ON, 0.2) if on else (0.0, -0.15)
+    turn = _Turn(joint, joint, at, lambda a: about_x(-0.6 * a), target, beyond, 0.8, 0.03, 0.004)
+    stands = stances(here, at(start), (0.64, 0.7, 0.58, 0.76), (0.0, 0.12, -0.12, 0.25, -0.25))
+    yield from _turn_hinge(here, turn, grasps, stands)
+
+
+def press_button(here: Surroundings, fixture: str) -> Steps:
+    """Push the start button in with closed fingertips and let go."""
+    simulation, robot, planner = here.simulation, here.robot, here.planner
+    name = f"{fixture}/button"
+    here.begin()
+    yield from tuck(here)
+    robot.grip = 0.0
+    yield from here.mover.fingers(0.0, 8)
+    here.begin(simulation.geoms(name))
+    here.scratch.fingers(0.0)
+    face = np.array(simulation.model.body(name).pos) + np.array(simulation.model.site(name).pos)
+    grasps = []
+    for pitch in (0.5, 0.8, 0.3, 0.0):
+        for yaw in (0.0, 0.4, -0.4):
+            for side in (1.0, -1.0):
+                approach = about_z(yaw) @ [0.0, math.cos(pitch), -math.sin(pitch)]
+                hand = grip_frame(approach, about_z(yaw) @ [side, 0.0, 0.0])
+                # The fingertips end 17 mm beyond the grip site.
+                at = face - hand[:, 2] * 0.021
+                grasps.append(Grasp(at, hand, at - hand[:, 2] * 0.10))
+
+    def after(goal: Array, grasp: Grasp) -> Path | None:
+        push = grasp.position + [0.0, 0.018, 0.0]
+        return planner.line(goal, push, grasp.rotation, speed=0.05, check=False)
+
+    stands = stances(here, face, (0.66, 0.74, 0.58, 0.82), (0.0, -0.12, 0.12, -0.25, 0.25))
+    found = plan_reach(here, stands, grasps, after)
+    yield from go_to_grasp(here, found)
+    yield from here.mover.play(found.after)
+    pushed = simulation.joint(name)
+    yield from here.mover.play(found.approach[::-1])
+    yield from here.mover.fingers(0.04, 4)
+    here.begin()
+    yield from go_home(here)
+    if pushed < BUTTON_PRESSED:
+        raise SkillFailure("slipped", f"the {fixture} button went in by only {1000 * pushed:.0f} mm")
+
+
+def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands: Sequence[Array]) -> Steps:
+    """Grasp, go along with the hinge, let go, straight back, home."""
+    simulation, robot, planner = here.simulation, here.robot, here.planner
+    here.begin()
+    yield from tuck(here)
+    geoms = simulation.geoms(turn.body)
+    here.begin(geoms)
+    here.scratch.fingers(turn.opening)
+    robot.grip = turn.opening
+    start = simulation.joint(turn.joint)
+    end = turn.target + turn.beyond
+
+    def after(goal: Array, grasp: Grasp) -> bool | None:
+        q = goal
+        for k in range(1, 9):
+            angle = start + (end - start) * k / 8
+            step = planner.kinematics.track(
+                q, turn.at(angle), turn.turn(angle - start) @ grasp.rotation, iterations=8, largest=3 * STEP_LIMIT
+            )
+            q = step.q
+            if step.position_error > 0.006 or step.rotation_error > 0.08 or not here.scratch.free(q):
+                planner.reason = "turning: {} meets {}".format(*here.scratch.touching)
+                return None
+        position, rotation = planner.kinematics.forward(q)
+        return True if planner.line(q, position - rotation[:, 2] * 0.12, rotation) is not None else None
+
+    found = plan_reach(here, stands, grasps, after)
+    yield from go_to_grasp(here, found)
+    yield from here.mover.fingers(turn.closing, 7)
+    sign, angle = math.copysign(1.0, end - start), start
+    for _ in range(80):
+        angle = sign * min(sign * angle + turn.rate * CONTROL_PERIOD, sign * end)
+        wanted = turn.turn(angle - start) @ found.grasp.rotation
+        step = planner.kinematics.track(robot.q, turn.at(angle), wanted, largest=STEP_LIMIT)
+        yield from here.mover.step(step.q)
+        if sign * simulation.joint(turn.joint) >= sign * turn.target:
+            break
+    yield from here.mover.fingers(turn.opening, 5)
+    here.begin(geoms)
+    position, rotation = planner.kinematics.forward(robot.q)
+    away = position - rotation[:, 2] * 0.12
+    path = planner.line(robot.q, away, rotation) or planner.line(robot.q, away, rotation, check=False)
+    yield from here.mover.play(path or [])
+    here.begin()
+    yield from go_home(here)
+    reached = simulation.joint(turn.joint)
+    if abs(reached - turn.target) > 0.25:
+        raise SkillFailure("slipped", f"{turn.joint} stands at {reached:.2f} rad")

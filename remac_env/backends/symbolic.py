@@ -1,0 +1,73 @@
+"""The symbolic backend: the skill table's effects in pure Python, no physics and no MuJoCo."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from remac_env.backends.base import RoundResult, Start
+from remac_env.errors import LifecycleError, OptionError
+from remac_env.rounds import settle_claims, transition
+from remac_env.seeding import generator
+from remac_env.state import WorldState
+from remac_env.subtasks import SKILLS, Outcome, Subtask, failure
+
+
+class SymbolicBackend:
+    """Rounds by the skill table alone.
+
+    Args:
+        failure_rate: probability in 0..1 that an accepted subtask other than `wait` and `done` slips and changes
+            nothing, drawn from a generator of the episode.
+    """
+
+    def __init__(self, *, failure_rate: float = 0.0) -> None:
+        if not 0.0 <= failure_rate <= 1.0:
+            raise OptionError(f"failure_rate {failure_rate!r} is not valid; valid: 0..1")
+        self.watch: Callable[[], None] | None = None
+        self._failure_rate = failure_rate
+        self._start: Start | None = None
+        self._world: WorldState | None = None
+        self._chance = np.random.default_rng(0)
+
+    def reset(self, start: Start) -> WorldState:
+        """Take over the start's world."""
+        self._start, self._world = start, start.world
+        self._chance = generator(start.seed, "symbolic slips")
+        return start.world
+
+    def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
+        """One round by the table; seconds are the table's nominal ones."""
+        if self._start is None or self._world is None:
+            raise LifecycleError("the symbolic backend needs reset(start) before run_round")
+        refused, _ = settle_claims(self._start.scene, self._world, subtasks)
+        slipped = self._slips({robot: s for robot, s in subtasks.items() if robot not in refused})
+        accepted = {robot: Subtask("wait") if robot in slipped else s for robot, s in subtasks.items()}
+        world, outcomes = transition(self._start.scene, self._world, accepted)
+        outcomes = outcomes | {robot: failure("slipped", "a seeded slip") for robot in slipped}
+        timed = {robot: _timed(outcome, subtasks[robot]) for robot, outcome in outcomes.items()}
+        self._world = world
+        if self.watch is not None:
+            self.watch()
+        return RoundResult(world, timed, max((o.seconds for o in timed.values()), default=0.0))
+
+    def positions(self) -> None:
+        """Nothing is simulated."""
+
+    def close(self) -> None:
+        """Forget the episode."""
+        self._start = self._world = None
+
+    def _slips(self, subtasks: Mapping[str, Subtask]) -> set[str]:
+        if self._failure_rate == 0.0:
+            return set()
+        moving = sorted(robot for robot, s in subtasks.items() if s.skill not in ("wait", "done"))
+        return {robot for robot in moving if self._chance.random() < self._failure_rate}
+
+
+def _timed(outcome: Outcome, subtask: Subtask) -> Outcome:
+    """An outcome with nominal seconds: a refusal takes none."""
+    refused = not outcome.success and outcome.reason not in ("dropped", "door_closed", "blocked", "slipped")
+    return replace(outcome, seconds=0.0 if refused else SKILLS[subtask.skill].seconds)

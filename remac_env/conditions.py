@@ -1,0 +1,221 @@
+"""Sentences about a kitchen that are true or false, and how each is decided from Scene and WorldState.
+
+A condition is data (a predicate and its arguments), so that the same value is a line of text for a language model, a
+question for a checker and a test on the truth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from remac_env.state import ASIDE, Place, Scene, WorldState, base_place, contents, inside, occupant, supports
+
+Predicate = Callable[..., bool]
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """A predicate (a key of PREDICATES) with its arguments, all names of robots, fixtures or objects."""
+
+    predicate: str
+    args: tuple[str, ...]
+
+    @property
+    def sentence(self) -> str:
+        """The condition in plain English, as a checker or a language model reads it."""
+        return _SENTENCES[self.predicate].format(*self.args)
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Whether the condition is true in this world."""
+        return PREDICATES[self.predicate](scene, world, *self.args)
+
+
+def condition(predicate: str, *args: str) -> Condition:
+    """Shorthand for Condition(predicate, args)."""
+    return Condition(predicate, args)
+
+
+# -- where things are -----------------------------------------------------------------------------------------------
+
+
+def stations_of(scene: Scene, world: WorldState, target: str) -> tuple[str, ...]:
+    """The stations from which `target` can be used; empty for an object that is held or on the floor."""
+    if target in scene.fixtures:
+        fixture = scene.fixtures[target]
+        slots = [scene.slots[name].station for name in fixture.slots]
+        return tuple(dict.fromkeys(slots or [fixture.station]))
+    place = base_place(world, target)
+    return (scene.slots[place.where].station,) if place.relation == "slot" else ()
+
+
+def destination(scene: Scene, world: WorldState, robot: str, target: str) -> str | None:
+    """The station at which `navigate to target` ends for this robot, or None when there is none.
+
+    Of several stations (a long counter) the robot keeps its own, else takes the first with a free slot that no other
+    robot uses, else the first with a free slot, else the first.
+    """
+    options = stations_of(scene, world, target)
+    if len(options) < 2:
+        return options[0] if options else None
+    here = world.robots[robot].station
+    free = [name for name in options if _free_slot_at(scene, world, target, name)]
+    taken = [state.station for other, state in world.robots.items() if other != robot]
+    quiet = [name for name in free if not any(scene.conflicting(name, other) for other in taken)]
+    if here in free:
+        return here
+    return (quiet or free or list(options))[0]
+
+
+def _free_slot_at(scene: Scene, world: WorldState, fixture: str, station: str) -> bool:
+    slots = (name for name in scene.fixtures[fixture].slots if scene.slots[name].station == station)
+    return any(occupant(world, name) is None for name in slots)
+
+
+def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place | None:
+    """Where `place to target` puts what the robot holds, or None when there is no room.
+
+    On a fixture: a free slot at the robot's station, a lit burner before others; else a vessel that stands there and
+    has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full or what is held is too big for it.
+    """
+    held = world.robots[robot].holding
+    if target in scene.objects:
+        small = held is None or scene.objects[held].small
+        full = len(contents(world, target)) >= scene.objects[target].holds
+        return Place("vessel", target) if small and not full and held != target else None
+    here = world.robots[robot].station
+    slots = [name for name in scene.fixtures[target].slots if scene.slots[name].station == here]
+    free = [name for name in slots if occupant(world, name) is None]
+    lit = [name for name in free if name in world.fixtures[target].on]
+    if free:
+        return Place("slot", (lit + free)[0])
+    vessels = [landing(scene, world, robot, str(occupant(world, name))) for name in slots]
+    return next((place for place in vessels if place is not None), None)
+
+
+def switch_for(scene: Scene, world: WorldState, fixture: str, *, turning_on: bool) -> str | None:
+    """The switch that `turn on` or `turn off` acts on; None when turning off and nothing is on.
+
+    With a switch per slot: the one under a vessel, else (turning on) the first, or (turning off) the first that is on.
+    """
+    facts = scene.fixtures[fixture]
+    if not facts.switch_per_slot:
+        return facts.switches[0]
+    on = world.fixtures[fixture].on
+    used = [n for n in facts.slots if (o := occupant(world, n)) is not None and scene.objects[o].holds]
+    if turning_on:
+        return next(iter(used), facts.switches[0])
+    lit = [name for name in facts.switches if name in on]
+    return next(iter([name for name in used if name in on] + lit), None)
+
+
+# -- predicates -----------------------------------------------------------------------------------------------------
+
+
+def _at(scene: Scene, world: WorldState, robot: str, target: str) -> bool:
+    return world.robots[robot].station in stations_of(scene, world, target)
+
+
+def _station_free(scene: Scene, world: WorldState, robot: str, target: str) -> bool:
+    goal = destination(scene, world, robot, target)
+    others = (state.station for name, state in world.robots.items() if name != robot)
+    return goal is not None and not any(scene.conflicting(goal, other) for other in others)
+
+
+def _accessible(scene: Scene, world: WorldState, target: str) -> bool:
+    around = [target] if target in scene.fixtures else supports(scene, world, target)
+    doors = (world.fixtures[name].door for name in around if name in scene.fixtures)
+    return all(door in (None, "open") for door in doors)
+
+
+def _placed(scene: Scene, world: WorldState, target: str) -> bool:
+    return target in scene.fixtures or base_place(world, target).relation == "slot"
+
+
+def _room(scene: Scene, world: WorldState, robot: str, target: str) -> bool:
+    return landing(scene, world, robot, target) is not None
+
+
+def _no_vessel_needed(scene: Scene, world: WorldState, robot: str, target: str) -> bool:
+    held = world.robots[robot].holding
+    if held is None or target not in scene.fixtures:
+        return True
+    return scene.fixtures[target].kind not in scene.objects[held].needs_vessel_in
+
+
+def _switched_on(scene: Scene, world: WorldState, fixture: str) -> bool:
+    switch = switch_for(scene, world, fixture, turning_on=True)
+    return switch in world.fixtures[fixture].on
+
+
+def _may_run(scene: Scene, world: WorldState, fixture: str) -> bool:
+    return not scene.fixtures[fixture].shut_to_run or world.fixtures[fixture].door == "closed"
+
+
+def _all_off(scene: Scene, world: WorldState, fixture: str) -> bool:
+    return not world.fixtures[fixture].on
+
+
+def _holds_shaker(scene: Scene, world: WorldState, robot: str) -> bool:
+    held = world.robots[robot].holding
+    return held is not None and scene.objects[held].seasons
+
+
+def _within(scene: Scene, world: WorldState, name: str, container: str) -> bool:
+    return inside(scene, world, name, container)
+
+
+PREDICATES: dict[str, Predicate] = {
+    "at": _at,
+    "aside": lambda scene, world, robot: world.robots[robot].station == ASIDE,
+    "station_free": _station_free,
+    "hand_empty": lambda scene, world, robot: world.robots[robot].holding is None,
+    "holding": lambda scene, world, robot, name: world.robots[robot].holding == name,
+    "hand_full": lambda scene, world, robot: world.robots[robot].holding is not None,
+    "holds_shaker": _holds_shaker,
+    "placed": _placed,
+    "accessible": _accessible,
+    "unloaded": lambda scene, world, name: not contents(world, name),
+    "room": _room,
+    "no_vessel_needed": _no_vessel_needed,
+    "inside": _within,
+    "directly_on": lambda scene, world, name, vessel: world.objects[name].place == Place("vessel", vessel),
+    "door_open": lambda scene, world, fixture: world.fixtures[fixture].door == "open",
+    "door_not_open": lambda scene, world, fixture: world.fixtures[fixture].door != "open",
+    "door_closed": lambda scene, world, fixture: world.fixtures[fixture].door == "closed",
+    "door_not_closed": lambda scene, world, fixture: world.fixtures[fixture].door != "closed",
+    "switched_on": _switched_on,
+    "switched_off": lambda scene, world, fixture: not _switched_on(scene, world, fixture),
+    "some_on": lambda scene, world, fixture: not _all_off(scene, world, fixture),
+    "all_off": _all_off,
+    "may_run": _may_run,
+    "marked": lambda scene, world, name, mark: mark in world.objects[name].marks,
+}
+"""Every predicate, decided from (scene, world, *args)."""
+
+_SENTENCES: dict[str, str] = {
+    "at": "{0} stands at the {1}",
+    "aside": "{0} has stepped aside",
+    "station_free": "no other robot stands where {0} needs to be for the {1}",
+    "hand_empty": "the gripper of {0} is empty",
+    "holding": "the gripper of {0} holds the {1}",
+    "hand_full": "the gripper of {0} holds something",
+    "holds_shaker": "the gripper of {0} holds a shaker",
+    "placed": "the {0} is in its place: neither in a gripper nor on the floor",
+    "accessible": "no shut door is in front of the {0}",
+    "unloaded": "nothing lies on or in the {0}",
+    "room": "the {1} has room for what {0} holds",
+    "no_vessel_needed": "what {0} holds may touch the {1} without a vessel",
+    "inside": "the {0} is on or in the {1}",
+    "directly_on": "the {0} lies on or in the {1} itself",
+    "door_open": "the {0} door is open",
+    "door_not_open": "the {0} door is not open yet",
+    "door_closed": "the {0} door is closed",
+    "door_not_closed": "the {0} door is not closed yet",
+    "switched_on": "the {0} is switched on",
+    "switched_off": "the {0} is not switched on yet",
+    "some_on": "the {0} is not switched off yet",
+    "all_off": "the {0} is switched off",
+    "may_run": "nothing keeps the {0} from running",
+    "marked": "the {0} has been {1}",
+}

@@ -1,0 +1,127 @@
+"""One running episode: its start, what has happened so far, how it stands, and what each robot is told of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from remac_env.backends.base import Counters, RoundResult
+from remac_env.options import Options
+from remac_env.start import Start
+from remac_env.state import Scene, WorldState
+from remac_env.subtasks import Outcome, Subtask
+from remac_env.tasks.goals import Goal, lost, progress
+from remac_env.tasks.spec import TaskSpec
+from remac_env.text import describe, describe_outcome, describe_states
+
+End = Literal["success", "lost", "done", "truncated"]
+
+
+@dataclass(frozen=True)
+class Terms:
+    """What stays the same during an episode. `commands`: text -> token of every legal subtask."""
+
+    spec: TaskSpec
+    options: Options
+    start: Start
+    goal: Goal
+    sentence: str
+    commands: Mapping[str, int]
+
+    @property
+    def scene(self) -> Scene:
+        """The facts of this kitchen."""
+        return self.start.scene
+
+    @property
+    def label(self) -> dict[str, Any]:
+        """The episode's cell, seed and digest, as infos and records carry it."""
+        return {
+            "task": self.spec.name,
+            "style": self.start.style,
+            "layout": self.start.layout,
+            "starts": self.options.starts,
+            "seed": self.start.seed,
+            "digest": self.start.digest,
+            "robots": len(self.scene.robots),
+            "backend": self.options.backend,
+        }
+
+
+@dataclass
+class Episode:
+    """The changeable side: the world at rest after `rounds` rounds, and how the last one went."""
+
+    terms: Terms
+    world: WorldState
+    outcomes: dict[str, Outcome] = field(default_factory=dict)
+    counters: Counters = field(default_factory=Counters)
+    seconds: float = 0.0
+    rounds: int = 0
+    done: frozenset[str] = frozenset()
+    end: End | None = None
+
+    def advance(self, subtasks: Mapping[str, Subtask], invalid: Mapping[str, Outcome], result: RoundResult) -> None:
+        """Take over a round's result and judge it."""
+        self.world = result.world
+        self.outcomes = {**result.outcomes, **invalid}
+        self.counters = self.counters + result.counters
+        self.seconds += result.seconds
+        self.rounds += 1
+        said = {name for name, subtask in subtasks.items() if subtask.skill == "done"}
+        quiet = {name for name, subtask in subtasks.items() if subtask.skill in ("done", "wait")}
+        self.done = frozenset((self.done & quiet) | said)
+        self.end = self._judge()
+
+    @property
+    def progress(self) -> float:
+        """The fraction of the goal's parts that hold, 0..1."""
+        return progress(self.terms.goal, self.terms.scene, self.world)
+
+    def info(self, robot: str) -> dict[str, Any]:
+        """What `infos[robot]` holds."""
+        terms = self.terms
+        return {
+            "outcome": self._outcome(robot),
+            "text": self._text(robot),
+            "goal": terms.sentence,
+            "episode": terms.label,
+            "success": self.end == "success",
+            "end": self.end,
+            "world": self.world,
+            "scene": terms.scene,
+            "commands": dict(terms.commands),
+            "goal_test": terms.goal,
+            "verbs": dict(terms.spec.verbs),
+            "feedback": terms.options.feedback,
+            "round": self.rounds,
+            "seconds": self.seconds,
+            "robot_contacts": self.counters.robot_contacts,
+            "near_misses": self.counters.near_misses,
+            "physics_steps": self.counters.physics_steps,
+        }
+
+    def _judge(self) -> End | None:
+        terms = self.terms
+        if terms.goal.holds(terms.scene, self.world):
+            return "success"
+        if lost(terms.goal, terms.scene, self.world):
+            return "lost"
+        if self.done >= set(terms.scene.robots):
+            return "done"
+        return "truncated" if self.rounds >= terms.options.max_rounds else None
+
+    def _outcome(self, robot: str) -> dict[str, Any] | None:
+        outcome = self.outcomes.get(robot)
+        if outcome is None:
+            return None
+        return {name: getattr(outcome, name) for name in ("status", "reason", "detail", "seconds")}
+
+    def _text(self, robot: str) -> str:
+        terms = self.terms
+        lines = [f"You are {robot}.", describe(terms.scene, list(terms.commands), terms.sentence)]
+        if terms.options.text == "states":
+            lines.append(describe_states(terms.scene, self.world))
+        lines.append(describe_outcome(self.outcomes.get(robot), feedback=terms.options.feedback))
+        return "\n".join(line for line in lines if line)

@@ -1,0 +1,54 @@
+"""Every exception that remac_env raises on purpose. Each message names what was given, where, and what is valid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+class RemacError(Exception):
+    """Base of all errors of this project."""
+
+
+class UnknownNameError(RemacError, ValueError):
+    """A name (task, style, layout, backend, role, ...) that is not among the valid ones."""
+
+
+class OptionError(RemacError, ValueError):
+    """An option whose value is outside its range or not offered."""
+
+
+class KitchenFileError(RemacError, ValueError):
+    """A malformed layout, style or object file."""
+
+    def __init__(self, file: object, key: str, problem: str, valid: Iterable[object] | str = "") -> None:
+        """Name the file, the key in it, what is wrong, and the valid values if there is a list of them."""
+        choices = valid if isinstance(valid, str) else ", ".join(str(value) for value in valid)
+        super().__init__(f"{file}: {key}: {problem}" + (f"; valid: {choices}" if choices else ""))
+
+
+class ActionError(RemacError, TypeError):
+    """A malformed action: wrong type, not a whole number, or for the wrong agents. Nothing was changed."""
+
+
+class LifecycleError(RemacError, RuntimeError):
+    """A call at the wrong moment: before reset, after the end of the episode, or after close."""
+
+
+class SamplingError(RemacError, RuntimeError):
+    """No start could be drawn for this cell and seed: the kitchen lacks what the task needs."""
+
+
+class RenderingError(RemacError, RuntimeError):
+    """No picture can be made with the settings at hand; the message names the fix."""
+
+
+class PhysicsError(RemacError, RuntimeError):
+    """MuJoCo raised a warning or produced a value that is not finite."""
+
+
+def check_choice(kind: str, given: object, valid: Iterable[object]) -> None:
+    """Raise UnknownNameError unless `given` is one of `valid`."""
+    choices = list(valid)
+    if given not in choices:
+        listed = ", ".join(str(choice) for choice in choices)
+        raise UnknownNameError(f"unknown {kind} {given!r}; valid: {listed}")

@@ -1,0 +1,1 @@
+"""The kitchens: floor plans, fixtures, objects and looks."""

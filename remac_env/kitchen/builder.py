@@ -1,0 +1,107 @@
+"""Turns a layout, robots and objects into a MuJoCo model: of bare colliders for physics, or one to be looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import mujoco
+
+from remac_env.kitchen.canvas import SWITCHED, Canvas
+from remac_env.kitchen.fixtures import Window
+from remac_env.kitchen.layout import Layout
+
+if TYPE_CHECKING:
+    from remac_env.kitchen.objects import Category
+    from remac_env.kitchen.style import Style
+
+TIMESTEP = 0.005  # s; ten steps make one control step of 20 Hz
+DEFAULT_STYLE = "modern_1"
+ACCENTS = ((0.10, 0.42, 0.78), (0.93, 0.52, 0.12), (0.25, 0.62, 0.35), (0.62, 0.30, 0.66))
+"""Colours, RGB 0..1, by which robots are told apart, in the order of their names."""
+
+_MEMORY = 64 << 20  # bytes of a model's arena
+
+
+def build_model(
+    layout: Layout,
+    *,
+    robots: Sequence[str],
+    objects: Mapping[str, str | Category],
+    style: Style | None = None,
+    looks: bool = False,
+) -> mujoco.MjModel:
+    """Return the compiled kitchen.
+
+    robots: their names, such as "robot_0". objects: noun -> category of the catalogue. style: materials, used only with
+    `looks`; the default style where None. Bodies, joints and actuators are the same and in the same order with `looks`
+    and without, so that a qpos copies over.
+    """
+    return build_spec(layout, robots=robots, objects=objects, style=style, looks=looks).compile()
+
+
+def build_spec(
+    layout: Layout,
+    *,
+    robots: Sequence[str],
+    objects: Mapping[str, str | Category],
+    style: Style | None = None,
+    looks: bool = False,
+) -> mujoco.MjSpec:
+    """Return the description that `build_model` compiles, for callers that add cameras."""
+    spec = mujoco.MjSpec()
+    spec.modelname = layout.name
+    spec.compiler.degree = False
+    _set_physics(spec)
+    if looks:
+        _set_looks(spec, style)
+    canvas = Canvas(spec, looks=looks)
+    layout.room.build(canvas, [(f.x, f.z) for f in layout.fixtures.values() if isinstance(f, Window)])
+    for fixture in layout.fixtures.values():
+        fixture.build(canvas)
+    canvas.finish()
+    if objects:
+        from remac_env.kitchen.objects import add_object
+
+        for noun, category in objects.items():
+            add_object(spec, spec.worldbody, noun, category, looks=looks)
+    if robots:
+        from remac_env.robots.model import add_robot
+
+        for index, name in enumerate(robots):
+            add_robot(spec, name, accent=ACCENTS[index % len(ACCENTS)], looks=looks)
+    return spec
+
+
+def show_switches(model: mujoco.MjModel, on: frozenset[str]) -> None:
+    """Make water, flames and lamps of the switches in `on` visible in a model with looks, and all others invisible."""
+    for geom in range(model.ngeom):
+        switch, mark, _ = model.geom(geom).name.partition(SWITCHED)
+        if mark:
+            material = model.geom_matid[geom]
+            model.geom_rgba[geom, 3] = model.mat_rgba[material, 3] if switch in on else 0.0
+
+
+def _set_physics(spec: mujoco.MjSpec) -> None:
+    """The setting under which every skill was measured. Fewer line-search steps make objects explode."""
+    option = spec.option
+    option.timestep = TIMESTEP
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.impratio = 10
+    option.iterations = 100
+    option.ls_iterations = 50
+    option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+    spec.memory = _MEMORY
+
+
+def _set_looks(spec: mujoco.MjSpec, style: Style | None) -> None:
+    """Add materials and lights."""
+    from remac_env.kitchen.materials import add_materials
+    from remac_env.kitchen.style import load
+    from remac_env.rendering.lights import add_lights
+
+    style = load(DEFAULT_STYLE) if style is None else style
+    add_materials(spec, style)
+    add_lights(spec, style)

@@ -1,0 +1,64 @@
+"""The forms of colliders as facts: which measures each has and the room it takes up. No simulator needed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+Corner = tuple[float, float, float]
+
+FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "capsule": ("radius", "half_length"),
+        "ellipsoid": ("half",),
+        "loaf": ("half",),
+        "dish": ("radius", "base_radius", "height", "wall"),
+        "cup": ("radius", "height", "wall"),
+        "bottle": ("radius", "shoulder", "neck_radius", "height"),
+        "can": ("radius", "height"),
+    }
+)
+"""Forms and the measures that each needs, m. A loaf is a flat cushion. Capsule, ellipsoid and loaf have their frame in
+the middle, x the long way; the others stand on their frame's origin, turned about z."""
+
+OPTIONAL_MEASURES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"dish": ("handle_radius", "handle_from", "handle_to", "handle_mass"), "cup": ("handle",)}
+)
+"""Further measures: a dish may have a bar towards -y (mass in kg), a cup an ear towards +x that reaches so far, m."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """What a thing collides with: a form of `FORMS` and its measures, m."""
+
+    form: str
+    measures: Mapping[str, Any]
+
+    def __getitem__(self, measure: str) -> Any:
+        return self.measures[measure]
+
+    @property
+    def handle(self) -> float:
+        """How far a handle reaches beyond the body's radius, m; 0 where there is none."""
+        if "handle_to" in self.measures:
+            return float(self["handle_to"] - self["radius"])
+        return float(self.measures.get("handle", 0.0))
+
+    @property
+    def bounds(self) -> tuple[Corner, Corner]:
+        """Lowest and highest corner of the box around the body in its own frame, m."""
+        if self.form in ("ellipsoid", "loaf"):
+            x, y, z = self["half"]
+            return (-x, -y, -z), (x, y, z)
+        radius = self["radius"]
+        if self.form == "capsule":
+            return (-radius - self["half_length"], -radius, -radius), (
+                radius + self["half_length"],
+                radius,
+                radius,
+            )
+        front = radius + self.handle if self.form == "dish" else radius
+        right = radius + self.handle if self.form == "cup" else radius
+        return (-radius, -front, 0.0), (right, radius, self["height"])

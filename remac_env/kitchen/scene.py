@@ -1,0 +1,52 @@
+"""From a layout and a choice of things to the Scene that planners, checks and both backends share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.state import FixtureFacts, FixtureState, FrozenMap, ObjectFacts, Scene, SlotFacts
+
+SHUT_TO_RUN = ("microwave",)
+"""Kinds of fixtures that can only be switched on with their door closed."""
+
+BULKY = ("vessel", "drink", "shaker")
+"""Groups of things that do not fit into a bowl or pan."""
+
+
+def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence[str]) -> Scene:
+    """The facts of a kitchen: the layout's usable fixtures, and `things` (noun -> category)."""
+    fixtures = {
+        name: FixtureFacts(
+            name=name,
+            kind=fixture.kind,
+            station=str(fixture.station),
+            door=fixture.door,
+            switches=tuple(fixture.switches),
+            slots=tuple(slot.name for slot in fixture.slots),
+            shut_to_run=fixture.kind in SHUT_TO_RUN,
+        )
+        for name, fixture in layout.fixtures.items()
+        if fixture.station is not None
+    }
+    objects = {
+        noun: ObjectFacts(
+            name=noun,
+            category=category.name,
+            needs_vessel_in=frozenset(category.needs_vessel_in),
+            vessel_in=frozenset(category.vessel_in),
+            holds=category.holds,
+            seasons=category.seasons,
+            small=category.group not in BULKY,
+        )
+        for noun, category in things.items()
+    }
+    slots = {name: SlotFacts(name, slot.fixture, slot.station) for name, slot in layout.slots.items()}
+    return Scene(tuple(robots), FrozenMap(fixtures), FrozenMap(slots), FrozenMap(objects), layout.conflicts())
+
+
+def resting_fixtures(scene: Scene) -> FrozenMap[FixtureState]:
+    """Every door closed and everything off."""
+    return FrozenMap({n: FixtureState("closed" if f.door else None) for n, f in scene.fixtures.items()})
+

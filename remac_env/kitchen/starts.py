@@ -1,0 +1,181 @@
+"""Draws one exact start of an episode: a pure function of task, cell, kind of start, robots and seed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from remac_env.errors import SamplingError, check_choice
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.mixed import vary
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.kitchen.scene import build_scene, resting_fixtures
+from remac_env.seeding import generator
+from remac_env.start import Offset, Start
+from remac_env.state import FrozenMap, ObjectState, Place, RobotState, Scene, WorldState
+from remac_env.tasks.spec import Role, TaskSpec
+
+STARTS = ("paper", "mixed")
+CLOSED_AT_RESET = 0.02
+"""A closed door stands at most this far open at the start, rad (released code)."""
+
+PARKING_JITTER = (0.12, 0.12, 0.2)
+"""How far a robot stands from its parking place at most: x and y in m, yaw in rad."""
+
+HANDLE_YAW = 0.6
+"""How far a handle is turned at most from pointing at the robot, rad."""
+
+EDGE = 0.02
+"""Room kept between a thing and the edge of its slot, m, so that neighbours leave space for a hand."""
+
+_ATTEMPTS = 100
+
+
+@dataclass
+class Draft:
+    """A start being drawn: changed by `mixed.vary`, frozen by `sample`."""
+
+    scene: Scene
+    world: WorldState
+    doors: dict[str, float] = field(default_factory=dict)
+
+
+def sample(
+    spec: TaskSpec,
+    layout: Layout,
+    categories: Mapping[str, Category],
+    *,
+    style: str,
+    starts: str,
+    seed: int,
+    robots: Sequence[str],
+    perception_noise: float = 0.0,
+) -> tuple[Start, dict[str, str]]:
+    """Draw the start of an episode.
+
+    Returns:
+        (start, names): the start, and for each role of the task its noun.
+
+    Raises:
+        UnknownNameError: for an unknown kind of start.
+        SamplingError: if the kitchen has no room for what the task needs.
+    """
+    check_choice("starts", starts, STARTS)
+    rng = generator(seed, "start", spec.name, layout.name, style, starts)
+    names, things = _choose_things(spec, categories, rng)
+    scene = build_scene(layout, things, robots)
+    for needed in spec.fixtures:
+        check_choice(f"fixture (in layout {layout.name}, for {spec.name})", needed, scene.fixtures)
+    goal = spec.goal.bind(names)
+    for _ in range(_ATTEMPTS):
+        draft = Draft(scene, _place(spec, scene, names, rng))
+        draft.doors = {n: float(rng.uniform(0, CLOSED_AT_RESET)) for n, f in scene.fixtures.items() if f.door}
+        if starts == "mixed":
+            vary(draft, goal, names[spec.roles[0].name], rng)
+        if not goal.holds(scene, draft.world):
+            break
+    else:
+        raise SamplingError(f"{spec.name} in {layout.name}: no start was found in which the goal is still open")
+    start = Start(
+        scene=scene,
+        world=draft.world,
+        layout=layout.name,
+        style=style,
+        categories={noun: category.name for noun, category in things.items()},
+        offsets={noun: _offset(draft.world, layout, noun, things[noun], rng) for noun in things},
+        robots=_park(layout, robots, rng),
+        doors=draft.doors,
+        seed=int(seed),
+        perception_noise=perception_noise,
+    )
+    return start, names
+
+
+def _choose_things(
+    spec: TaskSpec, categories: Mapping[str, Category], rng: np.random.Generator
+) -> tuple[dict[str, str], dict[str, Category]]:
+    """A noun and category for each role, then distractors that could not be mistaken for one of them."""
+    names: dict[str, str] = {}
+    things: dict[str, Category] = {}
+    for role in spec.roles:
+        noun = str(rng.choice(role.nouns))
+        options = [c for c in categories.values() if noun == c.name or noun in c.roles]
+        if not options:
+            raise SamplingError(f"{spec.name}: no category of the catalogue can be the {noun!r}")
+        names[role.name] = noun
+        things[noun] = options[int(rng.integers(len(options)))]
+    taken = {word for noun, category in things.items() for word in (noun, category.name, *category.roles)}
+    others = [c for c in categories.values() if not c.holds and not taken & {c.name, *c.roles}]
+    count = min(int(rng.integers(spec.distractors[0], spec.distractors[1] + 1)), len(others))
+    for index in rng.permutation(len(others))[:count]:
+        things[others[index].name] = others[index]
+    return names, things
+
+
+def _place(spec: TaskSpec, scene: Scene, names: Mapping[str, str], rng: np.random.Generator) -> WorldState:
+    """Everything in a slot: the roles at stations of their own that the goal's fixtures do not use."""
+    places: dict[str, Place] = {}
+    stations = {scene.fixtures[name].station for name in spec.goal.names() if name in scene.fixtures}
+    for role in spec.roles:
+        slot = _role_slot(spec, scene, role, places, stations, rng)
+        places[names[role.name]] = Place("slot", slot)
+        stations.add(scene.slots[slot].station)
+    slots = [slot for name in _open_surfaces(scene) for slot in scene.fixtures[name].slots]
+    free = [slot for slot in slots if Place("slot", slot) not in places.values()]
+    rest = [noun for noun in scene.objects if noun not in places]
+    if len(free) < len(rest):
+        raise SamplingError(f"{spec.name}: {len(rest)} more things than the {len(free)} free slots can hold")
+    for noun, index in zip(rest, rng.permutation(len(free)), strict=False):
+        places[noun] = Place("slot", free[index])
+    objects = {noun: ObjectState(places[noun]) for noun in scene.objects}
+    robots = {name: RobotState() for name in scene.robots}
+    return WorldState(FrozenMap(robots), FrozenMap(objects), resting_fixtures(scene))
+
+
+def _role_slot(
+    spec: TaskSpec,
+    scene: Scene,
+    role: Role,
+    places: Mapping[str, Place],
+    stations: set[str],
+    rng: np.random.Generator,
+) -> str:
+    check_choice(f"fixture for role {role.name!r} of {spec.name}", role.at, scene.fixtures)
+    free = [slot for slot in scene.fixtures[role.at].slots if Place("slot", slot) not in places.values()]
+    if role.at in _open_surfaces(scene):
+        # Goal-relevant stations must not conflict, or two robots could not work at the same time.
+        free = [s for s in free if not any(scene.conflicting(scene.slots[s].station, other) for other in stations)]
+    if not free:
+        raise SamplingError(f"{spec.name}: no free slot at {role.at} for role {role.name!r}")
+    return free[int(rng.integers(len(free)))]
+
+
+def _open_surfaces(scene: Scene) -> list[str]:
+    return [name for name, facts in scene.fixtures.items() if facts.slots and facts.kind == "counter"]
+
+
+def _offset(world: WorldState, layout: Layout, noun: str, category: Category, rng: np.random.Generator) -> Offset:
+    """A pose within the slot: as far from its middle as the thing's size allows, at any yaw its grasp allows."""
+    yaw_range = HANDLE_YAW if category.grasp.mode == "handle" else np.pi
+    yaw = float(rng.uniform(-yaw_range, yaw_range))
+    spread = rng.uniform(-1.0, 1.0, 2)
+    place = world.objects[noun].place
+    if place.relation != "slot":
+        return Offset(0.0, 0.0, yaw)
+    half = layout.slots[place.where].half
+    radius = max(category.size[:2]) if category.vessel else float(np.hypot(*category.size[:2]))
+    room = [max(0.0, side - radius - EDGE) for side in half]
+    return Offset(float(spread[0] * room[0]), float(spread[1] * room[1]), yaw)
+
+
+def _park(layout: Layout, robots: Sequence[str], rng: np.random.Generator) -> dict[str, tuple[int, Offset]]:
+    """A parking place of its own for each robot, drawn so that no robot has a fixed one."""
+    if len(robots) > len(layout.asides):
+        raise SamplingError(f"{layout.name} has {len(layout.asides)} parking places for {len(robots)} robots")
+    order = rng.permutation(len(layout.asides))
+    jitter = rng.uniform(-1.0, 1.0, (len(layout.asides), 3)) * PARKING_JITTER
+    return {
+        name: (int(order[i]), Offset(*(float(v) for v in jitter[i]))) for i, name in enumerate(robots)
+    }

@@ -1,0 +1,82 @@
+"""A task's kitchens: its layouts, categories, vocabulary, and the start of each episode."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+
+from remac_env.errors import check_choice
+from remac_env.kitchen import layout as layouts
+from remac_env.kitchen import style as styles
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.objects import catalogue
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.kitchen.starts import sample
+from remac_env.seeding import generator
+from remac_env.start import Start
+from remac_env.tasks.spec import TaskSpec
+from remac_env.vocabulary import Vocabulary, built_in
+
+
+class TaskWorlds:
+    """Everything about a task that is the same in all its episodes, read on demand."""
+
+    def __init__(self, spec: TaskSpec) -> None:
+        self.spec = spec
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # What is read on demand is read again: copies and other processes get the task alone.
+        return TaskWorlds, (self.spec,)
+
+    @cached_property
+    def vocabulary(self) -> Vocabulary:
+        """The built-in vocabulary, with the task's own nouns appended."""
+        return built_in().extended(self.spec.nouns) if self.spec.nouns else built_in()
+
+    @cached_property
+    def categories(self) -> Mapping[str, Category]:
+        """The catalogue, with the task's own categories."""
+        own = {
+            name: catalogue.parse(name, table, source=f"categories of {self.spec.name}")
+            for name, table in self.spec.categories.items()
+        }
+        return {**catalogue.load(), **own}
+
+    def layout(self, name: str) -> Layout:
+        """A layout of the package or of the task."""
+        if name in self.spec.layout_files:
+            return layouts.read(Path(self.spec.layout_files[name]))
+        return layouts.load(name)
+
+    def check_cell(self, style: str | None, layout: str | None) -> None:
+        """Raise UnknownNameError for a style or layout that does not exist; None means that the seed picks."""
+        if style is not None:
+            check_choice("style", style, styles.names())
+        if layout is not None:
+            check_choice("layout", layout, (*layouts.names(), *self.spec.layout_files))
+
+    def start(
+        self,
+        seed: int,
+        *,
+        style: str | None,
+        layout: str | None,
+        starts: str,
+        robots: tuple[str, ...],
+        perception_noise: float,
+    ) -> tuple[Start, dict[str, str]]:
+        """The start of the episode with this seed, and the noun of each role."""
+        self.check_cell(style, layout)
+        cell = generator(seed, "cell", self.spec.name)
+        picks = [str(cell.choice(names)) for names in (self.spec.styles, self.spec.layouts)]
+        return sample(
+            self.spec,
+            self.layout(layout or picks[1]),
+            self.categories,
+            style=style or picks[0],
+            starts=starts,
+            seed=seed,
+            robots=robots,
+            perception_noise=perception_noise,
+        )

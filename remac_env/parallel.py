@@ -1,0 +1,268 @@
+"""The kitchen as a PettingZoo ParallelEnv. Orchestration only: starts, rounds and what comes back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from remac_env.actions import check_actions
+from remac_env.backends import make_backend
+from remac_env.backends.base import Backend
+from remac_env.episode import Episode, Terms
+from remac_env.errors import LifecycleError
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.observation import Facts
+from remac_env.options import Options
+from remac_env.pictures import Moment, Pictures
+from remac_env.seeding import generator
+from remac_env.start import Start
+from remac_env.state import WorldState
+from remac_env.subtasks import WAIT, Outcome, Subtask, failure
+from remac_env.tasks.goals import Goal
+from remac_env.tasks.spec import TaskSpec
+
+UNSEEDED_BELOW = 900_000
+"""Seeds drawn for reset(seed=None) stay below this; the rest is kept for judging."""
+
+CAMERAS = ("front", "wrist", "side")
+
+Told = dict[str, dict[str, Any]]
+
+
+class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
+    """A task with one or two robots; every step is a round in which each robot runs one subtask.
+
+    Made by `remac_env.parallel_env`, which documents the options. Actions are tokens of `vocabulary`; observations are
+    `{"observation": float32 (n,) in 0..1, "action_mask": int8 (N,)}` and, with obs="state+images", `front`, `wrist`
+    and `side`: uint8 (size, size, 3).
+    """
+
+    def __init__(self, spec: TaskSpec, options: Options) -> None:
+        self.worlds = TaskWorlds(spec)
+        self.worlds.check_cell(options.style, options.layout)
+        self.options = options
+        self.vocabulary = self.worlds.vocabulary
+        self.metadata = {
+            "name": f"RemacKitchen-{spec.name}-v0",
+            "render_modes": ["rgb_array", "human"],
+            "is_parallelizable": True,
+            "render_fps": 20,
+        }
+        self.render_mode = options.render_mode
+        self.possible_agents = list(options.robot_names)
+        self.agents: list[str] = []
+        self._facts = Facts(self.vocabulary)
+        self.action_spaces = {name: spaces.Discrete(len(self.vocabulary)) for name in self.possible_agents}
+        self.observation_spaces = {name: self._observation_space() for name in self.possible_agents}
+        self._backend: Backend | None = None
+        self._episode: Episode | None = None
+        self._pictures = Pictures(self.worlds, title=str(self.metadata["name"]))
+        self._closed = False
+        self._seeds = np.random.default_rng()
+
+    # -- the PettingZoo interface ------------------------------------------------------------------------------------
+
+    def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Told, Told]:
+        """Begin the episode of this seed.
+
+        Args:
+            seed: whole number from 0; the same seed is the same episode. None draws one.
+            options: may hold "style" and "layout" for this episode; other keys are ignored, as PettingZoo's tests ask.
+
+        Raises:
+            LifecycleError: after close.
+            UnknownNameError: for a style or layout that does not exist.
+            OptionError: for a seed that is not a whole number from 0.
+        """
+        self._check_open()
+        if seed is None:
+            seed = int(self._seeds.integers(UNSEEDED_BELOW))
+        else:
+            self._seeds = generator(seed, "seeds of further resets")
+        wanted = dict(options or {})
+        start, names = self.worlds.start(
+            seed,
+            style=wanted.get("style") or self.options.style,
+            layout=wanted.get("layout") or self.options.layout,
+            starts=self.options.starts,
+            robots=self.options.robot_names,
+            perception_noise=self.options.perception_noise,
+        )
+        if self._backend is None:
+            self._backend = make_backend(self.options, self.worlds)
+            self._backend.watch = self._film
+        self._pictures.rewind()
+        self._episode = Episode(self._terms(start, names), self._backend.reset(start))
+        self._film()
+        self._mask = self.vocabulary.mask(start.scene)
+        self.agents = list(self.possible_agents)
+        return self._observations(), self._infos()
+
+    def step(
+        self, actions: Mapping[str, int]
+    ) -> tuple[Told, dict[str, float], dict[str, bool], dict[str, bool], Told]:
+        """Run one round.
+
+        Args:
+            actions: a token for every robot in `agents`. A masked or unknown token is a round lost, outcome `invalid`.
+
+        Raises:
+            LifecycleError: before reset, after the end of the episode, or after close.
+            ActionError: for missing or unknown robots, or values that are not whole numbers; nothing has changed then.
+        """
+        self._check_open()
+        if not self.agents or self._backend is None:
+            raise LifecycleError("step() needs an episode under way: call reset() first")
+        episode = self._running()
+        subtasks, invalid = self._decode(check_actions(actions, self.agents))
+        before = episode.progress
+        episode.advance(subtasks, invalid, self._backend.run_round(subtasks))
+        sparse = self.options.reward == "sparse"
+        reward = float(episode.end == "success") if sparse else episode.progress - before
+        truncated = episode.end == "truncated"
+        terminated = episode.end is not None and not truncated
+        outputs = (
+            self._observations(),
+            dict.fromkeys(self.agents, reward),
+            dict.fromkeys(self.agents, terminated),
+            dict.fromkeys(self.agents, truncated),
+            self._infos(),
+        )
+        if episode.end is not None:
+            self.agents = []
+        return outputs
+
+    def observation_space(self, agent: str) -> spaces.Space[Any]:
+        """The space of this robot's observations; always the same object."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> spaces.Space[Any]:
+        """The space of this robot's tokens; always the same object."""
+        return self.action_spaces[agent]
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """The kitchen now, uint8 (480, 640, 3), with render_mode="rgb_array"; None without a render mode.
+
+        Raises:
+            LifecycleError: before reset or after close.
+            RenderingError: if no picture can be made with the settings at hand.
+        """
+        self._check_open()
+        self._running()
+        if self.render_mode is None:
+            return None
+        return self._pictures.render(self._moment(), human=self.render_mode == "human")
+
+    def state(self) -> NDArray[np.float32]:
+        """The facts as each robot sees them, one after the other; shape (robots * n,)."""
+        episode = self._running()
+        scene = episode.terms.scene
+        return np.concatenate([self._facts.vector(scene, episode.world, name) for name in scene.robots])
+
+    def close(self) -> None:
+        """Free the simulator and the renderer. May be called twice."""
+        if self._backend is not None:
+            self._backend.close()
+        self._pictures.close()
+        self._backend, self._closed, self.agents = None, True, []
+
+    def start_recording(self) -> None:
+        """Keep the motion of the next episodes, each from its reset on, for `save_recording`. Draws nothing yet."""
+        self._pictures.record()
+
+    def save_recording(self, path: str | Path) -> int:
+        """Draw what was recorded since the last reset as a time-lapse WebM video; returns its frames, at most 150.
+
+        Raises:
+            LifecycleError: without start_recording and reset before.
+            RenderingError: if no picture can be made with the settings at hand.
+        """
+        return self._pictures.save(path)
+
+    # -- what the episode is ----------------------------------------------------------------------------------------
+
+    @property
+    def world(self) -> WorldState:
+        """The truth about the kitchen at rest."""
+        return self._running().world
+
+    @property
+    def start(self) -> Start:
+        """The exact start of the episode."""
+        return self._running().terms.start
+
+    @property
+    def goal(self) -> Goal:
+        """The terminal goal of the episode."""
+        return self._running().terms.goal
+
+    @property
+    def progress(self) -> float:
+        """The fraction of the goal's parts that hold, 0..1."""
+        return self._running().progress
+
+    def _terms(self, start: Start, names: Mapping[str, str]) -> Terms:
+        spec = self.worlds.spec
+        commands = {text: self.vocabulary.encode(text) for text in self.vocabulary.commands(start.scene)}
+        sentence = spec.sentence(self.options.wording, names)
+        return Terms(spec, self.options, start, spec.goal.bind(names), sentence, commands)
+
+    def _running(self) -> Episode:
+        if self._episode is None:
+            raise LifecycleError("no episode has begun: call reset() first")
+        return self._episode
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise LifecycleError("this environment is closed: make a new one")
+
+    def _decode(self, tokens: Mapping[str, int]) -> tuple[dict[str, Subtask], dict[str, Outcome]]:
+        """Subtasks of legal tokens; the others wait and are `invalid`."""
+        subtasks, invalid = {}, {}
+        for name, token in tokens.items():
+            legal = 0 <= token < len(self.vocabulary) and bool(self._mask[token])
+            subtasks[name] = self.vocabulary.subtask(token) if legal else WAIT
+            if not legal:
+                invalid[name] = failure("invalid", f"token {token} names nothing in this kitchen")
+        return subtasks, invalid
+
+    def _moment(self) -> Moment:
+        positions = None if self._backend is None else self._backend.positions()
+        return Moment(self.start, self.world, positions)
+
+    def _film(self) -> None:
+        """Called by the backend once a control period."""
+        if self._pictures.recording and self._episode is not None:
+            self._pictures.add(self._moment())
+
+    def _observation_space(self) -> spaces.Dict:
+        size = self.options.image_size
+        parts: dict[str, spaces.Space[Any]] = {
+            "observation": spaces.Box(0.0, 1.0, (self._facts.size,), np.float32),
+            "action_mask": spaces.Box(0, 1, (len(self.vocabulary),), np.int8),
+        }
+        if self.options.obs == "state+images":
+            parts |= {camera: spaces.Box(0, 255, (size, size, 3), np.uint8) for camera in CAMERAS}
+        return spaces.Dict(parts)
+
+    def _observations(self) -> Told:
+        return {name: self._observe(name) for name in self.agents}
+
+    def _observe(self, name: str) -> dict[str, Any]:
+        episode = self._running()
+        seen: dict[str, Any] = {
+            "observation": self._facts.vector(episode.terms.scene, episode.world, name),
+            "action_mask": self._mask.copy(),
+        }
+        if self.options.obs == "state+images":
+            seen |= self._pictures.observe(self._moment(), name, size=self.options.image_size)
+        return seen
+
+    def _infos(self) -> Told:
+        return {name: self._running().info(name) for name in self.agents}

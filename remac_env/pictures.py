@@ -1,0 +1,127 @@
+"""What is seen of an environment: render(), images in observations, videos. Renderers are loaded on demand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remac_env.errors import LifecycleError
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.start import Start
+from remac_env.state import WorldState
+
+if TYPE_CHECKING:
+    from remac_env.rendering.stage import Stage
+    from remac_env.rendering.window import Window
+
+VIDEO_FRAMES = 150
+"""Frames of the longest video: ten seconds at 15 a second."""
+
+Picture = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What there is to see: the joint positions of physics (None: posed by the world) and the world as last known."""
+
+    start: Start
+    world: WorldState
+    positions: NDArray[np.float64] | None
+
+
+class Tape:
+    """Every n-th moment of an episode; when twice VIDEO_FRAMES are kept, every second one goes and n doubles."""
+
+    def __init__(self) -> None:
+        self._stride, self._seen = 1, 0
+        self.moments: list[Moment] = []
+
+    def add(self, moment: Moment) -> None:
+        """Offer a moment."""
+        if self._seen % self._stride == 0:
+            self.moments.append(moment)
+        self._seen += 1
+        if len(self.moments) >= 2 * VIDEO_FRAMES:
+            self.moments = self.moments[::2]
+            self._stride *= 2
+
+
+class Pictures:
+    """The pictures of one environment. `recording` says whether moments are wanted."""
+
+    def __init__(self, worlds: TaskWorlds, *, title: str) -> None:
+        self._worlds, self._title = worlds, title
+        self._shown: Stage | None = None
+        self._window: Window | None = None
+        self._tape: Tape | None = None
+
+    @property
+    def recording(self) -> bool:
+        """Whether moments are being kept."""
+        return self._tape is not None
+
+    def render(self, moment: Moment, *, human: bool) -> Picture | None:
+        """The whole kitchen, uint8 (height, width, 3); with `human` it goes to a window instead."""
+        picture = self._stage(moment).picture()
+        if not human:
+            return picture
+        from remac_env.rendering.window import Window
+
+        self._window = self._window or Window(self._title)
+        self._window.show(picture)
+        return None
+
+    def observe(self, moment: Moment, robot: str, *, size: int) -> dict[str, Picture]:
+        """The pictures `front`, `wrist` and `side` of one robot, uint8 (size, size, 3)."""
+        return self._stage(moment).observe(robot, moment.world, size=size)
+
+    def record(self) -> None:
+        """From now on keep moments."""
+        self._tape = Tape()
+
+    def rewind(self) -> None:
+        """Forget the moments of the last episode, where they are being kept."""
+        if self._tape is not None:
+            self._tape = Tape()
+
+    def add(self, moment: Moment) -> None:
+        """Keep this moment, if its turn has come."""
+        if self._tape is not None:
+            self._tape.add(moment)
+
+    def save(self, path: str | Path) -> int:
+        """Draw the kept moments as a video; returns the number of frames."""
+        from remac_env.rendering import video
+
+        if self._tape is None or not self._tape.moments:
+            raise LifecycleError("nothing was recorded: call start_recording(), then reset()")
+        moments = self._tape.moments
+        chosen = np.linspace(0, len(moments) - 1, min(len(moments), VIDEO_FRAMES)).round().astype(int)
+        return video.write(path, (self._stage(moments[index]).picture() for index in chosen))
+
+    def close(self) -> None:
+        """Free renderers and window. May be called twice."""
+        if self._shown is not None:
+            self._shown.close()
+        if self._window is not None:
+            self._window.close()
+        self._shown = self._window = None
+
+    def _stage(self, moment: Moment) -> Stage:
+        """The stage of this kitchen, posed like the moment; kept while episodes have the same things in them."""
+        from remac_env.rendering.stage import Stage, stage_key
+
+        start = moment.start
+        if self._shown is None or self._shown.key != stage_key(start):
+            if self._shown is not None:
+                self._shown.close()
+            self._shown = Stage(start, self._worlds.layout(start.layout), self._worlds.categories)
+        if moment.positions is None:
+            self._shown.show_world(start, moment.world)
+        else:
+            self._shown.show_positions(moment.positions, moment.world)
+        return self._shown

@@ -1,0 +1,1 @@
+"""Pictures of a kitchen: with OpenGL where it works, else with rays."""

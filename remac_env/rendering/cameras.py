@@ -1,0 +1,130 @@
+"""Cameras: where they stand, as facts, and adding them to a model's description."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import radians, tan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from remac_env.errors import check_choice
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    import mujoco
+
+    from remac_env.kitchen.layout import Layout
+
+Point = tuple[float, float, float]
+
+FRONT = "front"
+"""The whole kitchen in a square picture, seen from the open side of the room."""
+
+WIDE = "wide"
+"""The whole kitchen in a picture of 4 to 3, for people."""
+
+WRIST = "{robot}/wrist"
+"""What a robot's hand sees."""
+
+SIDE = "side/{station}"
+"""A close look at what stands at a station, into cupboards and the microwave."""
+
+_FIELD = 46.0  # vertical, degrees
+_ROOM_MARGIN = 1.05
+_FRONT_ASPECT, _FRONT_HEIGHT, _FRONT_LOOKS_AT = 1.0, 2.40, 0.25
+_WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT = 4 / 3, 2.15, 1.02
+
+# Position relative to what is looked at, by kind of slot: from the right, because doors open to the left; steeply down
+# into a basin, almost level into a cupboard.
+_FROM = {
+    "surface": (0.42, -0.72, 0.80),
+    "burner": (0.42, -0.72, 0.80),
+    "basin": (0.30, -0.42, 0.95),
+    "cavity": (0.40, -0.95, 0.42),
+}
+_WALL_GAP = 0.12  # seen from behind, a wall would be a veil over the picture
+# In the hand's frame: z along the fingers, which end at 0.115, and x away from the robot when it works ahead of itself.
+_WRIST_AT, _WRIST_LOOKS_AT, _WRIST_FIELD = (0.11, 0.0, 0.02), (0.01, 0.0, 0.16), 72.0
+_BARE_STATION = (0.0, 0.95)  # y and z looked at where a station has no slots
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A fixed camera: position and the point it looks at, m, world frame; vertical field of view, degrees."""
+
+    name: str
+    position: Point
+    target: Point
+    field: float
+
+
+def fixed_cameras(layout: Layout) -> tuple[Camera, ...]:
+    """The front and the wide camera and one side camera for each station."""
+    whole = (front_camera(layout), wide_camera(layout))
+    return (*whole, *(side_camera(layout, station) for station in layout.stations))
+
+
+def front_camera(layout: Layout) -> Camera:
+    """Far enough from the wall for the whole width of the room in a square picture."""
+    return _before_room(layout, FRONT, _FRONT_ASPECT, _FRONT_HEIGHT, _FRONT_LOOKS_AT)
+
+
+def wide_camera(layout: Layout) -> Camera:
+    """Far enough from the wall for the whole width of the room in a picture of 4 to 3."""
+    return _before_room(layout, WIDE, _WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT)
+
+
+def _before_room(layout: Layout, name: str, aspect: float, height: float, looks_at: float) -> Camera:
+    left, right = layout.room.x
+    distance = _ROOM_MARGIN * (right - left) / 2 / (tan(radians(_FIELD) / 2) * aspect)
+    middle = (left + right) / 2
+    return Camera(name, (middle, -distance, height), (middle, 0.0, looks_at), _FIELD)
+
+
+def side_camera(layout: Layout, station: str) -> Camera:
+    """Looks at the middle of what is used from a station; raises UnknownNameError."""
+    check_choice("station", station, layout.stations)
+    slots = [slot for slot in layout.slots.values() if slot.station == station]
+    if slots:
+        x, y, z = (float(value) for value in np.mean([slot.center for slot in slots], axis=0))
+    else:
+        x, (y, z) = layout.stations[station].x, _BARE_STATION
+    dx, dy, dz = _FROM[slots[0].kind if slots else "surface"]
+    from_x = min(x + dx, layout.room.x[1] - _WALL_GAP)
+    return Camera(SIDE.format(station=station), (from_x, y + dy, z + dz), (x, y, z), _FIELD)
+
+
+def add_cameras(spec: mujoco.MjSpec, layout: Layout, robots: Sequence[str]) -> None:
+    """Add the fixed cameras and one on each robot's hand, named by FRONT, WIDE, SIDE and WRIST."""
+    for camera in fixed_cameras(layout):
+        spec.worldbody.add_camera(
+            name=camera.name,
+            pos=list(camera.position),
+            quat=_turn_towards(camera.position, camera.target),
+            fovy=camera.field,
+        )
+    for robot in robots:
+        add_wrist_camera(spec, robot)
+
+
+def add_wrist_camera(spec: mujoco.MjSpec, robot: str) -> None:
+    """Add a camera on a robot's hand that looks past the fingertips, so that what is held or near them is seen."""
+    turn = _turn_towards(_WRIST_AT, _WRIST_LOOKS_AT, up=(1.0, 0.0, 0.0))
+    spec.body(f"{robot}/hand").add_camera(
+        name=WRIST.format(robot=robot), pos=list(_WRIST_AT), quat=turn, fovy=_WRIST_FIELD
+    )
+
+
+def _turn_towards(position: Iterable[float], target: Iterable[float], up: Point = (0.0, 0.0, 1.0)) -> list[float]:
+    """Quaternion (w, x, y, z) of a camera, which looks along its -z axis with y up."""
+    import mujoco
+
+    back = np.array(list(position), dtype=float) - np.array(list(target), dtype=float)
+    back /= np.linalg.norm(back)
+    right = np.cross(up, back)
+    right /= np.linalg.norm(right)
+    turn = np.empty(4)
+    mujoco.mju_mat2Quat(turn, np.stack([right, np.cross(back, right), back], axis=1).ravel())
+    return [float(value) for value in turn]

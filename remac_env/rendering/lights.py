@@ -1,0 +1,81 @@
+"""The light of the kitchen and what the classic renderer needs to know about the size of the scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import mujoco
+
+    from remac_env.kitchen.style import Style
+
+# Spots under the ceiling stand in for the room's lamps. They are inside the room because ceiling and side walls would
+# keep a directional light out. All lights together light a white wall with about 1.0, so that whites do not burn out.
+_LAMP_X = (-2.0, 0.2, 2.1)
+_LAMP_Y, _LAMP_Z = -2.1, 2.42
+_LAMP_STRENGTH = 0.23
+_LAMP_HIGHLIGHT = 0.10
+
+BACKDROP = (0.80, 0.79, 0.77)
+"""Colour of what lies outside the room, red, green, blue."""
+
+
+def add_lights(spec: mujoco.MjSpec, style: Style | None = None) -> None:
+    """Add head light, lamps, a soft fill and a backdrop, and set clipping and shadow range for a kitchen.
+
+    Without a style the lamps are warm white. Call it once for a description.
+    """
+    import mujoco
+
+    tint = (1.0, 0.97, 0.90) if style is None else style.lamp
+    _set_scale(spec)
+    _set_backdrop(spec)
+    head = spec.visual.headlight
+    head.ambient, head.diffuse, head.specular = [0.40, 0.40, 0.41], [0.16] * 3, [0.02] * 3
+    for number, x in enumerate(_LAMP_X):
+        spec.worldbody.add_light(
+            name=f"lamp_{number}",
+            type=mujoco.mjtLightType.mjLIGHT_SPOT,
+            pos=[x, _LAMP_Y, _LAMP_Z],
+            dir=[-0.12 * x, 1.0, -0.62],
+            cutoff=62,
+            exponent=1.2,
+            attenuation=[0.72, 0.03, 0.02],
+            diffuse=[_LAMP_STRENGTH * part for part in tint],
+            specular=[_LAMP_HIGHLIGHT * part for part in tint],
+            ambient=[0, 0, 0],
+            castshadow=True,
+        )
+    spec.worldbody.add_light(
+        name="fill",
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=[3, -3, 3],
+        dir=[-0.7, 0.5, -0.45],
+        diffuse=[0.12, 0.125, 0.14],
+        specular=[0, 0, 0],
+        ambient=[0, 0, 0],
+        castshadow=False,
+    )
+
+
+def _set_scale(spec: mujoco.MjSpec) -> None:
+    """Extent and centre drive clipping planes and shadow range."""
+    spec.stat.extent = 4.5
+    spec.stat.center = [0.0, -0.3, 1.0]
+    depth = spec.visual.map
+    depth.znear, depth.zfar = 0.01, 40.0
+    depth.shadowclip, depth.shadowscale = 0.75, 0.9
+
+
+def _set_backdrop(spec: mujoco.MjSpec) -> None:
+    """What is seen where the room is open, instead of black."""
+    import mujoco
+
+    spec.add_texture(
+        name="backdrop",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
+        rgb1=list(BACKDROP),
+        width=8,
+        height=48,
+    )

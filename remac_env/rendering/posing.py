@@ -1,0 +1,91 @@
+"""Poses a MuJoCo model like a WorldState, so that a kitchen without physics can be looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from remac_env.kitchen.layout import Layout, Station
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots import panda
+from remac_env.start import Offset, Start
+from remac_env.state import ASIDE, Place, WorldState, door_state
+
+DOOR_ANGLES = {"closed": 0.0, "ajar": 0.4, "open": 1.45}
+"""Angles at which doors are drawn when their own is not known, rad."""
+
+
+def pose(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    layout: Layout,
+    categories: Mapping[str, Category],
+    start: Start,
+    world: WorldState,
+) -> None:
+    """Set positions in `data` to what `world` says: robots at their stations with folded arms, things in the middle of
+    their places but for the start's offsets. Nothing is simulated."""
+    mujoco.mj_resetData(model, data)
+    for name, fixture in layout.fixtures.items():
+        if name in world.fixtures:
+            state = world.fixtures[name]
+            angle = start.doors.get(name, 0.0)
+            if state.door is not None and door_state(angle) != state.door:
+                angle = DOOR_ANGLES[state.door]
+            for joint, value in fixture.joints(angle, state.on).items():
+                data.joint(joint).qpos[0] = value
+    for name in world.robots:
+        _pose_robot(data, name, _standing(layout, start, world, name))
+    mujoco.mj_kinematics(model, data)
+    placed: set[str] = set()
+    while len(placed) < len(world.objects):
+        # What lies on something is posed after it; one pass a layer.
+        for noun, item in world.objects.items():
+            if noun not in placed and (item.place.relation != "vessel" or item.place.where in placed):
+                _pose_object(data, layout, categories, start, noun, item.place, len(placed))
+                placed.add(noun)
+    mujoco.mj_forward(model, data)
+
+
+def _standing(layout: Layout, start: Start, world: WorldState, name: str) -> tuple[float, float, float]:
+    station = world.robots[name].station
+    index, offset = start.robots[name]
+    if station == ASIDE:
+        place: Station = layout.asides[index]
+        return place.x + offset.dx, place.y + offset.dy, place.yaw + offset.yaw
+    place = layout.stations[station]
+    return place.x, place.y, place.yaw
+
+
+def _pose_robot(data: mujoco.MjData, name: str, standing: tuple[float, float, float]) -> None:
+    for joint, value in zip(panda.JOINTS, panda.tucked(*standing), strict=True):
+        data.joint(f"{name}/{joint}").qpos[0] = value
+    for finger in panda.FINGERS:
+        data.joint(f"{name}/{finger}").qpos[0] = panda.FINGER_OPEN
+
+
+def _pose_object(
+    data: mujoco.MjData,
+    layout: Layout,
+    categories: Mapping[str, Category],
+    start: Start,
+    noun: str,
+    place: Place,
+    order: int,
+) -> None:
+    category = categories[start.categories[noun]]
+    offset = start.offsets[noun] if place == start.world.objects[noun].place else Offset(yaw=start.offsets[noun].yaw)
+    if place.relation == "slot":
+        x, y, z = layout.slots[place.where].center
+        position = np.array([x + offset.dx, y + offset.dy, z + category.rest_height])
+    elif place.relation == "vessel":
+        vessel = categories[start.categories[place.where]]
+        position = data.joint(place.where).qpos[:3] + [offset.dx, offset.dy, category.height_inside(vessel)]
+    elif place.relation == "held":
+        position = data.site(f"{place.where}/grip").xpos.copy()
+    else:
+        position = np.array([0.35 * order - 1.0, -1.2, category.rest_height])
+    data.joint(noun).qpos[:3] = position
+    data.joint(noun).qpos[3:7] = [np.cos(offset.yaw / 2), 0.0, 0.0, np.sin(offset.yaw / 2)]

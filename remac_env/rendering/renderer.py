@@ -1,0 +1,192 @@
+"""Pictures of a model: with OpenGL where it works, else with rays. One call for both."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Literal, Protocol
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from remac_env.errors import OptionError, RenderingError, check_choice
+from remac_env.rendering import gl
+from remac_env.rendering.rays import RayPainter
+
+Backend = Literal["auto", "gl", "rays"]
+BACKENDS: tuple[Backend, ...] = ("auto", "gl", "rays")
+
+_LARGEST = 4096  # pixels on a side: beyond this, software drivers refuse the buffer
+_DRAWN_GROUPS = (1,)
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Trade of looks for speed: shadow map and multisampling, facets of round shapes, mirroring floor."""
+
+    shadow_size: int
+    samples: int
+    slices: int
+    stacks: int
+    mirrors: bool
+
+    @property
+    def shadows(self) -> bool:
+        """Whether lamps cast shadows."""
+        return self.shadow_size > 0
+
+
+OBSERVATION = Quality(shadow_size=0, samples=0, slices=12, stacks=6, mirrors=False)
+"""About 10 ms a picture of 128 by 128 of a whole kitchen on one core without a GPU."""
+
+BEAUTY = Quality(shadow_size=2048, samples=4, slices=28, stacks=16, mirrors=True)
+"""About 300 ms a picture of 512 by 512 there."""
+
+
+class Painter(Protocol):
+    """What draws: OpenGL or rays."""
+
+    def render(self, data: mujoco.MjData, camera: int) -> NDArray[np.uint8]:
+        """The picture, (height, width, 3)."""
+
+    def close(self) -> None:
+        """Free what it holds."""
+
+
+class Renderer:
+    """Draws the cameras of one model. Close it, or use it in a `with` statement.
+
+    Colliders (group 3) and sites are not drawn. `backend` says afterwards which one draws: "gl" or "rays".
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        width: int,
+        height: int,
+        *,
+        shadows: bool = False,
+        backend: Backend = "auto",
+    ) -> None:
+        """shadows: the beauty preset for videos instead of the fast one for observations (rays draw no shadows).
+
+        Raises:
+            OptionError: if the size is not between 1 and 4096 pixels.
+            UnknownNameError: if there is no such backend.
+            RenderingError: if backend="gl" and no OpenGL platform works, or if MUJOCO_GL names one that does not
+                work, unless backend="rays".
+        """
+        check_choice("rendering backend", backend, BACKENDS)
+        for side, pixels in (("width", width), ("height", height)):
+            if not 1 <= pixels <= _LARGEST:
+                raise OptionError(f"{side} {pixels!r} is not valid; valid: 1 to {_LARGEST} pixels")
+        self.model, self.width, self.height = model, width, height
+        self._painter: Painter | None = self._choose(BEAUTY if shadows else OBSERVATION, backend)
+        self.backend: Literal["gl", "rays"] = "rays" if isinstance(self._painter, RayPainter) else "gl"
+
+    def render(self, data: mujoco.MjData, camera: str | int) -> NDArray[np.uint8]:
+        """What a camera sees of `data`, whose positions must be computed: uint8 (height, width, 3).
+
+        Raises:
+            UnknownNameError: if the model has no such camera; the message lists them.
+            RenderingError: after close.
+        """
+        if self._painter is None:
+            raise RenderingError("render() after close(): make a new Renderer")
+        return self._painter.render(data, self._camera(camera))
+
+    def close(self) -> None:
+        """Free the OpenGL context. May be called twice."""
+        if self._painter is not None:
+            self._painter.close()
+        self._painter = None
+
+    def __enter__(self) -> Renderer:
+        """Nothing but itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close."""
+        self.close()
+
+    def _camera(self, camera: str | int) -> int:
+        names = [self.model.camera(i).name for i in range(self.model.ncam)]
+        if isinstance(camera, str):
+            check_choice("camera", camera, names)
+            return names.index(camera)
+        check_choice("camera number", camera, range(self.model.ncam))
+        return camera
+
+    def _choose(self, quality: Quality, backend: Backend) -> Painter:
+        name = None if backend == "rays" else gl.probe()
+        if name is not None:
+            try:
+                return _GlPainter(self.model, self.width, self.height, quality, name)
+            except _failures() as error:
+                # After one failure another try would abort the process, so OpenGL is given up for good.
+                gl.forget(name)
+                if backend == "gl":
+                    raise RenderingError(f"OpenGL ({name}) failed: {error}; {gl.advice()}") from error
+                gl.probe()  # complains where MUJOCO_GL insists on what has just failed
+        elif backend == "gl":
+            raise RenderingError(gl.advice())
+        return RayPainter(self.model, self.width, self.height, groups=_DRAWN_GROUPS)
+
+
+def _failures() -> tuple[type[Exception], ...]:
+    """What a platform that does not work after all may raise."""
+    from OpenGL.error import Error
+
+    return RenderingError, RuntimeError, ImportError, mujoco.FatalError, Error
+
+
+class _GlPainter:
+    """MuJoCo's own renderer with a quality preset."""
+
+    def __init__(self, model: mujoco.MjModel, width: int, height: int, quality: Quality, platform: str) -> None:
+        gl.activate(platform)
+        with _buffers(model, width, height, quality):
+            self._renderer: Any = mujoco.Renderer(model, height, width, max_geom=2 * model.ngeom + 200)
+        flags = self._renderer.scene.flags
+        flags[mujoco.mjtRndFlag.mjRND_SHADOW] = quality.shadows
+        flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = quality.mirrors
+        self._option = mujoco.MjvOption()
+        self._option.geomgroup[:] = [group in _DRAWN_GROUPS for group in range(len(self._option.geomgroup))]
+        self._option.sitegroup[:] = 0
+
+    def render(self, data: mujoco.MjData, camera: int) -> NDArray[np.uint8]:
+        """The picture, (height, width, 3)."""
+        self._renderer.update_scene(data, camera, self._option)
+        picture: NDArray[np.uint8] = self._renderer.render()
+        return picture
+
+    def close(self) -> None:
+        """Free the context."""
+        self._renderer.close()
+
+
+@contextmanager
+def _buffers(model: mujoco.MjModel, width: int, height: int, quality: Quality) -> Iterator[None]:
+    """The model with the buffer sizes of a preset, which are read once when a context is made; put back afterwards."""
+    screen, detail = model.vis.global_, model.vis.quality
+    before = (
+        screen.offwidth,
+        screen.offheight,
+        detail.shadowsize,
+        detail.offsamples,
+        detail.numslices,
+        detail.numstacks,
+    )
+    screen.offwidth, screen.offheight = width, height
+    detail.shadowsize, detail.offsamples = quality.shadow_size, quality.samples
+    detail.numslices, detail.numstacks = quality.slices, quality.stacks
+    try:
+        yield
+    finally:
+        screen.offwidth, screen.offheight, detail.shadowsize, detail.offsamples = before[:4]
+        detail.numslices, detail.numstacks = before[4:]

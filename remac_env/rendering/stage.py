@@ -1,0 +1,93 @@
+"""One kitchen ready to be looked at: a model with looks, its data and its renderers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from remac_env.kitchen import style as styles
+from remac_env.kitchen.builder import build_spec, show_switches
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.rendering.cameras import FRONT, SIDE, WIDE, WRIST, add_cameras
+from remac_env.rendering.posing import pose
+from remac_env.rendering.renderer import Renderer
+from remac_env.start import Start
+from remac_env.state import ASIDE, WorldState
+
+RENDER_SIZE = (640, 480)
+"""Width and height of `render()` and of videos, pixels."""
+
+Picture = NDArray[np.uint8]
+
+
+class Stage:
+    """Draws episodes of one kitchen: the same layout, style and things.
+
+    The pose comes either from physics (`show_positions`) or from a WorldState (`show_world`).
+    """
+
+    def __init__(self, start: Start, layout: Layout, categories: Mapping[str, Category]) -> None:
+        self.key = stage_key(start)
+        self._layout, self._categories = layout, categories
+        spec = build_spec(
+            layout,
+            robots=start.scene.robots,
+            objects={noun: categories[name] for noun, name in start.categories.items()},
+            style=styles.load(start.style),
+            looks=True,
+        )
+        add_cameras(spec, layout, start.scene.robots)
+        self._model = spec.compile()
+        self._data = mujoco.MjData(self._model)
+        self._renderers: dict[tuple[int, int, bool], Renderer] = {}
+
+    def show_positions(self, positions: NDArray[np.float64], world: WorldState) -> None:
+        """Take over joint positions, qpos of the physics model; switches as `world` says."""
+        self._data.qpos[:] = positions
+        self._show_switches(world)
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+
+    def show_world(self, start: Start, world: WorldState) -> None:
+        """Pose the kitchen by what is true in it."""
+        pose(self._model, self._data, self._layout, self._categories, start, world)
+        self._show_switches(world)
+
+    def picture(self, *, shadows: bool = True, size: tuple[int, int] = RENDER_SIZE) -> Picture:
+        """The whole kitchen, uint8 (height, width, 3)."""
+        return self._render(WIDE, size, shadows=shadows)
+
+    def observe(self, robot: str, world: WorldState, *, size: int) -> dict[str, Picture]:
+        """The robot's three pictures, uint8 (size, size, 3): the kitchen, from its hand, and of its station.
+
+        Away from all stations the third is of the whole kitchen.
+        """
+        station = world.robots[robot].station
+        side = FRONT if station == ASIDE else SIDE.format(station=station)
+        cameras = {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side}
+        return {name: self._render(camera, (size, size), shadows=False) for name, camera in cameras.items()}
+
+    def close(self) -> None:
+        """Free the renderers. May be called twice."""
+        for renderer in self._renderers.values():
+            renderer.close()
+        self._renderers.clear()
+
+    def _render(self, camera: str, size: tuple[int, int], *, shadows: bool) -> Picture:
+        key = (*size, shadows)
+        if key not in self._renderers:
+            self._renderers[key] = Renderer(self._model, *size, shadows=shadows)
+        return self._renderers[key].render(self._data, camera).copy()
+
+    def _show_switches(self, world: WorldState) -> None:
+        show_switches(self._model, frozenset().union(*(state.on for state in world.fixtures.values())))
+
+
+def stage_key(start: Start) -> Any:
+    """What a stage is made for; episodes with the same key share one."""
+    return start.layout, start.style, tuple(start.categories.items()), start.scene.robots

@@ -1,0 +1,36 @@
+"""The tasks of the suite, and those registered from outside."""
+
+from __future__ import annotations
+
+from remac_env.errors import OptionError, check_choice
+from remac_env.tasks.defrost_in_bowl import SPEC as _DEFROST
+from remac_env.tasks.heat_on_stove import SPEC as _HEAT
+from remac_env.tasks.open_cabinet_pnp import SPEC as _CABINET
+from remac_env.tasks.open_microwave_pnp import SPEC as _MICROWAVE
+from remac_env.tasks.spec import TaskSpec
+
+_SPECS: dict[str, TaskSpec] = {spec.name: spec for spec in (_CABINET, _MICROWAVE, _DEFROST, _HEAT)}
+
+
+def names() -> tuple[str, ...]:
+    """The names of all tasks, those registered from outside last."""
+    return tuple(_SPECS)
+
+
+def get(name: str) -> TaskSpec:
+    """The task of that name; UnknownNameError lists the names."""
+    check_choice("task", name, _SPECS)
+    return _SPECS[name]
+
+
+def add(spec: TaskSpec) -> None:
+    """Add a task from outside. Adding an equal one again changes nothing.
+
+    Raises:
+        OptionError: if the name is not CamelCase letters and digits, or another task has it.
+    """
+    if not spec.name.isalnum() or not spec.name[:1].isupper():
+        raise OptionError(f"task name {spec.name!r} is not valid; valid: CamelCase letters and digits")
+    if spec.name in _SPECS and _SPECS[spec.name] != spec:
+        raise OptionError(f"task name {spec.name!r} is taken by another task; taken: {', '.join(_SPECS)}")
+    _SPECS[spec.name] = spec

@@ -1,0 +1,191 @@
+"""Goals are values: they state themselves, judge a WorldState and report progress."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+
+from remac_env.state import FLOOR, Door, Scene, WorldState, base_place, inside, supports
+
+_NAME_FIELDS = ("name", "container", "fixture", "under")
+
+
+class Goal(ABC):
+    """What has to be true at the end."""
+
+    @property
+    @abstractmethod
+    def text(self) -> str:
+        """The goal in plain English."""
+
+    @abstractmethod
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Whether the goal is reached."""
+
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """The objects and fixtures that it speaks of."""
+
+    @abstractmethod
+    def bind(self, names: Mapping[str, str]) -> Goal:
+        """A copy with `{role}` fields filled in."""
+
+    def atoms(self) -> Iterator[Goal]:
+        """The smallest parts, each true or false by itself."""
+        yield self
+
+
+@dataclass(frozen=True)
+class _Atom(Goal):
+    """A goal with no parts; its fields are names."""
+
+    def _fields(self) -> dict[str, object]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def bind(self, names: Mapping[str, str]) -> Goal:
+        """A copy with `{role}` fields filled in."""
+        return type(self)(**{key: _filled(value, names) for key, value in self._fields().items()})
+
+    def names(self) -> tuple[str, ...]:
+        """The objects and fixtures that the goal speaks of."""
+        return tuple(str(v) for k, v in self._fields().items() if k in _NAME_FIELDS and v)
+
+
+def _filled(value: object, names: Mapping[str, str]) -> object:
+    if isinstance(value, tuple):
+        return tuple(_filled(part, names) for part in value)
+    return value.format(**names) if isinstance(value, str) else value
+
+
+@dataclass(frozen=True)
+class Inside(_Atom):
+    """`name` is on or in `container`; where `only_on` is given, on nothing else than these vessels on the way."""
+
+    name: str
+    container: str
+    only_on: tuple[str, ...] | None = None
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Whether it is there."""
+        if not inside(scene, world, self.name, self.container):
+            return False
+        vessels = [other for other in supports(scene, world, self.name) if other in scene.objects]
+        return self.only_on is None or all(vessel in self.only_on for vessel in vessels)
+
+    @property
+    def text(self) -> str:
+        """The goal in plain English."""
+        return f"the {self.name} is on or in the {self.container}"
+
+
+@dataclass(frozen=True)
+class Released(_Atom):
+    """No robot holds `name`."""
+
+    name: str
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Whether every gripper has let go of it."""
+        return all(robot.holding != self.name for robot in world.robots.values())
+
+    @property
+    def text(self) -> str:
+        """The goal in plain English."""
+        return f"no robot holds the {self.name}"
+
+
+@dataclass(frozen=True)
+class SwitchedOn(_Atom):
+    """`fixture` is on; with `under`, the switch of the very slot in which that object stands."""
+
+    fixture: str
+    under: str = ""
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Whether it is on."""
+        on = world.fixtures[self.fixture].on
+        return bool(on) if not self.under else world.objects[self.under].place.where in on
+
+    @property
+    def text(self) -> str:
+        """The goal in plain English."""
+        return f"the {self.fixture} is on" + (f" under the {self.under}" if self.under else "")
+
+
+@dataclass(frozen=True)
+class DoorIs(_Atom):
+    """The door of `fixture` is closed or open."""
+
+    fixture: str
+    door: Door
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Whether the door is so."""
+        return world.fixtures[self.fixture].door == self.door
+
+    @property
+    def text(self) -> str:
+        """The goal in plain English."""
+        return f"the {self.fixture} door is {self.door}"
+
+
+@dataclass(frozen=True)
+class Marked(_Atom):
+    """`mark` has happened to `name` (seasoned, washed)."""
+
+    name: str
+    mark: str
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Whether it has happened."""
+        return self.mark in world.objects[self.name].marks
+
+    @property
+    def text(self) -> str:
+        """The goal in plain English."""
+        return f"the {self.name} has been {self.mark}"
+
+
+@dataclass(frozen=True, init=False)
+class All(Goal):
+    """Every one of `goals`."""
+
+    goals: tuple[Goal, ...]
+
+    def __init__(self, *goals: Goal) -> None:
+        object.__setattr__(self, "goals", tuple(goals))
+
+    def atoms(self) -> Iterator[Goal]:
+        """The parts of all parts."""
+        for goal in self.goals:
+            yield from goal.atoms()
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Whether all hold."""
+        return all(goal.holds(scene, world) for goal in self.goals)
+
+    def names(self) -> tuple[str, ...]:
+        """The objects and fixtures that the goals speak of, each once."""
+        return tuple(dict.fromkeys(name for goal in self.goals for name in goal.names()))
+
+    def bind(self, names: Mapping[str, str]) -> Goal:
+        """A copy with `{role}` fields filled in."""
+        return All(*(goal.bind(names) for goal in self.goals))
+
+    @property
+    def text(self) -> str:
+        """The goals in plain English."""
+        return " and ".join(goal.text for goal in self.goals)
+
+
+def progress(goal: Goal, scene: Scene, world: WorldState) -> float:
+    """The fraction of the goal's atoms that hold, 0..1."""
+    held = [atom.holds(scene, world) for atom in goal.atoms()]
+    return sum(held) / len(held)
+
+
+def lost(goal: Goal, scene: Scene, world: WorldState) -> bool:
+    """True when a goal object lies where no robot can reach it: a rule, not a search."""
+    objects = (name for name in goal.names() if name in scene.objects)
+    return any(base_place(world, name) == FLOOR for name in objects)

@@ -1,0 +1,19 @@
+"""Put the vegetable into the wall cabinet. Hidden: the cabinet door is closed."""
+
+from __future__ import annotations
+
+from remac_env.tasks.goals import All, Inside, Released
+from remac_env.tasks.spec import Role, TaskSpec
+
+SPEC = TaskSpec(
+    name="OpenCabinetPnP",
+    wordings=(
+        "open the cabinet door, pick up the {food} from the counter and place it into the cabinet",
+        "pick up the {food} from the counter and place it into the cabinet, the cabinet door has to be open first",
+        "place the {food} into the cabinet",
+    ),
+    goal=All(Inside("{food}", "cabinet", only_on=("plate",)), Released("{food}")),
+    roles=(Role("food", ("vegetable",)), Role("plate", ("plate",), at="cabinet")),
+    fixtures=("counter", "cabinet"),
+    styles=("modern_1",),
+)

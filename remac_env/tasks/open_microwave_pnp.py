@@ -1,0 +1,19 @@
+"""Put the vegetable into the microwave. Hidden: the microwave door is closed."""
+
+from __future__ import annotations
+
+from remac_env.tasks.goals import All, Inside, Released
+from remac_env.tasks.spec import Role, TaskSpec
+
+SPEC = TaskSpec(
+    name="OpenMicrowavePnP",
+    wordings=(
+        "open the microwave door, pick up the {food} from the counter and place it into the microwave",
+        "pick up the {food} from the counter and place it into the microwave, the microwave door has to be open first",
+        "place the {food} into the microwave",
+    ),
+    goal=All(Inside("{food}", "microwave"), Released("{food}")),
+    roles=(Role("food", ("vegetable",)), Role("plate", ("plate",), at="microwave")),
+    fixtures=("counter", "microwave"),
+    styles=("farmhouse",),
+)

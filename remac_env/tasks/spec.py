@@ -1,0 +1,68 @@
+"""What a task is: a declaration that general code reads. The tasks of the suite are the other files of this folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from remac_env.errors import OptionError
+from remac_env.tasks.goals import Goal
+from remac_env.vocabulary import Noun
+
+WORDINGS = (1, 2, 3)
+"""1: word order follows the subtasks; 2: it does not; 3: the simplest sentence (paper, appendix)."""
+
+
+@dataclass(frozen=True)
+class Role:
+    """A thing the task needs. One of `nouns` is drawn; its category plays the noun's role in the catalogue.
+
+    `at` names the fixture in whose slots it stands at the start.
+    """
+
+    name: str
+    nouns: tuple[str, ...]
+    at: str = "counter"
+
+
+@dataclass(frozen=True)
+class TaskSpec:
+    """A task by declaration.
+
+    Attributes:
+        name: CamelCase id, part of the Gymnasium id.
+        wordings: the goal sentence in three wordings, with `{role}` fields.
+        goal: the terminal goal, with `{role}` fields.
+        roles: the things it needs.
+        fixtures: names of the fixtures it needs.
+        verbs: goal verb -> commands that the verb itself implies once the thing is in place ("heat": the burner).
+            Public data: planners are told.
+        styles, layouts: the task's rows of the style table.
+        distractors: how many other things stand about, (least, most).
+        nouns: words that the built-in vocabulary lacks.
+        categories: further object categories, in the form of the catalogue's tables.
+        layout_files: layout name -> path of a TOML file, for kitchens from outside.
+    """
+
+    name: str
+    wordings: tuple[str, str, str]
+    goal: Goal
+    roles: tuple[Role, ...]
+    fixtures: tuple[str, ...]
+    verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    styles: tuple[str, ...] = ("modern_1",)
+    layouts: tuple[str, ...] = ("one_wall_large",)
+    distractors: tuple[int, int] = (1, 2)
+    nouns: tuple[Noun, ...] = ()
+    categories: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+    layout_files: Mapping[str, str] = field(default_factory=dict)
+
+    def sentence(self, wording: int, names: Mapping[str, str]) -> str:
+        """The goal sentence in wording 1, 2 or 3, with the nouns of this episode.
+
+        Raises:
+            OptionError: if there is no such wording.
+        """
+        if wording not in WORDINGS:
+            raise OptionError(f"wording {wording!r} is not valid; valid: {', '.join(map(str, WORDINGS))}")
+        return self.wordings[wording - 1].format(**names)

@@ -1,0 +1,142 @@
+"""Tokens: one whole number a subtask, fixed and versioned, derived from the nouns and the skill table."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remac_env.errors import KitchenFileError, OptionError, UnknownNameError
+from remac_env.state import Scene
+from remac_env.subtasks import SKILLS, Subtask
+
+_USES = tuple(name for name, skill in SKILLS.items() if skill.target not in ("none", "any"))
+_BARE = ("wait", "done", "navigate aside")
+
+
+@dataclass(frozen=True, slots=True)
+class Noun:
+    """A word that commands may name. `uses` are skills beside `navigate to`, which every noun has."""
+
+    name: str
+    kind: Literal["fixture", "object"]
+    uses: tuple[str, ...] = ()
+
+
+class Vocabulary:
+    """The subtasks of all kitchens by token; token 0 is `wait`, token 1 is `done`."""
+
+    def __init__(self, nouns: Iterable[Noun], *, version: int) -> None:
+        self.nouns = tuple(nouns)
+        self.version = version
+        self._subtasks = tuple(_subtasks(self.nouns))
+        self._tokens = {subtask.text: token for token, subtask in enumerate(self._subtasks)}
+
+    def __len__(self) -> int:
+        return len(self._subtasks)
+
+    def extended(self, nouns: Iterable[Noun]) -> Vocabulary:
+        """A copy with nouns of a task from outside appended; the tokens at hand do not move.
+
+        Raises:
+            OptionError: if a noun is known already with another kind or other uses, or has uses that there are not.
+        """
+        known = {noun.name: noun for noun in self.nouns}
+        for noun in nouns:
+            if (old := known.setdefault(noun.name, noun)) != noun:
+                raise OptionError(f"noun {noun.name!r} is taken by {old}; give {noun} another name")
+            if strange := set(noun.uses) - set(_USES):
+                raise OptionError(f"noun {noun.name!r} has unknown uses {sorted(strange)}; valid: {', '.join(_USES)}")
+        return Vocabulary(known.values(), version=self.version)
+
+    def encode(self, text: str) -> int:
+        """The token of a command.
+
+        Raises:
+            UnknownNameError: if no command reads so; the message offers the nearest ones.
+        """
+        token = self._tokens.get(normalise(text))
+        if token is None:
+            raise UnknownNameError(f"unknown subtask {text!r}; {self._nearest(text)}")
+        return token
+
+    def decode(self, token: int) -> str:
+        """The command of a token."""
+        return self.subtask(token).text
+
+    def subtask(self, token: int) -> Subtask:
+        """The subtask of a token.
+
+        Raises:
+            UnknownNameError: if the token is outside 0..len-1.
+        """
+        if not 0 <= token < len(self):
+            raise UnknownNameError(f"unknown token {token!r}; valid: 0..{len(self) - 1}")
+        return self._subtasks[token]
+
+    def parse(self, text: str) -> Subtask | None:
+        """The subtask that a text names exactly (case, spaces and a final stop do not matter), or None."""
+        token = self._tokens.get(normalise(text))
+        return None if token is None else self._subtasks[token]
+
+    def mask(self, scene: Scene) -> NDArray[np.int8]:
+        """1 for every token whose noun exists in this kitchen; shape (len,). Grammar, not feasibility."""
+        return np.array([_speaks_of(scene, subtask) for subtask in self._subtasks], dtype=np.int8)
+
+    def commands(self, scene: Scene) -> tuple[str, ...]:
+        """Every legal command of this kitchen as text, in token order."""
+        return tuple(s.text for s, legal in zip(self._subtasks, self.mask(scene), strict=True) if legal)
+
+    def _nearest(self, text: str) -> str:
+        near = difflib.get_close_matches(normalise(text), self._tokens, n=3, cutoff=0.4)
+        return "did you mean " + ", ".join(repr(n) for n in near) + "?" if near else "see env.vocabulary"
+
+
+def normalise(text: str) -> str:
+    """Lower case, single spaces, underscores as spaces, without quotes or a stop at the ends."""
+    return re.sub(r"[\s_]+", " ", text).strip(" \t\r\n\"'`.,;").lower()
+
+
+def _speaks_of(scene: Scene, subtask: Subtask) -> bool:
+    """Whether the subtask's noun is there, and a thing of the kind that its skill is for (a kitchen may lack doors)."""
+    kind, name = SKILLS[subtask.skill].target, subtask.target
+    if (fixture := scene.fixtures.get(name)) is not None:
+        fits = {"any": True, "surface": fixture.slots, "door": fixture.door, "switch": fixture.switches}
+        return bool(fits.get(kind))
+    if (thing := scene.objects.get(name)) is not None:
+        return kind in ("any", "object", "food") or (kind == "surface" and thing.holds > 0)
+    return kind == "none"
+
+
+def _subtasks(nouns: Iterable[Noun]) -> Iterable[Subtask]:
+    yield from (Subtask(name) for name in _BARE)
+    for noun in nouns:
+        yield Subtask("navigate to", noun.name)
+        yield from (Subtask(skill, noun.name) for skill in _USES if skill in noun.uses)
+
+
+def make_noun(entry: Mapping[str, object], *, file: str) -> Noun:
+    """A noun from its table in a TOML file."""
+    name, kind = str(entry.get("name", "")), entry.get("kind")
+    uses = entry.get("uses", [])
+    if kind not in ("fixture", "object"):
+        raise KitchenFileError(file, f"noun {name!r}, kind", f"got {kind!r}", ("fixture", "object"))
+    if not isinstance(uses, list) or any(use not in _USES for use in uses):
+        raise KitchenFileError(file, f"noun {name!r}, uses", f"got {uses!r}", _USES)
+    return Noun(name, kind, tuple(uses))  # type: ignore[arg-type]
+
+
+@lru_cache(maxsize=1)
+def built_in() -> Vocabulary:
+    """The vocabulary of the built-in tasks."""
+    data = tomllib.loads(resources.files("remac_env").joinpath("nouns.toml").read_text("utf-8"))
+    nouns = [make_noun(entry, file="nouns.toml") for entry in data["noun"]]
+    return Vocabulary(nouns, version=int(data["version"]))

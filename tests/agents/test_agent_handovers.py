@@ -1,0 +1,83 @@
+"""Sharing a plan between two robots: prerequisites first, nobody in the way, and only where it gains."""
+
+from __future__ import annotations
+
+import pytest
+from test_agent_made_up_tasks import dough, towels
+
+from remac_agents.catalogue import make_role
+from remac_agents.checkers.noisy import NoisyChecker
+from remac_agents.handovers.schedule import schedule
+from remac_agents.plan import Commands, Plan
+from remac_agents.roles import HandoverRequest, View
+from remac_env.conditions import condition
+from remac_env.subtasks import Subtask
+
+ALONE = (
+    "navigate to tray",
+    "pick up tray",
+    "navigate to furnace",
+    "place to furnace",
+    "navigate to dough",
+    "pick up dough",
+    "navigate to furnace",
+    "place to tray",
+    "turn on burner plate",
+)
+
+
+def request(steps: tuple[str, ...]) -> HandoverRequest:
+    env = dough()
+    commands = Commands(env.commands)
+    view = View(env.sentence, env.scene, {"a": None}, world=env.start)
+    plan = tuple(commands[text] for text in steps)
+    return HandoverRequest(env.sentence, plan, "robot_1", "robot_0", (), tuple(env.commands), view)
+
+
+@pytest.mark.parametrize(("name", "rounds"), [("reflections", 7), ("search", 6)])
+def test_what_comes_before_the_main_object_goes_to_the_helper(name: str, rounds: int) -> None:
+    plan = make_role("handover", name).share(request(ALONE))
+    assert isinstance(plan, Plan)
+    assert plan.length == rounds
+    assert set(plan.robots) == {"robot_0", "robot_1"}
+    if name == "reflections":
+        assert plan.row("robot_0") == tuple(request((*ALONE[:4], "navigate aside")).plan)
+
+
+@pytest.mark.parametrize("name", ["reflections", "search"])
+def test_what_cannot_be_shared_is_done_alone(name: str) -> None:
+    assert make_role("handover", name).share(request(ALONE[4:6])) is None
+
+
+def test_the_leading_robot_waits_for_a_thing_that_is_still_being_moved() -> None:
+    facts = dough().scene
+    steps = Commands(dough().commands)
+    main = [steps[t] for t in ("navigate to dough", "pick up dough", "navigate to tray", "place to tray")]
+    work = [steps[t] for t in ("navigate to tray", "pick up tray", "navigate to furnace", "place to furnace")]
+    plan = schedule("a", main, "b", work, facts)
+    placed = plan.row("b").index(Subtask("place to", "furnace"))
+    assert plan.row("a").index(Subtask("navigate to", "tray")) > placed
+    assert [step for step in plan.row("a") if step.skill != "wait"] == main
+
+
+def test_robots_that_need_each_others_place_take_turns() -> None:
+    facts = towels().scene
+    steps = Commands(towels().commands)
+    main = [steps[t] for t in ("navigate to dryer", "turn on dryer")]
+    work = [steps[t] for t in ("navigate to dryer", "close dryer door")]
+    plan = schedule("a", main, "b", work, facts)
+    assert plan.length == 4
+    assert plan.row("b")[:2] == tuple(work)
+
+
+def test_noise_depends_on_seed_and_iteration() -> None:
+    env = dough()
+    view = View("", env.scene, {}, world=env.start)
+    checker = NoisyChecker(false_alarm=0.5, miss=0.5)
+
+    def verdicts(seed: int, iteration: int) -> list[bool]:
+        checker.begin_episode(seed, iteration)
+        return [v.value for _ in range(40) for v in checker.check([condition("unloaded", "tray")], view)]
+
+    assert verdicts(1, 0) == verdicts(1, 0)
+    assert len({tuple(verdicts(seed, iteration)) for seed in (1, 2) for iteration in (0, 1)}) == 4

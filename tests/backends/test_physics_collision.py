@@ -1,0 +1,110 @@
+"""The scratch world: what counts as a collision, and that the simulation is left alone."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+
+from remac_env.backends.physics.collision import Scratch
+from remac_env.backends.physics.paths import Planner
+from remac_env.backends.physics.simulation import Simulation
+from remac_env.kitchen import layout as layouts
+from remac_env.kitchen.builder import build_model
+from remac_env.robots import panda
+from remac_env.robots.ik import Kinematics
+
+DOWN = np.diag([1.0, -1.0, -1.0])
+
+
+@pytest.fixture(scope="module")
+def kitchen() -> tuple[Simulation, Scratch, Planner]:
+    model = build_model(layouts.load("one_wall_large"), robots=("robot_0", "robot_1"), objects={"vegetable": "potato"})
+    simulation = Simulation(model, ("robot_0", "robot_1"))
+    simulation.robots["robot_0"].put(panda.tucked(0.1, -0.85, 0.5 * np.pi))
+    simulation.robots["robot_1"].put(panda.tucked(1.5, -2.3, 0.5 * np.pi))
+    simulation.place("vegetable", np.array([0.11, 0.24, 0.928]), np.array([1.0, 0.0, 0.0, 0.0]))
+    mujoco.mj_forward(model, simulation.data)
+    scratch = Scratch(simulation, simulation.robots["robot_0"], Kinematics())
+    return simulation, scratch, Planner(scratch, np.random.default_rng(0))
+
+
+def test_home_is_free_and_furniture_is_not(kitchen: tuple[Simulation, Scratch, Planner]) -> None:
+    simulation, scratch, _ = kitchen
+    scratch.begin()
+    home = panda.tucked(0.1, -0.85, 0.5 * np.pi)
+    assert scratch.free(home)
+    assert not scratch.free(panda.tucked(0.1, 0.1, 0.5 * np.pi))
+    assert scratch.touching[0] != scratch.touching[1]
+    before = simulation.data.qpos.copy()
+    scratch.free(panda.tucked(0.3, -1.0, 0.0))
+    np.testing.assert_array_equal(simulation.data.qpos, before)
+
+
+def test_the_other_robot_is_an_obstacle(kitchen: tuple[Simulation, Scratch, Planner]) -> None:
+    _, scratch, _ = kitchen
+    scratch.begin()
+    beside = panda.tucked(1.2, -2.3, 0.5 * np.pi)
+    assert not scratch.free(beside)
+    with scratch.without_robots():
+        assert scratch.free(beside)
+    assert not scratch.free(beside)
+
+
+def test_a_fence_keeps_the_robot_in_its_room(kitchen: tuple[Simulation, Scratch, Planner]) -> None:
+    _, scratch, _ = kitchen
+    scratch.begin()
+    home = panda.tucked(0.1, -0.85, 0.5 * np.pi)
+    scratch.fence = (-0.3, 0.5)
+    assert scratch.free(home)
+    scratch.fence = (0.0, 0.5)
+    assert not scratch.free(home)
+    scratch.fence = None
+
+
+def test_gripper_may_touch_its_target_only(kitchen: tuple[Simulation, Scratch, Planner]) -> None:
+    simulation, scratch, planner = kitchen
+    scratch.begin()
+    base = np.array([0.11, -0.31, 0.5 * np.pi])
+    goals = planner.reach(np.array([0.11, 0.24, 0.93]), DOWN, base, panda.tucked(*base))
+    assert goals
+    scratch.fingers(0.02)
+    assert not any(scratch.free(goal) for goal in goals)
+    scratch.begin(target=simulation.geoms("vegetable"))
+    scratch.fingers(0.02)
+    assert any(scratch.free(goal) for goal in goals)
+
+
+def test_released_things_go_back_to_where_they_are(kitchen: tuple[Simulation, Scratch, Planner]) -> None:
+    simulation, scratch, _ = kitchen
+    scratch.begin()
+    before = scratch.data.qpos.copy()
+    scratch.hold("vegetable", simulation.robots["robot_0"].grip_pose(), simulation.pose("vegetable"))
+    scratch.free(panda.tucked(0.1, -1.0, 0.5 * np.pi))
+    scratch.release()
+    address = int(simulation.model.joint("vegetable").qposadr[0])
+    np.testing.assert_array_equal(scratch.data.qpos[address : address + 7], before[address : address + 7])
+
+
+def test_a_found_path_is_free_all_along(kitchen: tuple[Simulation, Scratch, Planner]) -> None:
+    _, scratch, planner = kitchen
+    scratch.begin()
+    start = panda.tucked(0.1, -0.85, 0.5 * np.pi)
+    goal = np.concatenate([start[:3], [0.3], panda.HOME_ARM + [1.5, 0, 0, 0, 0, 0, 0]])
+    path = planner.path(start, goal)
+    assert path is not None and np.array_equal(path[-1], goal)
+    corners = [start, *path]
+    for k in range(len(path)):
+        for u in np.linspace(0, 1, 25):
+            assert scratch.free(corners[k] + u * (corners[k + 1] - corners[k]))
+
+
+def test_planning_is_the_same_every_time(kitchen: tuple[Simulation, Scratch, Planner]) -> None:
+    _, scratch, _ = kitchen
+    scratch.begin()
+    start = panda.tucked(0.1, -0.55, 0.5 * np.pi)
+    goal = np.concatenate([start[:3], [0.2], panda.HOME_ARM])
+    paths = [Planner(scratch, np.random.default_rng(5)).path(start, goal, via=False) for _ in range(2)]
+    assert paths[0] is not None and paths[1] is not None
+    for one, other in zip(paths[0], paths[1], strict=True):
+        np.testing.assert_array_equal(one, other)

@@ -1,0 +1,50 @@
+"""Planners for the tests of the runner: they crash, end their process, or are slow."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import Any
+
+from remac_agents.planners.literal import LiteralPlanner
+
+
+class Crashes:
+    """Raises, quoting whatever is in the environment variable of a key."""
+
+    def plan(self, request: Any) -> Any:
+        """Never returns."""
+        raise ZeroDivisionError("planned by zero with " + os.environ.get("OPENAI_API_KEY", "no key"))
+
+
+class CrashesOnce(LiteralPlanner):
+    """Raises in the first episode that it plans."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def plan(self, request: Any) -> Any:
+        """A literal plan, but for the first time."""
+        self.calls += 1
+        if self.calls == 1:
+            raise RuntimeError("not yet")
+        return super().plan(request)
+
+
+class EndsProcess(LiteralPlanner):
+    """Ends its process on seed 1, as a fault in native code would."""
+
+    def plan(self, request: Any) -> Any:
+        """A literal plan, but for seed 1."""
+        if request.episode["seed"] == 1:
+            os._exit(9)
+        return super().plan(request)
+
+
+class Slow(LiteralPlanner):
+    """Takes its time."""
+
+    def plan(self, request: Any) -> Any:
+        """A literal plan, late."""
+        time.sleep(0.2)
+        return super().plan(request)

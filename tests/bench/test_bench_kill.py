@@ -1,0 +1,85 @@
+"""Runners that are killed or stopped in the middle, and what the same command then makes of it."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import pytest
+from bench_helpers import jobs, read, start, timeless, wait_for
+from remac_bench.report import read_rows
+from remac_bench.runner import Settings, run_jobs
+
+ARGUMENTS = (
+    *("bench", "run", "--tasks", "HeatOnStove,OpenCabinetPnP", "--methods", "CC,RE"),
+    *("--seeds", "0:3", "--backend", "symbolic", "--planner", "bench_planners:Slow", "--jobs", "2"),
+)
+EPISODES = 2 * 3 * (1 + 3)
+
+
+def lines(folder: Path) -> int:
+    """How many lines the records have by now."""
+    path = folder / "records.jsonl"
+    return path.read_bytes().count(b"\n") if path.exists() else 0
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the same jobs run without being disturbed."""
+    folder = tmp_path_factory.mktemp("whole")
+    listed = jobs("CC,RE", tasks="HeatOnStove,OpenCabinetPnP", seeds=range(3), planner="bench_planners:Slow")
+    run_jobs(listed, folder, Settings(workers=2))
+    return folder
+
+
+def children(pid: int) -> list[int]:
+    """The processes that a process has started."""
+    path = Path(f"/proc/{pid}/task/{pid}/children")
+    return [int(child) for child in path.read_text().split()] if path.exists() else []
+
+
+def gone(pid: int) -> bool:
+    """True when a process has ended, whether or not anybody has taken note of it."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
+    except FileNotFoundError:
+        return True
+
+
+def test_a_runner_killed_midway_goes_on_to_the_same_table(tmp_path: Path, whole: Path) -> None:
+    runner = start(*ARGUMENTS, "--out", str(tmp_path))
+    wait_for(lambda: lines(tmp_path) >= 6 or runner.poll() is not None)
+    workers = children(runner.pid)
+    runner.send_signal(signal.SIGKILL)
+    runner.communicate()
+    recorded = lines(tmp_path)
+    assert 0 < recorded < EPISODES, "it was not killed in the middle"
+    for worker in workers:
+        wait_for(lambda worker=worker: gone(worker))  # type: ignore[misc]
+    assert lines(tmp_path) == recorded  # a worker without its runner writes nothing
+    with (tmp_path / "records.jsonl").open("ab") as file:
+        file.write(b'{"schema":1,"job":"torn')
+
+    again = start(*ARGUMENTS, "--out", str(tmp_path))
+    out, told = again.communicate(timeout=120)
+    assert again.returncode == 0, told
+    assert "found finished" in out
+    assert read_rows(tmp_path) == read_rows(whole)
+    assert timeless(read(tmp_path)) == timeless(read(whole))
+
+
+def test_ctrl_c_stops_cleanly(tmp_path: Path, whole: Path) -> None:
+    runner = start(*ARGUMENTS, "--out", str(tmp_path))
+    wait_for(lambda: lines(tmp_path) >= 4 or runner.poll() is not None)
+    workers = children(runner.pid)
+    runner.send_signal(signal.SIGINT)
+    _, told = runner.communicate(timeout=60)
+    assert runner.returncode == 130, told
+    assert "jobs are recorded; the same command goes on" in told
+    assert "Traceback" not in told
+    assert not (tmp_path / "runner.lock").exists()
+    for worker in workers:
+        wait_for(lambda worker=worker: gone(worker), seconds=10)  # type: ignore[misc]
+    assert 0 < lines(tmp_path) < EPISODES
+    assert start(*ARGUMENTS, "--out", str(tmp_path)).wait(timeout=120) == 0
+    assert read_rows(tmp_path) == read_rows(whole)
