@@ -170,6 +170,7 @@ class Agent:
             task=str(label.get("task", told["goal"])),
             episode=label,
             verbs={verb: tuple(commands) for verb, commands in told.get("verbs", {}).items()},
+            goal_test=told.get("goal_test"),
         )
 
     def _named(self, wanted: str | None, robots: tuple[str, ...], what: str) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from remac_env.tasks.goals import Goal
+
 
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
@@ -30,3 +32,4 @@ class Briefing:
     task: str
     episode: Mapping[str, Any] = field(default_factory=dict)
     verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    goal_test: Goal | None = None

@@ -234,6 +234,7 @@ class Episode:
             verbs=self.briefing.verbs,
             episode=self.briefing.episode,
             world=self._seen_by(self.roles.planner).world,
+            goal_test=self.briefing.goal_test if self._seen_by(self.roles.planner).world is not None else None,
         )
 
     def _seen_by(self, role: object) -> View:

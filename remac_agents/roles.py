@@ -15,6 +15,7 @@ from remac_agents.plan import Plan, PlanError
 from remac_env.conditions import Condition
 from remac_env.state import Scene, WorldState
 from remac_env.subtasks import Subtask
+from remac_env.tasks.goals import Goal
 
 Ask = Callable[[Condition], bool]
 """A question to the checker about the moment at hand."""
@@ -59,7 +60,7 @@ class PlanRequest:
         images: pictures by robot and camera.
         verbs: goal verb -> commands that the verb itself implies.
         episode: what the kitchen says of the episode (task, seed, ...).
-        world: the truth, for planners that need it.
+        world, goal_test: the truth and what is to become true, for planners that need it.
     """
 
     goal: str
@@ -76,6 +77,7 @@ class PlanRequest:
     verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     episode: Mapping[str, Any] = field(default_factory=dict)
     world: WorldState | None = None
+    goal_test: Goal | None = None
 
 
 @dataclass(frozen=True)

@@ -140,6 +140,9 @@ def _no_vessel_needed(scene: Scene, world: WorldState, robot: str, target: str) 
     held = world.robots[robot].holding
     if held is None or target not in scene.fixtures:
         return True
+    place = landing(scene, world, robot, target)
+    if place is not None and place.relation == "vessel":
+        return True
     return scene.fixtures[target].kind not in scene.objects[held].needs_vessel_in
 
 

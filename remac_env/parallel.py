@@ -147,7 +147,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         return self.action_spaces[agent]
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The kitchen now, uint8 (480, 640, 3), with render_mode="rgb_array"; None without a render mode.
+        """The kitchen now, uint8 (432, 768, 3), with render_mode="rgb_array"; None without a render mode.
 
         Raises:
             LifecycleError: before reset or after close.

@@ -96,12 +96,13 @@ class Pictures:
     def save(self, path: str | Path) -> int:
         """Draw the kept moments as a video; returns the number of frames."""
         from remac_env.rendering import video
+        from remac_env.rendering.renderer import VIDEO
 
         if self._tape is None or not self._tape.moments:
             raise LifecycleError("nothing was recorded: call start_recording(), then reset()")
         moments = self._tape.moments
         chosen = np.linspace(0, len(moments) - 1, min(len(moments), VIDEO_FRAMES)).round().astype(int)
-        return video.write(path, (self._stage(moments[index]).picture() for index in chosen))
+        return video.write(path, (self._stage(moments[index]).picture(quality=VIDEO) for index in chosen))
 
     def close(self) -> None:
         """Free renderers and window. May be called twice."""

@@ -8,8 +8,6 @@ from remac_agents.plan import Plan, PlanError
 from remac_agents.roles import PlanRequest
 from remac_env import oracle
 from remac_env.state import FrozenMap, Scene, WorldState
-from remac_env.tasks import get
-from remac_env.tasks.goals import Goal
 
 
 class OraclePlanner:
@@ -19,10 +17,10 @@ class OraclePlanner:
 
     def plan(self, request: PlanRequest) -> Plan | PlanError:
         """A shortest plan, or an error where there is none."""
-        if request.world is None:
-            return PlanError("the oracle was not given the WorldState")
+        if request.world is None or request.goal_test is None:
+            return PlanError("the oracle was not given the truth")
         scene, world = for_robots(request.facts, request.world, request.robots)
-        found = oracle.solve(scene, world, _goal(request))
+        found = oracle.solve(scene, world, request.goal_test)
         if found is None:
             return PlanError("no plan reaches the goal")
         return Plan.of({robot: [joint[robot] for joint in found.rounds] for robot in request.robots})
@@ -32,14 +30,3 @@ def for_robots(scene: Scene, world: WorldState, robots: tuple[str, ...]) -> tupl
     """The kitchen with these robots alone."""
     kept = FrozenMap({name: world.robots[name] for name in robots})
     return replace(scene, robots=robots), replace(world, robots=kept)
-
-
-def _goal(request: PlanRequest) -> Goal:
-    """The terminal goal of the episode's task, with the nouns of this kitchen."""
-    spec = get(str(request.episode.get("task")))
-    words = request.goal.lower()
-    names = {}
-    for role in spec.roles:
-        here = [noun for noun in role.nouns if noun in request.facts.objects]
-        names[role.name] = next((noun for noun in here if noun in words), here[0] if here else role.nouns[-1])
-    return spec.goal.bind(names)

@@ -23,7 +23,7 @@ FRONT = "front"
 """The whole kitchen in a square picture, seen from the open side of the room."""
 
 WIDE = "wide"
-"""The whole kitchen in a picture of 4 to 3, for people."""
+"""The whole kitchen in a picture of 16 to 9, for people."""
 
 WRIST = "{robot}/wrist"
 """What a robot's hand sees."""
@@ -34,7 +34,7 @@ SIDE = "side/{station}"
 _FIELD = 46.0  # vertical, degrees
 _ROOM_MARGIN = 1.05
 _FRONT_ASPECT, _FRONT_HEIGHT, _FRONT_LOOKS_AT = 1.0, 2.40, 0.25
-_WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT = 4 / 3, 2.15, 1.02
+_WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT = 16 / 9, 2.15, 0.95
 
 # Position relative to what is looked at, by kind of slot: from the right, because doors open to the left; steeply down
 # into a basin, almost level into a cupboard.
@@ -46,7 +46,7 @@ _FROM = {
 }
 _WALL_GAP = 0.12  # seen from behind, a wall would be a veil over the picture
 # In the hand's frame: z along the fingers, which end at 0.115, and x away from the robot when it works ahead of itself.
-_WRIST_AT, _WRIST_LOOKS_AT, _WRIST_FIELD = (0.11, 0.0, 0.02), (0.01, 0.0, 0.16), 72.0
+_WRIST_AT, _WRIST_LOOKS_AT, _WRIST_FIELD = (0.115, 0.0, 0.04), (0.02, 0.0, 0.17), 72.0
 _BARE_STATION = (0.0, 0.95)  # y and z looked at where a station has no slots
 
 
@@ -72,7 +72,7 @@ def front_camera(layout: Layout) -> Camera:
 
 
 def wide_camera(layout: Layout) -> Camera:
-    """Far enough from the wall for the whole width of the room in a picture of 4 to 3."""
+    """Far enough from the wall for the whole width of the room in a picture of 16 to 9."""
     return _before_room(layout, WIDE, _WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT)
 
 

@@ -15,11 +15,11 @@ from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rendering.cameras import FRONT, SIDE, WIDE, WRIST, add_cameras
 from remac_env.rendering.posing import pose
-from remac_env.rendering.renderer import Renderer
+from remac_env.rendering.renderer import BEAUTY, OBSERVATION, Quality, Renderer
 from remac_env.start import Start
 from remac_env.state import ASIDE, WorldState
 
-RENDER_SIZE = (640, 480)
+RENDER_SIZE = (768, 432)
 """Width and height of `render()` and of videos, pixels."""
 
 Picture = NDArray[np.uint8]
@@ -44,7 +44,7 @@ class Stage:
         add_cameras(spec, layout, start.scene.robots)
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)
-        self._renderers: dict[tuple[int, int, bool], Renderer] = {}
+        self._renderers: dict[tuple[int, int, Quality], Renderer] = {}
 
     def show_positions(self, positions: NDArray[np.float64], world: WorldState) -> None:
         """Take over joint positions, qpos of the physics model; switches as `world` says."""
@@ -58,9 +58,9 @@ class Stage:
         pose(self._model, self._data, self._layout, self._categories, start, world)
         self._show_switches(world)
 
-    def picture(self, *, shadows: bool = True, size: tuple[int, int] = RENDER_SIZE) -> Picture:
+    def picture(self, *, quality: Quality = BEAUTY, size: tuple[int, int] = RENDER_SIZE) -> Picture:
         """The whole kitchen, uint8 (height, width, 3)."""
-        return self._render(WIDE, size, shadows=shadows)
+        return self._render(WIDE, size, quality)
 
     def observe(self, robot: str, world: WorldState, *, size: int) -> dict[str, Picture]:
         """The robot's three pictures, uint8 (size, size, 3): the kitchen, from its hand, and of its station.
@@ -70,7 +70,7 @@ class Stage:
         station = world.robots[robot].station
         side = FRONT if station == ASIDE else SIDE.format(station=station)
         cameras = {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side}
-        return {name: self._render(camera, (size, size), shadows=False) for name, camera in cameras.items()}
+        return {name: self._render(camera, (size, size), OBSERVATION) for name, camera in cameras.items()}
 
     def close(self) -> None:
         """Free the renderers. May be called twice."""
@@ -78,10 +78,10 @@ class Stage:
             renderer.close()
         self._renderers.clear()
 
-    def _render(self, camera: str, size: tuple[int, int], *, shadows: bool) -> Picture:
-        key = (*size, shadows)
+    def _render(self, camera: str, size: tuple[int, int], quality: Quality) -> Picture:
+        key = (*size, quality)
         if key not in self._renderers:
-            self._renderers[key] = Renderer(self._model, *size, shadows=shadows)
+            self._renderers[key] = Renderer(self._model, *size, quality=quality)
         return self._renderers[key].render(self._data, camera).copy()
 
     def _show_switches(self, world: WorldState) -> None:

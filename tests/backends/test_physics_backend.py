@@ -86,7 +86,8 @@ def test_place_into_closed_cabinet_keeps_the_thing_in_hand() -> None:
     backend = PhysicsBackend()
     backend.reset(make_start(CARROT))
     reasons = run(
-        backend, ("navigate to", "vegetable"), ("pick up", "vegetable"), ("navigate to", "cabinet"), ("place to", "cabinet")
+        backend, ("navigate to", "vegetable"), ("pick up", "vegetable"), ("navigate to", "cabinet"),
+        ("place to", "cabinet"),
     )
     assert reasons == [None, None, None, "door_closed"]
     assert backend.world.robots["robot_0"].holding == "vegetable"

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from bench_helpers import TASKS, read, record, start
 from remac_bench.cli import app
+from remac_bench.console import plain
 from remac_bench.lock import locked
 from remac_bench.store import Store
 from typer.testing import CliRunner
@@ -96,6 +97,7 @@ def test_names_of_users_cannot_reach_the_terminal_raw() -> None:
     assert result.exit_code == 2
     assert "\x1b" not in result.stderr
     assert "\x07" not in result.stderr
+    assert plain("\x1b]0;owned\x07\n\tx  y\u202e") == "]0;owned x y"
 
 
 def test_report_of_an_empty_folder(tmp_path: Path) -> None:

@@ -163,9 +163,10 @@ def test_a_kitchen_that_cannot_begin_leaves_no_report_of_the_episode_before(
     assert (last.iteration, last.rounds, last.initial_plan, last.final_plan_length) == (1, 0, {}, None)
 
 
-def test_a_worker_that_dies_takes_only_its_job_with_it(tmp_path: Path) -> None:
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_worker_that_dies_takes_only_its_job_with_it(tmp_path: Path, workers: int) -> None:
     listed = jobs("CC", seeds=range(5), planner="bench_planners:EndsProcess")
-    summary = run_jobs(listed, tmp_path, Settings(workers=2))
+    summary = run_jobs(listed, tmp_path, Settings(workers=workers))
     assert summary.played == 5
     (problem,) = summary.infrastructure
     assert "seed 1: WorkerDiedError: the worker process ended with status 9" in problem

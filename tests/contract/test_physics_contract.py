@@ -21,7 +21,7 @@ CYCLES = 20
 TASKS = tuple(remac_env.tasks()[:4])
 
 pytestmark = pytest.mark.skipif(
-    find_spec("remac_env.backends.physics.backend") is None, reason="remac_env/backends/physics/backend.py is unfinished"
+    find_spec("remac_env.backends.physics.backend") is None, reason="backends/physics/backend.py is unfinished"
 )
 every_task = pytest.mark.parametrize("task", TASKS)
 one_and_two = pytest.mark.parametrize("robots", [1, 2])

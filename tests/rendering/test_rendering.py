@@ -97,7 +97,7 @@ def test_both_backends_agree_on_the_view(scene, platform: str) -> None:
 def test_presets_leave_the_model_as_it_was(scene, platform: str) -> None:
     model, data = scene
     before = (model.vis.quality.shadowsize, model.vis.quality.numslices, model.vis.global_.offwidth)
-    with Renderer(model, 1000, 40, shadows=True) as renderer:
+    with Renderer(model, 1000, 40, quality=BEAUTY) as renderer:
         assert renderer.render(data, "eye").shape == (40, 1000, 3)
     assert before == (model.vis.quality.shadowsize, model.vis.quality.numslices, model.vis.global_.offwidth)
     assert BEAUTY.shadows and not OBSERVATION.shadows

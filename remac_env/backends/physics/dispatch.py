@@ -75,15 +75,15 @@ def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, targ
         raise SkillFailure("hands_empty", "there is nothing to place")
     place = landing(scene, world, robot, target)
     if place is None:
-        slot = _slot_of(here, world, target) if target in scene.objects else None
-        require_open(here, slot.fixture if slot is not None else target)
-        raise SkillFailure("blocked", f"no room for the {here.hand.body} at the {target}")
-    if place.relation == "slot":
-        slot, vessel = here.layout.slots[place.where], None
-        point: Array = np.array(slot.center)
-    else:
+        around = target if target in scene.fixtures else _slot_of(here, world, target).fixture
+        require_open(here, around)
+        raise SkillFailure("blocked", f"there is no room on the {target} for the {here.hand.body}")
+    if place.relation == "vessel":
         slot, vessel = _slot_of(here, world, place.where), place.where
-        point = here.seen(vessel)[0] + [0.0, 0.0, here.things[vessel].inside_height]
+        point: Array = here.seen(vessel)[0] + [0.0, 0.0, here.things[vessel].inside_height]
+    else:
+        slot, vessel = here.layout.slots[place.where], None
+        point = np.array(slot.center)
     if slot.kind == "cavity":
         yield from insert(here, slot.fixture, point, vessel=vessel)
     else:

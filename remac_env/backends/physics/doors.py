@@ -98,7 +98,7 @@ def _swing(here: Surroundings, name: str, target: float) -> Steps:
 
     found = plan_reach(here, stances(here, door.at(start), _DISTANCES, _SIDES, _TURNS), grasps, after)
     yield from go_to_grasp(here, found)
-    yield from here.mover.fingers(0.0, 8)
+    yield from here.mover.fingers(0.0, 10)
     if robot.opening < 0.008:
         yield from here.mover.fingers(panda.FINGER_OPEN, 6)
         raise SkillFailure("slipped", f"the hand missed the {name} handle")

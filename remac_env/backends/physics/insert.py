@@ -19,10 +19,12 @@ from remac_env.backends.physics.skill import (
     SkillFailure,
     Steps,
     Surroundings,
+    check_held,
     drive_to,
     go_home,
     require_open,
     stances,
+    take,
     tuck,
 )
 from remac_env.kitchen.objects.catalogue import Category
@@ -35,6 +37,8 @@ _TURNS = (0.0, 0.2, -0.2, 0.4, -0.4)
 _TILTS = (0.45, 0.3, 0.6, 0.8)  # of the hand below the horizontal
 _BACK = 0.36  # m that the base drives in and out
 _CHECKS = 9000
+_PALM = 0.028  # m between grip site and palm, less a little
+_WIDEST_TURN = 1.25  # rad to the side from which a hand still fits into a cavity
 _CLEAR = 0.012  # m between the thing's lowest point and the floor while driving in
 
 
@@ -58,9 +62,7 @@ def insert(here: Surroundings, fixture: str, point: Array, *, vessel: str | None
     carry = here.robot.q.copy()
     found = _search(here, point, carry, lambda base: _placing(here, body, point, base), _lowered)
     yield from _enter(here, found)
-    if here.robot.opening < 0.004:
-        here.hand.body = None
-        raise SkillFailure("slipped", f"the {body} slipped out of the hand on the way")
+    check_held(here)
     yield from release(here, 8)
     yield from _leave(here, found)
     here.begin()
@@ -85,7 +87,7 @@ def take_out(
     carry = panda.tucked(*here.robot.q[:3])
     found = _search(here, position, carry, lambda base: _grasping(thing, position, rotation, base), _advanced)
     yield from _enter(here, found)
-    yield from here.mover.fingers(0.0, 8)
+    yield from here.mover.grasp(gently=thing.grasp.mode == "side")
     grip = here.planner.kinematics.forward(here.robot.q)
     up = here.planner.line(here.robot.q, grip[0] + [0.0, 0.0, 0.025], grip[1], speed=0.1, check=False)
     yield from here.mover.play(up or [])
@@ -93,7 +95,7 @@ def take_out(
         yield from here.mover.fingers(opening, 6)
         yield from _leave(here, found)
         raise SkillFailure("slipped", f"the {body} did not come with the hand")
-    here.hand.body, here.hand.upright, here.hand.contents = body, rotation, contents
+    take(here, body, rotation, contents)
     yield from _leave(here, found)
     if thing.vessel:
         yield from draw_in(here)
@@ -176,19 +178,22 @@ def _grasping(
 ) -> Iterator[tuple[Array, Array, Array]]:
     """Hand poses that grasp a thing from the front: (before, at the grasp, rotation)."""
     heading = float(base[2])
-    along = math.atan2(rotation[1, 0], rotation[0, 0]) if thing.grasp.mode == "side" else heading
-    turn = (along - heading + 0.5 * math.pi) % math.pi - 0.5 * math.pi
-    turns = (turn,) if thing.grasp.mode == "side" else (0.0, 0.3, -0.3, 0.6, -0.6)
+    turns: tuple[float, ...] = (0.0, 0.3, -0.3, 0.6, -0.6)
+    if thing.grasp.mode == "side" and not thing.grasp.any_yaw:
+        along = math.atan2(rotation[1, 0], rotation[0, 0])
+        turns = ((along - heading + 0.5 * math.pi) % math.pi - 0.5 * math.pi,)
     for tilt in (0.6, 0.8, 0.45, 1.0, 0.3):
         for yaw in turns:
-            if abs(yaw) > 0.9:
+            if abs(yaw) > _WIDEST_TURN:
                 continue
             front = about_z(heading + yaw)
             for side in (-front[:, 1], front[:, 1]):
                 approach = front[:, 0] * math.cos(tilt) - np.array([0.0, 0.0, math.sin(tilt)])
                 hand = grip_frame(approach, side)
                 height = max(thing.grasp.height, tip_depth(0.5 * math.pi - tilt) - thing.rest_height)
-                at = position + [0.0, 0.0, height]
+                # A long thing lies along the hand: take it nearer, or its end would meet the palm.
+                nearer = min(max(0.0, thing.size[0] - _PALM / math.cos(tilt)), 0.6 * thing.size[0])
+                at = position + [0.0, 0.0, height] - nearer * front[:, 0]
                 yield at + [0.0, 0.0, 0.03] - 0.04 * approach, at, hand
 
 

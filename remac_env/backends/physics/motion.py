@@ -17,6 +17,7 @@ Steps = Generator[None, None, None]
 LAG_LIMIT = 0.08  # rad or m by which a joint may miss all of the latest commands
 LAG_PERIODS = 6  # the servos follow 0.1 s late at steady speed, and later while they accelerate
 LAG_PATIENCE = 12  # control periods
+_GENTLE = 0.0045  # m by which each finger is commanded into the thing: 18 N of the servo's 4000 N/m
 
 
 class StuckError(Exception):
@@ -68,8 +69,16 @@ class Mover:
             if np.linalg.norm(wanted - self.robot.grip_pose()[0]) < tolerance:
                 return
 
+    def grasp(self, *, gently: bool) -> Steps:
+        """Close the hand. ``gently`` eases off once it has closed: tapered things creep out of a hard grip."""
+        yield from self.fingers(0.0, 11)
+        if gently and self.robot.opening > 2 * _GENTLE:
+            yield from self.fingers(0.5 * self.robot.opening - _GENTLE, 2)
+
     def fingers(self, opening: float, periods: int) -> Steps:
-        """Command each finger ``opening`` (m) from the middle and wait."""
-        self.robot.grip = opening
-        for _ in range(periods):
+        """Move each finger to ``opening`` (m) from the middle and wait, ``periods`` in all."""
+        start, ramp = self.robot.grip, max(1, periods - 3)
+        for k in range(1, periods + 1):
+            # A finger that snaps shut would pass through the thin wall of a cup within one step.
+            self.robot.grip = start + min(1.0, k / ramp) * (opening - start)
             yield from self.step(self.robot.q)

@@ -8,7 +8,16 @@ from remac_env.backends.physics.collision import IGNORED, TARGET
 from remac_env.backends.physics.grasps import OPENINGS, Grasp, candidates
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances, tuck
+from remac_env.backends.physics.skill import (
+    SkillFailure,
+    Steps,
+    Surroundings,
+    check_held,
+    go_home,
+    stances,
+    take,
+    tuck,
+)
 from remac_env.robots.rotation import Array
 
 DISTANCES = (0.55, 0.48, 0.62, 0.70)
@@ -38,19 +47,17 @@ def pick_up(
 
     found = plan_reach(here, stances(here, position, DISTANCES, SIDES), candidates(thing, position, rotation), after)
     yield from go_to_grasp(here, found)
-    yield from here.mover.fingers(0.0, 8)
+    yield from here.mover.grasp(gently=thing.grasp.mode == "side")
     yield from here.mover.play(found.after)
     risen = simulation.pose(body)[0][2] - position[2]
     if here.robot.opening < _EMPTY or risen < _LEAST_RISE:
         yield from here.mover.fingers(opening, 6)
         raise SkillFailure("slipped", f"the {body} did not come up with the hand")
-    here.hand.body, here.hand.upright, here.hand.contents = body, rotation, contents
+    take(here, body, rotation, contents)
     if thing.vessel:
         yield from draw_in(here)
     yield from go_home(here)
-    if here.robot.opening < _EMPTY:
-        here.hand.body = None
-        raise SkillFailure("slipped", f"the {body} slipped out of the hand")
+    check_held(here)
 
 
 def _lift(here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float) -> Path | None:

@@ -12,7 +12,7 @@ from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.pick_up import DISTANCES, SIDES
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, check_held, go_home, stances
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array, about_x, about_z
 
@@ -54,7 +54,7 @@ def place_on(here: Surroundings, point: Array, *, vessel: str | None = None, dee
     stands = stances(here, point, DISTANCES, SIDES)
     found = plan_reach(here, stands, grasps, after, carry=robot.q.copy())
     yield from go_to_grasp(here, found, speed=0.7)
-    _check_held(here)
+    check_held(here)
     yield from release(here)
     yield from here.mover.play(found.after)
     here.begin(here.simulation.geoms(body))
@@ -67,12 +67,6 @@ def release(here: Surroundings, periods: int = 6) -> Steps:
     level = body is not None and here.things[body].vessel
     yield from here.mover.fingers(0.03 if level else 0.04, periods)
     here.hand.body, here.hand.contents = None, ()
-
-
-def _check_held(here: Surroundings) -> None:
-    if here.robot.opening < 0.004:
-        body, here.hand.body = here.hand.body, None
-        raise SkillFailure("slipped", f"the {body} slipped out of the hand on the way")
 
 
 def _poses(here: Surroundings, point: Array, deep: bool) -> list[Grasp]:

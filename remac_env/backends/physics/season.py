@@ -9,7 +9,7 @@ import numpy as np
 from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, check_held, go_home, stances
 from remac_env.robots.rotation import Array, about_z, from_rotation_vector
 
 _HEIGHT = (0.22, 0.28, 0.34)  # m of the shaker's frame over the food
@@ -40,9 +40,7 @@ def season(here: Surroundings, food: str, *, inside: str | None = None) -> Steps
     yield from go_to_grasp(here, found, speed=0.7)
     yield from here.mover.play(found.after)
     yield from here.mover.play([*found.approach[::-1]])
-    if robot.opening < 0.004:
-        here.hand.body = None
-        raise SkillFailure("slipped", f"the {body} slipped out of the hand")
+    check_held(here)
     here.begin()
     yield from go_home(here)
 

@@ -25,6 +25,8 @@ Steps = Generator[None, None, None]
 STATION_REACH = 0.34  # m, how far aside of its station a robot may stand within a skill
 FRONT_LIMIT = -0.20  # y of the arm axis nearest to the counters (their fronts are at 0, the base reaches 0.15 ahead)
 DOOR_OPEN = 0.90  # rad
+_EMPTY = 0.004  # m between fingers that hold nothing
+_SLIPPED = 0.06  # m by which a thing may move in the hand and still be held
 _FLOOR_THING = 0.4  # m; things lower than this have fallen down
 
 
@@ -43,6 +45,7 @@ class Hand:
     body: str | None = None
     upright: Array = field(default_factory=lambda: np.eye(3))
     contents: tuple[str, ...] = ()
+    away: float = 0.0  # m between its frame and the grip site when it was taken
 
 
 @dataclass
@@ -106,6 +109,26 @@ def stances(
                 found.append((cost, (round(x, 6), round(y, 6), 0.5 * math.pi + turn)))
     found.sort()
     return [np.array(pose) for pose in dict.fromkeys(pose for _, pose in found)]
+
+
+def take(here: Surroundings, body: str, upright: Array, contents: tuple[str, ...]) -> None:
+    """Note that the hand has taken ``body``, which stood as ``upright`` (3, 3) with ``contents`` in it."""
+    here.hand.body, here.hand.upright, here.hand.contents = body, upright, contents
+    here.hand.away = _away(here, body)
+
+
+def check_held(here: Surroundings) -> None:
+    """Fail with ``slipped`` when what the hand should hold is no longer in it."""
+    body = here.hand.body
+    if body is None:
+        return
+    if here.robot.opening < _EMPTY or abs(_away(here, body) - here.hand.away) > _SLIPPED:
+        here.hand.body = None
+        raise SkillFailure("slipped", f"the {body} slipped out of the hand")
+
+
+def _away(here: Surroundings, body: str) -> float:
+    return float(np.linalg.norm(here.simulation.pose(body)[0] - here.robot.grip_pose()[0]))
 
 
 def require_open(here: Surroundings, name: str) -> None:

@@ -1,0 +1,148 @@
+"""How often each skill succeeds at its first try in physics: `python benchmarks/skills.py --trials 100`.
+
+Runs the chains of skill_chains.toml over seeds; things stand anywhere in their slots, at any yaw.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from statistics import mean
+from typing import Annotated, Any
+
+import typer
+from remac_bench.metrics import wilson
+from rich.console import Console
+from rich.table import Table
+
+from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.rounds import first_false
+from remac_env.state import Scene, WorldState, base_place
+from remac_env.subtasks import Outcome, Subtask
+from remac_env.tasks.goals import Released
+from remac_env.tasks.spec import Role, TaskSpec
+
+CHAINS = Path(__file__).with_name("skill_chains.toml")
+ROBOT = "robot_0"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The first try of one skill: its label, and how it ended."""
+
+    label: str
+    seed: int
+    outcome: Outcome
+
+
+def run_chain(chain: Mapping[str, Any], seed: int, *, starts: str, perception_noise: float) -> list[Trial]:
+    """Run one chain on one seed; the first tries of its steps."""
+    worlds = TaskWorlds(_spec(chain))
+    start, _ = worlds.start(
+        seed, style=None, layout=None, starts=starts, robots=(ROBOT,), perception_noise=perception_noise
+    )
+    backend = PhysicsBackend()
+    world, trials = backend.reset(start), []
+    for text in chain["steps"]:
+        subtask = worlds.vocabulary.subtask(worlds.vocabulary.encode(text))
+        if not _can_be_tried(start.scene, world, subtask):
+            continue
+        label = _label(start.scene, world, subtask)
+        result = backend.run_round({ROBOT: subtask})
+        trials.append(Trial(label, seed, result.outcomes[ROBOT]))
+        if not result.outcomes[ROBOT].success and _can_be_tried(start.scene, result.world, subtask):
+            result = backend.run_round({ROBOT: subtask})
+        world = result.world
+    return trials
+
+
+def main(
+    trials: Annotated[int, typer.Option(help="Runs of each chain.")] = 100,
+    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...")] = 0,
+    only: Annotated[str, typer.Option(help="Run only chains whose name contains this.")] = "",
+    perception_noise: Annotated[
+        float, typer.Option(help="m, added to the poses that controllers see.")
+    ] = 0.0,
+    processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
+) -> None:
+    """Print a table of first-try success for every skill."""
+    chains = [chain for chain in tomllib.loads(CHAINS.read_text("utf-8"))["chain"] if only in chain["name"]]
+    jobs = [(chain, first_seed + index, perception_noise) for chain in chains for index in range(trials)]
+    console = Console()
+    found: list[Trial] = []
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        for part in pool.map(_job, jobs):
+            found += part
+    console.print(_table(found))
+    for trial in found:
+        if not trial.outcome.success:
+            console.print(f"seed {trial.seed}: {trial.label}: {trial.outcome.reason}: {trial.outcome.detail}")
+
+
+def _job(job: tuple[Mapping[str, Any], int, float]) -> list[Trial]:
+    chain, seed, noise = job
+    return run_chain(chain, seed, starts="paper", perception_noise=noise)
+
+
+def _spec(chain: Mapping[str, Any]) -> TaskSpec:
+    """A task with the chain's things and a goal that never ends it."""
+    nouns = list(chain["things"])
+    roles = tuple(Role(noun, (noun,), at=fixture) for noun, fixture in chain["things"].items())
+    goal = Released(nouns[0])
+    return TaskSpec("SkillChain", ("", "", ""), _Never(goal.name), roles, fixtures=())
+
+
+class _Never(Released):
+    """A goal that no start fulfils."""
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Never."""
+        return False
+
+
+def _can_be_tried(scene: Scene, world: WorldState, subtask: Subtask) -> bool:
+    return all(first_false(scene, world, ROBOT, subtask, mark) is None for mark in ("refuse", "attempt"))
+
+
+def _label(scene: Scene, world: WorldState, subtask: Subtask) -> str:
+    """The skill, with the thing and the place that make it easy or hard."""
+    if subtask.skill == "pick up":
+        place = base_place(world, subtask.target)
+        return f"{subtask.text} from {scene.slots[place.where].fixture}"
+    if subtask.skill == "place to":
+        return f"place {world.robots[ROBOT].holding} to {subtask.target}"
+    return "navigate" if subtask.skill.startswith("navigate") else subtask.text
+
+
+def _table(trials: list[Trial]) -> Table:
+    table = Table(
+        "skill", "first tries", "success", "95% interval", "mean s", "failures", title="Skills in physics"
+    )
+    groups: dict[str, list[Outcome]] = defaultdict(list)
+    for trial in trials:
+        groups[trial.label].append(trial.outcome)
+    for label, outcomes in groups.items():
+        table.add_row(*_row(label, outcomes))
+    return table
+
+
+def _row(label: str, outcomes: list[Outcome]) -> Iterator[str]:
+    good = sum(outcome.success for outcome in outcomes)
+    low, high = wilson(good, len(outcomes))
+    reasons = Counter(str(outcome.reason) for outcome in outcomes if not outcome.success)
+    yield label
+    yield str(len(outcomes))
+    yield f"{good} ({good / len(outcomes):.1%})"
+    yield f"{low:.1%} - {high:.1%}"
+    yield f"{mean(outcome.seconds for outcome in outcomes):.1f}"
+    yield ", ".join(f"{reason} {count}" for reason, count in reasons.items())
+
+
+if __name__ == "__main__":
+    typer.run(main)

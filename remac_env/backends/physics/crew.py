@@ -1,0 +1,203 @@
+"""The robots of an episode: their surroundings, and the attempts they make in a round, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from remac_env.backends.physics import dispatch
+from remac_env.backends.physics.collision import Scratch
+from remac_env.backends.physics.motion import Mover, StuckError
+from remac_env.backends.physics.navigate import base_pose, parking
+from remac_env.backends.physics.paths import Planner
+from remac_env.backends.physics.separation import Separation
+from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
+from remac_env.backends.physics.skill import Hand, SkillFailure, Steps, Surroundings, go_home
+from remac_env.backends.physics.traffic import Convoy, Errand, Rooms
+from remac_env.kitchen.layout import Layout, Station
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots.ik import Kinematics
+from remac_env.rounds import NAVIGATION
+from remac_env.seeding import generator
+from remac_env.start import Start
+from remac_env.state import ASIDE, WorldState
+from remac_env.subtasks import Outcome, Subtask, failure
+
+SKILL_TIME = 60.0  # s, after which a skill is stopped
+_RECOVERY_TIME = 20.0  # s for coming home after a failure
+_NEIGHBOUR = 1.3  # m between stations whose robots could reach one another
+_STILL = ("wait", "done")
+_THOUGHT = 20  # control periods within which a skill has only planned and closed or opened its hand
+
+Attempt = Generator[None, None, Outcome]
+
+
+@dataclass(frozen=True)
+class Round:
+    """What a round asks for: the accepted subtasks, where every robot ends, the world before, and its number."""
+
+    number: int
+    world: WorldState
+    subtasks: Mapping[str, Subtask]
+    stations: Mapping[str, str]
+
+    @property
+    def active(self) -> set[str]:
+        """Robots that move."""
+        return {robot for robot, subtask in self.subtasks.items() if subtask.skill not in _STILL}
+
+    @property
+    def driving(self) -> set[str]:
+        """Robots that go to another station."""
+        return {robot for robot, subtask in self.subtasks.items() if subtask.skill in NAVIGATION}
+
+
+class Crew:
+    """All robots. ``robots`` holds each one's surroundings by name."""
+
+    def __init__(
+        self, simulation: Simulation, layout: Layout, things: Mapping[str, Category], start: Start
+    ) -> None:
+        self._simulation, self._layout, self._start = simulation, layout, start
+        self.separation = Separation(simulation)
+        self._busy: set[str] = set()
+        self._waiting: dict[str, float] = {}
+        kinematics = Kinematics()
+        self.robots: dict[str, Surroundings] = {}
+        for name, robot in simulation.robots.items():
+            scratch = Scratch(simulation, robot, kinematics)
+            planner = Planner(scratch, np.random.default_rng(0))
+            x, y, yaw = (float(value) for value in robot.q[:3])
+            self.robots[name] = Surroundings(
+                simulation, robot, layout, things, kinematics, scratch, planner, Mover(robot, kinematics), Hand(),
+                Station(ASIDE, x, y, yaw),
+            )
+
+    def attempts(self, now: Round) -> dict[str, Attempt]:
+        """A generator for every robot with an accepted subtask; each returns its outcome."""
+        self._busy, self._waiting = now.active, {}
+        self.separation.holding({n: here.hand.body for n, here in self.robots.items() if here.hand.body is not None})
+        self._set_fences(now)
+        self._disturb(now)
+        goals = self._goals(now)
+        errands = {name: Errand(self.robots[name], base_pose(goal)) for name, goal in goals.items()}
+        working = tuple(
+            here.station.x
+            for name, here in self.robots.items()
+            if name not in now.driving and here.station.name != ASIDE
+        )
+        convoy = Convoy(self.separation, errands, Rooms(working))
+        found: dict[str, Attempt] = {}
+        for robot, subtask in now.subtasks.items():
+            if robot in now.driving:
+                found[robot] = self._bounded(robot, self._drive(convoy, robot, goals.get(robot)), SKILL_TIME)
+            elif robot in now.active:
+                found[robot] = self._skill(robot, subtask, now)
+            else:
+                found[robot] = _nothing()
+        return found
+
+    def finished(self, robot: str) -> None:
+        """Note that a robot's attempt has ended."""
+        self._busy.discard(robot)
+
+    # -- before a round ---------------------------------------------------------------------------------------------
+
+    def _set_fences(self, now: Round) -> None:
+        """Fences between robots that work at neighbouring stations, or next to where another drives."""
+        for name, here in self.robots.items():
+            here.scratch.fence = None
+            if name in now.driving:
+                continue
+            low, high = -np.inf, np.inf
+            for other in now.active - {name}:
+                there = self.robots[other].station
+                for end in (there, self._layout.stations.get(now.stations[other], there)):
+                    gap = end.x - here.station.x
+                    if end.y < here.station.y - 0.5 or abs(gap) > _NEIGHBOUR or gap == 0.0:
+                        continue
+                    middle = here.station.x + 0.5 * gap
+                    low, high = (max(low, middle), high) if gap < 0 else (low, min(high, middle))
+            here.scratch.fence = (low, high) if np.isfinite(low) or np.isfinite(high) else None
+
+    def _disturb(self, now: Round) -> None:
+        """Draw the errors in the poses that controllers see."""
+        noise = self._start.perception_noise
+        if not noise:
+            return
+        for here in self.robots.values():
+            place = [round(float(value), 3) for value in here.robot.q[:2]]
+            chance = generator(self._start.seed, "perception", now.number, *place)
+            here.shifts = {body: np.append(chance.normal(0.0, noise, 2), 0.0) for body in here.things}
+
+    def _goals(self, now: Round) -> dict[str, Station]:
+        """Where driving robots go; those that step aside and find no free parking place are left out."""
+        going = sorted(now.driving)
+        to_stations = {r: self._layout.stations[now.stations[r]] for r in going if now.stations[r] != ASIDE}
+        away = {r: self.robots[r].robot.q[:3] for r in going if now.stations[r] == ASIDE}
+        taken = {name: here.robot.q[:3] for name, here in self.robots.items() if name not in now.driving}
+        return to_stations | parking(self._layout, away, taken)
+
+    # -- attempts ---------------------------------------------------------------------------------------------------
+
+    def _drive(self, convoy: Convoy, robot: str, goal: Station | None) -> Steps:
+        if goal is None:
+            raise SkillFailure("blocked", "no parking place is free")
+        yield from convoy.steps(robot)
+        self.robots[robot].station = goal
+
+    def _skill(self, robot: str, subtask: Subtask, now: Round) -> Attempt:
+        """Run a skill within its time; after a failure come home if that can be done.
+
+        A skill that finds no way within the fence towards a robot working next to it waits until that one is done.
+        """
+        here, began = self.robots[robot], self._simulation.ticks
+        here.planner.random = generator(self._start.seed, "search", now.number, subtask.text)
+        outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
+        fenced = here.scratch.fence is not None and outcome.reason in ("blocked", "unreachable")
+        if fenced and self._simulation.ticks - began <= _THOUGHT:
+            yield from self._turn(robot)
+            here.scratch.fence = None
+            outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
+        if not outcome.success and outcome.reason != "door_closed":
+            here.robot.q = here.robot.measured
+            yield from self._bounded(robot, go_home(here), _RECOVERY_TIME)
+        return outcome
+
+    def _motion(self, robot: str, subtask: Subtask, now: Round) -> Steps:
+        return dispatch.motion(self.robots[robot], self._start.scene, now.world, robot, subtask)
+
+    def _turn(self, robot: str) -> Steps:
+        """Wait until every other robot is done; of robots that all wait the leftmost goes first."""
+        self._waiting[robot] = self.robots[robot].station.x
+        for _ in range(int(2 * SKILL_TIME / CONTROL_PERIOD)):
+            others = self._busy - {robot}
+            first = min(self._waiting, key=lambda name: self._waiting[name])
+            if not others or (others <= self._waiting.keys() and first == robot):
+                break
+            yield
+        del self._waiting[robot]
+
+    def _bounded(self, robot: str, steps: Steps, seconds: float) -> Attempt:
+        """Run steps for at most so long; failures become outcomes."""
+        here = self.robots[robot]
+        for _ in range(int(seconds / CONTROL_PERIOD)):
+            try:
+                next(steps)
+            except StopIteration:
+                return Outcome("success")
+            except SkillFailure as failed:
+                return failure(failed.reason, failed.detail)
+            except StuckError as stuck:
+                here.robot.q = here.robot.measured
+                return failure("blocked", str(stuck))
+            yield
+        steps.close()
+        return failure("timeout", f"not done after {seconds:.0f} s")
+
+
+def _nothing() -> Attempt:
+    return Outcome("success")
+    yield

@@ -1,0 +1,192 @@
+"""Which package may import which, and what an import must not do."""
+
+from __future__ import annotations
+
+import ast
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGES = {"remac_env": ROOT, "remac_agents": ROOT, "remac_bench": ROOT / "benchmarks"}
+
+RANKS = {
+    # What lies higher may import what lies lower or beside it, never the other way round.
+    "remac_env": 9,
+    "remac_env.testing": 9,
+    "remac_env.registry": 8,
+    "remac_env.gym_view": 7,
+    "remac_env.parallel": 6,
+    "remac_env.episode": 5,
+    "remac_env.pictures": 5,
+    "remac_env.options": 5,
+    "remac_env.rendering": 4,
+    "remac_env.backends": 4,
+    "remac_env.kitchen": 3,
+    "remac_env.robots": 3,
+    "remac_env.tasks": 2,
+    "remac_env.oracle": 2,
+    "remac_env.observation": 2,
+    "remac_env.text": 2,
+    "remac_env.rounds": 2,
+    "remac_env.vocabulary": 2,
+    "remac_env.start": 1,
+    "remac_env.subtasks": 1,
+    "remac_env.conditions": 1,
+    "remac_env.state": 1,
+    "remac_env.actions": 0,
+    "remac_env.seeding": 0,
+    "remac_env.errors": 0,
+}
+PARTS = {"remac_env": 0, "remac_agents": 1, "remac_bench": 2}
+
+SIMULATOR = ("mujoco", "OpenGL", "glfw", "cv2", "tkinter", "pygame", "torch", "matplotlib", "PIL", "scipy")
+
+
+def modules() -> Iterator[tuple[str, Path]]:
+    for package, folder in PACKAGES.items():
+        for path in sorted((folder / package).rglob("*.py")):
+            parts = path.relative_to(folder).with_suffix("").parts
+            yield ".".join(parts[:-1] if parts[-1] == "__init__" else parts), path
+
+
+def imports(path: Path) -> Iterator[tuple[str, bool]]:
+    """Every module that a file imports while it runs, and whether it does so when it is itself imported."""
+
+    def walk(node: ast.AST, top: bool) -> Iterator[tuple[str, bool]]:
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.If) and "TYPE_CHECKING" in ast.dump(child.test):
+                for other in child.orelse:
+                    yield from walk(other, top)
+                continue
+            if isinstance(child, ast.Import):
+                yield from ((alias.name, top) for alias in child.names)
+            elif isinstance(child, ast.ImportFrom) and child.module:
+                yield from ((f"{child.module}.{alias.name}", top) for alias in child.names)
+            inner = top and not isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
+            yield from walk(child, inner)
+
+    yield from walk(ast.parse(path.read_text("utf-8")), True)
+
+
+def rank(name: str) -> int | None:
+    parts = name.split(".")
+    for size in range(min(2, len(parts)), 0, -1):
+        if ".".join(parts[:size]) in RANKS:
+            return RANKS[".".join(parts[:size])]
+    return None
+
+
+def test_packages_point_down_only() -> None:
+    wrong = [
+        f"{name} imports {other}"
+        for name, path in modules()
+        for other, _ in imports(path)
+        if other.split(".")[0] in PARTS and PARTS[other.split(".")[0]] > PARTS[name.split(".")[0]]
+    ]
+    assert not wrong
+
+
+def test_inside_the_environment_arrows_point_down_only() -> None:
+    unknown = [name for name, _ in modules() if name.startswith("remac_env.") and rank(name) == RANKS["remac_env"]
+               and not name.startswith("remac_env.testing")]  # fmt: skip
+    assert not unknown, "these modules have no rank yet: say where they belong"
+    wrong = []
+    for name, path in modules():
+        if not name.startswith("remac_env.") or name.startswith("remac_env.testing"):
+            continue
+        for other, _ in imports(path):
+            if not other.startswith("remac_env"):
+                continue
+            mine, theirs = rank(name), rank(other)
+            if mine is not None and theirs is not None and theirs > mine:
+                wrong.append(f"{name} imports {other}")
+    assert not wrong
+
+
+def test_neither_backend_nor_robot_knows_what_draws_it() -> None:
+    forbidden = [
+        ("remac_env.backends", "remac_env.rendering"),
+        ("remac_env.robots", "remac_env.rendering"),
+        ("remac_env.kitchen", "remac_env.rendering"),
+        ("remac_env.rendering", "remac_env.backends"),
+        ("remac_env.backends.symbolic", "mujoco"),
+    ]
+    wrong = [
+        f"{name} imports {other}"
+        for name, path in modules()
+        for other, _ in imports(path)
+        if any(name.startswith(a) and other.startswith(b) for a, b in forbidden)
+    ]
+    assert not wrong
+
+
+def test_agents_and_benchmarks_use_no_private_names_of_the_environment() -> None:
+    wrong = [
+        f"{name} imports {other}"
+        for name, path in modules()
+        for other, _ in imports(path)
+        if not name.startswith("remac_env") and other.startswith("remac_env.") and "._" in other and "__" not in other
+    ]
+    assert not wrong
+
+
+def loaded_by(code: str, tmp_path: Path) -> dict[str, list[str]]:
+    """Modules loaded and environment variables changed by code in a fresh Python, far from the sources."""
+    program = (
+        # Gymnasium and PettingZoo set variables of pygame's; those are not ours.
+        "import json, os, sys, gymnasium, pettingzoo\nbefore = dict(os.environ)\n"
+        f"{code}\n"
+        "changed = [k for k in {**before, **os.environ} if before.get(k) != os.environ.get(k)]\n"
+        "sys.stdout.write(json.dumps({'modules': sorted(sys.modules), 'changed': changed}))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-W", "error::DeprecationWarning:remac_env", "-c", program],
+        capture_output=True, text=True, check=False, cwd=tmp_path, timeout=120,
+        env={"PYTHONPATH": f"{ROOT}:{ROOT / 'benchmarks'}", "PATH": "/usr/bin:/bin", "MUJOCO_GL": "no such thing"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr, done.stderr
+    return json.loads(done.stdout)
+
+
+SYMBOLIC_EPISODE = """
+import remac_env
+env = remac_env.parallel_env("DefrostInBowl", backend="symbolic", starts="mixed")
+observations, infos = env.reset(seed=3)
+env.step({"robot_0": 3, "robot_1": 0})
+from remac_env.oracle import solve
+solve(env.start.scene, env.world, env.goal)
+env.close()
+"""
+
+FACTS = """
+from remac_env.kitchen import layout, style, worlds
+from remac_env.kitchen.objects import catalogue
+layout.load(layout.names()[0]), catalogue.load(), style.names()
+"""
+
+
+@pytest.mark.parametrize(
+    "code",
+    ["import remac_env", "import remac_env.testing", SYMBOLIC_EPISODE, FACTS, "import remac_agents"],
+    ids=["import remac_env", "testing", "a symbolic episode", "facts of kitchens", "import remac_agents"],
+)
+def test_no_simulator_no_graphics_no_environment_variables(code: str, tmp_path: Path) -> None:
+    result = loaded_by(code, tmp_path)
+    heavy = [name for name in result["modules"] if name.split(".")[0] in SIMULATOR]
+    assert not heavy
+    assert not result["changed"]
+
+
+def test_importing_registers_the_gymnasium_ids(tmp_path: Path) -> None:
+    code = (
+        "import gymnasium, remac_env\n"
+        "missing = [t for t in remac_env.tasks() if f'RemacKitchen-{t}-v0' not in gymnasium.registry]\n"
+        "if missing: raise SystemExit(str(missing))"
+    )
+    loaded_by(code, tmp_path)

@@ -1,0 +1,206 @@
+"""Starts: a pure function of task, cell, kind and seed; what paper and mixed starts are like."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import remac_env
+from remac_env.oracle import solve
+from remac_env.state import ASIDE, base_place, inside, occupant
+from remac_env.testing import check_world
+
+TASKS = tuple(remac_env.tasks()[:4])
+ROOT = Path(__file__).resolve().parents[2]
+
+every_task = pytest.mark.parametrize("task", TASKS)
+
+
+def make(task: str, **options: Any) -> Any:
+    return remac_env.parallel_env(task, **({"backend": "symbolic"} | options))
+
+
+def digest(env: Any, seed: int) -> str:
+    _, infos = env.reset(seed=seed)
+    return infos["robot_0"]["episode"]["digest"]
+
+
+@pytest.mark.parametrize("starts", ["paper", "mixed"])
+@every_task
+def test_seeds_give_starts_and_nothing_else_does(task: str, starts: str) -> None:
+    env, other = make(task, starts=starts), make(task, starts=starts, max_rounds=3, wording=1, text="states")
+    there = [digest(env, seed) for seed in range(40)]
+    back = [digest(other, seed) for seed in reversed(range(40))]
+    assert there == back[::-1]
+    assert len(set(there)) == 40
+    assert there != [digest(make(task, starts="mixed" if starts == "paper" else "paper"), seed) for seed in range(40)]
+
+
+def test_other_processes_draw_the_same_starts(tmp_path: Path) -> None:
+    code = (
+        "import sys, remac_env\n"
+        "for task in remac_env.tasks():\n"
+        "    env = remac_env.parallel_env(task, backend='symbolic', starts='mixed')\n"
+        "    for seed in (3, 0, 900000):\n"
+        "        sys.stdout.write(env.reset(seed=seed)[1]['robot_1']['episode']['digest'] + ' ')\n"
+    )
+    here = [digest(make(task, starts="mixed"), seed) for task in TASKS for seed in (3, 0, 900_000)]
+    for hashes in ("1", "2"):
+        environ = os.environ | {"PYTHONHASHSEED": hashes, "PYTHONPATH": str(ROOT), "LC_ALL": "C"}
+        done = subprocess.run(
+            [sys.executable, "-O", "-c", code], capture_output=True, text=True, check=True, env=environ, cwd=tmp_path
+        )
+        assert done.stdout.split() == here
+
+
+@every_task
+def test_the_number_of_robots_changes_neither_things_nor_places(task: str) -> None:
+    one, two = make(task, robots=1, starts="mixed"), make(task, robots=2, starts="mixed")
+    for seed in range(10):
+        one.reset(seed=seed)
+        two.reset(seed=seed)
+        assert one.world.objects == two.world.objects and one.world.fixtures == two.world.fixtures
+        assert one.start.offsets == two.start.offsets and one.start.categories == two.start.categories
+        assert one.start.robots["robot_0"] == two.start.robots["robot_0"]
+
+
+@every_task
+def test_paper_starts(task: str) -> None:
+    env = make(task)
+    for seed in range(30):
+        env.reset(seed=seed)
+        scene, world, spec = env.start.scene, env.world, env.worlds.spec
+        check_world(scene, world)
+        assert all(robot.station == ASIDE and robot.holding is None for robot in world.robots.values())
+        assert {state.door for state in world.fixtures.values()} <= {None, "closed"}
+        assert not any(state.on for state in world.fixtures.values())
+        assert all(0 <= angle <= 0.02 for angle in env.start.doors.values())
+        assert set(env.start.doors) == {name for name, facts in scene.fixtures.items() if facts.door}
+        target = next(noun for noun in spec.roles[0].nouns if noun in world.objects)
+        assert inside(scene, world, target, "counter")
+        for role in spec.roles:
+            noun = next(noun for noun in role.nouns if noun in world.objects)
+            assert inside(scene, world, noun, role.at)
+        assert not any(item.marks for item in world.objects.values())
+        # Two robots can work at the same time: what the goal needs is used from stations that do not conflict.
+        used = [scene.slots[base_place(world, n).where].station for n in env.goal.names() if n in world.objects]
+        assert len(set(used)) == len(used)
+
+
+@every_task
+def test_things_lie_within_their_slots_and_categories_vary(task: str) -> None:
+    env = make(task)
+    seen: set[str] = set()
+    for seed in range(60):
+        env.reset(seed=seed)
+        plan = env.worlds.layout(env.start.layout)
+        for noun, item in env.world.objects.items():
+            offset, half = env.start.offsets[noun], plan.slots[item.place.where].half
+            assert abs(offset.dx) <= half[0] and abs(offset.dy) <= half[1]
+        seen |= set(env.start.categories.values())
+        parked = [place for place, _ in env.start.robots.values()]
+        assert len(set(parked)) == 2 and set(parked) <= set(range(len(plan.asides)))
+    assert len(seen) >= 5
+
+
+def test_no_robot_has_a_fixed_parking_place() -> None:
+    env = make("HeatOnStove")
+    places = Counter()
+    for seed in range(60):
+        env.reset(seed=seed)
+        places[env.start.robots["robot_0"][0]] += 1
+    assert min(places[0], places[1]) > 15
+
+
+def kinds(env: Any) -> set[str]:
+    """What is unlike a paper start."""
+    scene, world, goal = env.start.scene, env.world, env.goal
+    found = {f"door {state.door}" for state in world.fixtures.values() if state.door}
+    vessel = next((a.name for a in goal.atoms() if scene.objects.get(getattr(a, "name", "")) and
+                   scene.objects[a.name].holds), None)  # fmt: skip
+    target = next(atom.name for atom in goal.atoms() if not scene.objects[atom.name].holds)
+    if vessel is not None:
+        place = world.objects[vessel].place
+        if scene.slots[place.where].fixture in goal.names():
+            found.add("vessel in place")
+        if any(item.place.where == vessel for item in world.objects.values()):
+            found.add("vessel occupied")
+    if any(state.on for state in world.fixtures.values()):
+        found.add("switched on")
+    fixture = scene.slots[base_place(world, target).where].fixture
+    if scene.fixtures[fixture].door:
+        found.add(f"target behind a door that is {world.fixtures[fixture].door}")
+        assert fixture not in goal.names()
+    return found or {"nothing"}
+
+
+@every_task
+def test_all_kinds_of_mixed_starts_occur(task: str) -> None:
+    env = make(task, starts="mixed")
+    counts: Counter[str] = Counter()
+    for seed in range(200):
+        env.reset(seed=seed)
+        scene, world = env.start.scene, env.world
+        check_world(scene, world, where=f"seed {seed}")
+        assert not env.goal.holds(scene, world)
+        for name, angle in env.start.doors.items():
+            door = world.fixtures[name].door
+            low, high = {"closed": (0.0, 0.02), "ajar": (0.2, 0.6), "open": (0.9, 1.6)}[str(door)]
+            assert low <= angle <= high, (name, door, angle)
+        counts.update(kinds(env))
+    wanted = ["door closed", "door ajar", "door open"]
+    wanted += [f"target behind a door that is {door}" for door in ("closed", "ajar", "open")]
+    if task in ("DefrostInBowl", "HeatOnStove"):
+        wanted += ["vessel in place", "vessel occupied", "switched on"]
+    rare = {kind: counts[kind] for kind in wanted if counts[kind] < 4}
+    assert not rare, counts
+
+
+@every_task
+def test_mixed_starts_can_be_solved(task: str) -> None:
+    env = make(task, robots=1, starts="mixed")
+    lengths = set()
+    for seed in range(25):
+        env.reset(seed=seed)
+        plan = solve(env.start.scene, env.world, env.goal)
+        assert plan is not None and plan.length > 0, seed
+        lengths.add(plan.length)
+    assert len(lengths) > 1, "all starts are the same planning problem"
+
+
+@pytest.mark.long
+@every_task
+def test_many_mixed_starts_can_be_solved(task: str) -> None:
+    for robots, count in ((1, 300), (2, 20)):
+        env = make(task, robots=robots, starts="mixed")
+        for seed in range(count):
+            env.reset(seed=seed)
+            assert solve(env.start.scene, env.world, env.goal) is not None, (robots, seed)
+
+
+@every_task
+def test_no_distractor_can_be_mistaken_for_what_the_goal_names(task: str) -> None:
+    env = make(task, starts="mixed")
+    for seed in range(60):
+        env.reset(seed=seed)
+        catalogue, things = env.worlds.categories, env.start.categories
+        for noun, category in things.items():
+            others = {name for name in things if name != noun}
+            assert not others & {category, *catalogue[category].roles}, (seed, noun, things)
+
+
+def test_slots_hold_one_thing() -> None:
+    env = make("HeatOnStove", starts="mixed")
+    for seed in range(60):
+        env.reset(seed=seed)
+        places = [item.place for item in env.world.objects.values()]
+        assert len(set(places)) == len(places)
+        for slot in env.start.scene.slots:
+            thing = occupant(env.world, slot)
+            assert thing is None or env.world.objects[thing].place.where == slot
