@@ -75,7 +75,7 @@ def _free_slot_at(scene: Scene, world: WorldState, fixture: str, station: str) -
 def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place | None:
     """Where `place to target` puts what the robot holds, or None when there is no room.
 
-    On a fixture: a free slot at the robot's station, a lit burner before others; else a vessel that stands there and
+    On a fixture: a free slot at the robot's station, a lit burner before others; else a vessel that belongs there and
     has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full or what is held is too big for it.
     """
     held = world.robots[robot].holding
@@ -89,8 +89,10 @@ def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place |
     lit = [name for name in free if name in world.fixtures[target].on]
     if free:
         return Place("slot", (lit + free)[0])
-    vessels = [landing(scene, world, robot, str(occupant(world, name))) for name in slots]
-    return next((place for place in vessels if place is not None), None)
+    kind = scene.fixtures[target].kind
+    vessels = [name for slot in slots if (name := occupant(world, slot)) and kind in scene.objects[name].vessel_in]
+    places = (landing(scene, world, robot, name) for name in vessels)
+    return next((place for place in places if place is not None), None)
 
 
 def switch_for(scene: Scene, world: WorldState, fixture: str, *, turning_on: bool) -> str | None:

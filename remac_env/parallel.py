@@ -88,8 +88,8 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         wanted = dict(options or {})
         start, names = self.worlds.start(
             seed,
-            style=wanted.get("style") or self.options.style,
-            layout=wanted.get("layout") or self.options.layout,
+            style=wanted.get("style", self.options.style),
+            layout=wanted.get("layout", self.options.layout),
             starts=self.options.starts,
             robots=self.options.robot_names,
             perception_noise=self.options.perception_noise,

@@ -98,9 +98,9 @@ def _set_physics(spec: mujoco.MjSpec) -> None:
 
 def _set_looks(spec: mujoco.MjSpec, style: Style | None) -> None:
     """Add materials and lights."""
+    from remac_env.kitchen.lights import add_lights
     from remac_env.kitchen.materials import add_materials
     from remac_env.kitchen.style import load
-    from remac_env.rendering.lights import add_lights
 
     style = load(DEFAULT_STYLE) if style is None else style
     add_materials(spec, style)

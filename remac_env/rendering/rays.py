@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.rendering.lights import BACKDROP
+from remac_env.kitchen.lights import BACKDROP
 
 Floats = NDArray[np.float64]
 

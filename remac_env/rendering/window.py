@@ -24,10 +24,13 @@ class Window:
             return
         try:
             import tkinter
-
+        except ImportError as error:
+            _LOG.warning("render_mode='human' needs Tk: %s", error)
+            return
+        try:
             self._root = tkinter.Tk()
-        except (ImportError, RuntimeError) as error:
-            _LOG.warning("render_mode='human' needs Tk and a display: %s", error)
+        except tkinter.TclError as error:
+            _LOG.warning("render_mode='human' needs a display: %s", error)
             return
         self._root.title(title)
         self._label = tkinter.Label(self._root)

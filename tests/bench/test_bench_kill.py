@@ -68,11 +68,12 @@ def test_a_runner_killed_midway_goes_on_to_the_same_table(tmp_path: Path, whole:
     assert timeless(read(tmp_path)) == timeless(read(whole))
 
 
-def test_ctrl_c_stops_cleanly(tmp_path: Path, whole: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_termination_stop_cleanly(tmp_path: Path, whole: Path, number: signal.Signals) -> None:
     runner = start(*ARGUMENTS, "--out", str(tmp_path))
     wait_for(lambda: lines(tmp_path) >= 4 or runner.poll() is not None)
     workers = children(runner.pid)
-    runner.send_signal(signal.SIGINT)
+    runner.send_signal(number)
     _, told = runner.communicate(timeout=60)
     assert runner.returncode == 130, told
     assert "jobs are recorded; the same command goes on" in told

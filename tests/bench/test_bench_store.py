@@ -35,8 +35,11 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     assert finished_jobs(store.read()) == {"a", "b"}
 
 
-def test_a_file_torn_at_any_byte_is_repaired_and_goes_on(tmp_path: Path) -> None:
-    data = written(tmp_path / ".." / tmp_path.name).path.read_bytes()
+def test_a_file_torn_at_any_byte_is_repaired_and_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "fsync", lambda handle: None)  # thousands of waits for a disk prove nothing here
+    data = written(tmp_path).path.read_bytes()
     ends = [index + 1 for index, byte in enumerate(data) if byte == ord("\n")]
     store = Store(tmp_path)
     for size in range(len(data)):

@@ -79,24 +79,21 @@ def test_gymnasium(task: str, robots: int) -> None:
     env.close()
 
 
-def _render_test(task: str, robots: int) -> None:
+@pytest.mark.long
+@every_task
+@one_and_two
+def test_render(task: str, robots: int) -> None:
     pytest.importorskip("remac_env.rendering.stage", reason="remac_env.rendering is unfinished: no stage.py")
-    seen = {"rgb_array": lambda picture: picture.shape == (480, 640, 3) and picture.std() > 5}
+    seen = {"rgb_array": lambda picture: min(picture.shape[:2]) >= 240 and picture.std() > 5}
     render_test(lambda render_mode: remac_env.env(task, robots=robots, backend="symbolic", render_mode=render_mode),
                 custom_tests=seen)  # fmt: skip
 
 
-def test_render() -> None:
-    _render_test("HeatOnStove", 2)
-
-
-@pytest.mark.long
-@every_task
-@one_and_two
-def test_render_every_task(task: str, robots: int) -> None:
-    _render_test(task, robots)
-
-
-def test_images_lie_in_their_space() -> None:
+def test_images_lie_in_their_space_and_render_gives_a_picture() -> None:
     pytest.importorskip("remac_env.rendering.stage", reason="remac_env.rendering is unfinished: no stage.py")
-    testing.check_spaces(lambda: make(TASKS[0], 1, obs="state+images", image_size=32), seeds=(0,), rounds=1)
+    env = make(TASKS[0], 1, obs="state+images", image_size=32, render_mode="rgb_array")
+    observations, _ = env.reset(seed=0)
+    assert env.observation_space("robot_0").contains(observations["robot_0"])
+    picture = env.render()
+    assert picture.dtype == "uint8" and picture.shape[2] == 3 and picture.std() > 5
+    testing.check_spaces(lambda: env, seeds=(0,), rounds=1)

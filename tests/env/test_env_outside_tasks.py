@@ -44,7 +44,7 @@ def reset(spec: TaskSpec, seed: int = 0, **options: Any) -> Any:
 
 
 def test_a_task_with_other_nouns_and_another_kitchen_keeps_every_contract() -> None:
-    check_task(STORE_BREAD, seeds=(0,), rounds=12)
+    check_task(STORE_BREAD, seeds=(0,), rounds=12, starts=("mixed",))
 
 
 def test_once_registered_it_is_there_like_the_others() -> None:

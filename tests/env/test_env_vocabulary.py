@@ -39,7 +39,13 @@ def test_there_and_back() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["pick up vegetable", "Pick up vegetable.", "  pick_up   VEGETABLE ", "`pick up vegetable`", "'pick up\tvegetable',"],
+    [
+        "pick up vegetable",
+        "Pick up vegetable.",
+        "  pick_up   VEGETABLE ",
+        "`pick up vegetable`",
+        '"pick up\tvegetable"',
+    ],
 )
 def test_forgiving(text: str) -> None:
     assert normalise(text) == "pick up vegetable"

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import signal
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import typer
@@ -21,11 +24,12 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
     """Run jobs, print the table, and say where the records are.
 
     Raises:
-        typer.Exit: 130 after Ctrl-C; 1 if infrastructure errors left jobs without a score.
+        typer.Exit: 130 after Ctrl-C or SIGTERM; 1 if infrastructure errors left jobs without a score.
     """
     bar = _Bar()
     try:
-        summary = run_jobs(jobs, folder, settings, listener=bar)
+        with _terminable():
+            summary = run_jobs(jobs, folder, settings, listener=bar)
     except KeyboardInterrupt:
         bar.stop()
         left = len(pending(jobs, folder))
@@ -49,6 +53,19 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
             err=True,
         )
         raise typer.Exit(FAILED)
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """Let SIGTERM, which batch systems send, stop a run as cleanly as Ctrl-C does."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may set handlers
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 class _Bar(Listener):

@@ -86,7 +86,7 @@ class Crew:
         working = tuple(
             here.station.x
             for name, here in self.robots.items()
-            if name not in now.driving and here.station.name != ASIDE
+            if name not in now.driving and here.station.name in self._layout.stations
         )
         convoy = Convoy(self.separation, errands, Rooms(working))
         found: dict[str, Attempt] = {}
