@@ -238,8 +238,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
 
     def _film(self) -> None:
         """Called by the backend once a control period."""
-        if self._pictures.recording and self._episode is not None:
-            self._pictures.add(self._moment())
+        self._pictures.film(self._moment)
 
     def _observation_space(self) -> spaces.Dict:
         size = self.options.image_size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,15 +12,13 @@ from numpy.typing import NDArray
 
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.rendering.video import MAX_FRAMES, Sampler, spread
 from remac_env.start import Start
 from remac_env.state import WorldState
 
 if TYPE_CHECKING:
     from remac_env.rendering.stage import Stage
     from remac_env.rendering.window import Window
-
-VIDEO_FRAMES = 150
-"""Frames of the longest video: ten seconds at 15 a second."""
 
 Picture = NDArray[np.uint8]
 
@@ -33,36 +32,14 @@ class Moment:
     positions: NDArray[np.float64] | None
 
 
-class Tape:
-    """Every n-th moment of an episode; when twice VIDEO_FRAMES are kept, every second one goes and n doubles."""
-
-    def __init__(self) -> None:
-        self._stride, self._seen = 1, 0
-        self.moments: list[Moment] = []
-
-    def add(self, moment: Moment) -> None:
-        """Offer a moment."""
-        if self._seen % self._stride == 0:
-            self.moments.append(moment)
-        self._seen += 1
-        if len(self.moments) >= 2 * VIDEO_FRAMES:
-            self.moments = self.moments[::2]
-            self._stride *= 2
-
-
 class Pictures:
-    """The pictures of one environment. `recording` says whether moments are wanted."""
+    """The pictures of one environment."""
 
     def __init__(self, worlds: TaskWorlds, *, title: str) -> None:
         self._worlds, self._title = worlds, title
         self._shown: Stage | None = None
         self._window: Window | None = None
-        self._tape: Tape | None = None
-
-    @property
-    def recording(self) -> bool:
-        """Whether moments are being kept."""
-        return self._tape is not None
+        self._tape: Sampler[Moment] | None = None
 
     def render(self, moment: Moment, *, human: bool) -> Picture | None:
         """The whole kitchen, uint8 (height, width, 3); with `human` it goes to a window instead."""
@@ -81,27 +58,27 @@ class Pictures:
 
     def record(self) -> None:
         """From now on keep moments."""
-        self._tape = Tape()
+        self._tape = Sampler(2 * MAX_FRAMES)
 
     def rewind(self) -> None:
         """Forget the moments of the last episode, where they are being kept."""
         if self._tape is not None:
-            self._tape = Tape()
+            self._tape = Sampler(2 * MAX_FRAMES)
 
-    def add(self, moment: Moment) -> None:
-        """Keep this moment, if its turn has come."""
-        if self._tape is not None:
-            self._tape.add(moment)
+    def film(self, moment: Callable[[], Moment]) -> None:
+        """Keep the moment that the function makes, if one is wanted now."""
+        if self._tape is not None and self._tape.wants():
+            self._tape.add(moment())
 
     def save(self, path: str | Path) -> int:
         """Draw the kept moments as a video; returns the number of frames."""
         from remac_env.rendering import video
         from remac_env.rendering.renderer import VIDEO
 
-        if self._tape is None or not self._tape.moments:
+        if self._tape is None or not self._tape.frames:
             raise LifecycleError("nothing was recorded: call start_recording(), then reset()")
-        moments = self._tape.moments
-        chosen = np.linspace(0, len(moments) - 1, min(len(moments), VIDEO_FRAMES)).round().astype(int)
+        moments = self._tape.frames
+        chosen = spread(len(moments))
         return video.write(path, (self._stage(moments[index]).picture(quality=VIDEO) for index in chosen))
 
     def close(self) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rich import box
-from rich.console import RenderableType
+from rich.console import JustifyMethod, RenderableType
 from rich.markup import escape
 from rich.table import Table
 
@@ -15,6 +15,9 @@ from remac_bench.metrics import Row, summarise
 from remac_bench.store import FILE, Store
 
 COLUMNS = ("Task", "Method", "n", "TSR", "95%", "SCR", "Time s", "IPL", "FPL", "Crashed", "Infra")
+ALARMS = ("Crashed", "Infra")
+"""Columns that a terminal shows only where one of their numbers is not 0."""
+
 LEGEND = (
     "TSR: goal holds at the end, with Wilson's 95% interval. SCR: rounds done of the final plans. "
     "Time (simulated), IPL and FPL (rounds of the first and of the final plan): means over successes. "
@@ -44,16 +47,7 @@ def tables(rows: Sequence[Row]) -> list[RenderableType]:
     """One rich table for each setting, and the legend."""
     made: list[RenderableType] = []
     for where in dict.fromkeys(row.setting for row in rows):
-        table = Table(title=escape(where), box=box.SIMPLE_HEAD, title_justify="left")
-        for name in COLUMNS:
-            table.add_column(name, justify="left" if name in ("Task", "Method") else "right", no_wrap=True)
-        before = None
-        for row in (row for row in rows if row.setting == where):
-            if before not in (None, row.task):
-                table.add_section()
-            before = row.task
-            table.add_row(*(escape(cell) for cell in cells(row)))
-        made.append(table)
+        made.append(_table(where, [row for row in rows if row.setting == where]))
     return [*made, f"[dim]{LEGEND}[/dim]"]
 
 
@@ -70,6 +64,24 @@ def markdown(rows: Sequence[Row]) -> str:
         lines += [f"| {' | '.join(_plain(c) for c in cells(row))} |" for row in rows if row.setting == where]
         lines.append("")
     return "\n".join([*lines, LEGEND, ""])
+
+
+def _table(title: str, rows: Sequence[Row]) -> Table:
+    """One setting. Columns never shrink: a number cut short would be another number."""
+    table = Table(title=escape(title), box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
+    quiet = {name for i, name in enumerate(COLUMNS) if name in ALARMS and all(cells(row)[i] == "0" for row in rows)}
+    shown = [index for index, name in enumerate(COLUMNS) if name not in quiet]
+    for index in shown:
+        least = max(len(COLUMNS[index]), *(len(cells(row)[index]) for row in rows))
+        side: JustifyMethod = "left" if COLUMNS[index] in ("Task", "Method") else "right"
+        table.add_column(COLUMNS[index], justify=side, no_wrap=True, min_width=least)
+    before = None
+    for row in rows:
+        if before not in (None, row.task):
+            table.add_section()
+        before = row.task
+        table.add_row(*(escape(cells(row)[index]) for index in shown))
+    return table
 
 
 def cells(row: Row) -> list[str]:

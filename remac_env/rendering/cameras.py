@@ -32,9 +32,10 @@ SIDE = "side/{station}"
 """A close look at what stands at a station, into cupboards and the microwave."""
 
 _FIELD = 46.0  # vertical, degrees
+_WIDE_FIELD = 33.0  # from further away, so that robots in the foreground do not hide the kitchen
 _ROOM_MARGIN = 1.05
 _FRONT_ASPECT, _FRONT_HEIGHT, _FRONT_LOOKS_AT = 1.0, 2.40, 0.25
-_WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT = 16 / 9, 2.15, 0.95
+_WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT = 16 / 9, 2.45, 0.85
 
 # Position relative to what is looked at, by kind of slot: from the right, because doors open to the left; steeply down
 # into a basin, almost level into a cupboard.
@@ -68,19 +69,19 @@ def fixed_cameras(layout: Layout) -> tuple[Camera, ...]:
 
 def front_camera(layout: Layout) -> Camera:
     """Far enough from the wall for the whole width of the room in a square picture."""
-    return _before_room(layout, FRONT, _FRONT_ASPECT, _FRONT_HEIGHT, _FRONT_LOOKS_AT)
+    return _before_room(layout, FRONT, _FIELD, _FRONT_ASPECT, _FRONT_HEIGHT, _FRONT_LOOKS_AT)
 
 
 def wide_camera(layout: Layout) -> Camera:
     """Far enough from the wall for the whole width of the room in a picture of 16 to 9."""
-    return _before_room(layout, WIDE, _WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT)
+    return _before_room(layout, WIDE, _WIDE_FIELD, _WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT)
 
 
-def _before_room(layout: Layout, name: str, aspect: float, height: float, looks_at: float) -> Camera:
+def _before_room(layout: Layout, name: str, field: float, aspect: float, height: float, looks_at: float) -> Camera:
     left, right = layout.room.x
-    distance = _ROOM_MARGIN * (right - left) / 2 / (tan(radians(_FIELD) / 2) * aspect)
+    distance = _ROOM_MARGIN * (right - left) / 2 / (tan(radians(field) / 2) * aspect)
     middle = (left + right) / 2
-    return Camera(name, (middle, -distance, height), (middle, 0.0, looks_at), _FIELD)
+    return Camera(name, (middle, -distance, height), (middle, 0.0, looks_at), field)
 
 
 def side_camera(layout: Layout, station: str) -> Camera:

@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +15,17 @@ from numpy.typing import NDArray
 from remac_env.errors import OptionError, RenderingError
 
 Picture = NDArray[np.uint8]
+Moment = TypeVar("Moment")
 
 MAX_FRAMES = 150
 """Frames of the longest video: ten seconds at 15 a second, about 1 MB."""
 
 
-class Sampler:
+class Sampler(Generic[Moment]):
     """Keeps an evenly spread selection of a stream of unknown length, at most `limit`: a time lapse.
 
-    Ask `wants()` before drawing a picture, so that those which would be dropped need not be drawn. Whenever the
-    selection is full every second picture is dropped, and from then on only every second one is wanted.
+    Ask `wants()` before making a moment, so that those which would be dropped need not be made. Whenever the selection
+    is full every second moment is dropped, and from then on only every second one is wanted.
     """
 
     def __init__(self, limit: int = MAX_FRAMES) -> None:
@@ -31,27 +33,27 @@ class Sampler:
         if limit < 2:
             raise OptionError(f"limit {limit!r} is not valid; valid: 2 or more")
         self._limit, self._stride, self._seen = limit, 1, 0
-        self._frames: list[Picture] = []
+        self._kept: list[Moment] = []
 
     def wants(self) -> bool:
-        """Count one moment; True if its picture shall be given to `add`."""
+        """Count one moment; True if it shall be given to `add`."""
         self._seen += 1
         return (self._seen - 1) % self._stride == 0
 
-    def add(self, picture: Picture) -> None:
-        """Keep the picture of the moment that `wants` just asked for."""
-        if len(self._frames) == self._limit:
-            self._frames = self._frames[::2]
+    def add(self, moment: Moment) -> None:
+        """Keep the moment that `wants` just asked for."""
+        if len(self._kept) == self._limit:
+            self._kept = self._kept[::2]
             self._stride *= 2
             # With an even limit the newcomer is the next of the thinned series, with an odd one it lies between.
             if (self._seen - 1) % self._stride:
                 return
-        self._frames.append(picture)
+        self._kept.append(moment)
 
     @property
-    def frames(self) -> tuple[Picture, ...]:
-        """The pictures kept, in order."""
-        return tuple(self._frames)
+    def frames(self) -> tuple[Moment, ...]:
+        """The moments kept, in order."""
+        return tuple(self._kept)
 
 
 def spread(count: int, limit: int = MAX_FRAMES) -> NDArray[np.int64]:

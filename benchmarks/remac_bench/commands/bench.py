@@ -86,7 +86,7 @@ def report(
         return
     screen = console()
     for part in tables(rows):
-        screen.print(part)
+        screen.print(part, crop=False)
 
 
 def _jobs(context: typer.Context, tasks: str | None, methods: str, seeds: str) -> list[Job]:

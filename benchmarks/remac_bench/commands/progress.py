@@ -40,7 +40,7 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
         bar.stop()
     screen = console()
     for part in tables(read_rows(folder)):
-        screen.print(part)
+        screen.print(part, crop=False)
     screen.print(
         f"{summary.played} jobs played, {summary.skipped} found finished. Records: {Path(folder) / FILE}",
         markup=False,

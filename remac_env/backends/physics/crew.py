@@ -29,6 +29,7 @@ SKILL_TIME = 60.0  # s, after which a skill is stopped
 _RECOVERY_TIME = 20.0  # s for coming home after a failure
 _NEIGHBOUR = 1.3  # m between stations whose robots could reach one another
 _STILL = ("wait", "done")
+_ARRIVAL = np.array([0.02, 0.02, 0.03])  # m, m, rad: how far off a drive ends at most; known to the robot afterwards
 _THOUGHT = 20  # control periods within which a skill has only planned and closed or opened its hand
 
 Attempt = Generator[None, None, Outcome]
@@ -81,7 +82,7 @@ class Crew:
         self.separation.holding({n: here.hand.body for n, here in self.robots.items() if here.hand.body is not None})
         self._set_fences(now)
         self._disturb(now)
-        goals = self._goals(now)
+        goals = {name: self._arrival(now.number, place) for name, place in self._goals(now).items()}
         errands = {name: Errand(self.robots[name], base_pose(goal)) for name, goal in goals.items()}
         working = tuple(
             here.station.x
@@ -139,6 +140,12 @@ class Crew:
         away = {r: self.robots[r].robot.q[:3] for r in going if now.stations[r] == ASIDE}
         taken = {name: here.robot.q[:3] for name, here in self.robots.items() if name not in now.driving}
         return to_stations | parking(self._layout, away, taken)
+
+    def _arrival(self, number: int, place: Station) -> Station:
+        """Where a drive to a place really ends: a little off, so that skills start from stances never seen before."""
+        chance = generator(self._start.seed, "arrival", number, place.name)
+        dx, dy, turn = (float(value) for value in chance.uniform(-1.0, 1.0, 3) * _ARRIVAL)
+        return Station(place.name, place.x + dx, place.y + dy, place.yaw + turn)
 
     # -- attempts ---------------------------------------------------------------------------------------------------
 

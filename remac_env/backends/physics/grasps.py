@@ -27,6 +27,8 @@ class Grasp:
 DOWN = np.array([0.0, 0.0, -1.0])
 _UP = np.array([0.0, 0.0, 1.0])
 _STAND_OFF, _HANDLE_STAND_OFF = 0.12, 0.10
+# Taken with the hand leaning along it, a long thing lies nearly level in a hand that reaches forward into a cavity.
+_LYING_LEANS = (0.45, 0.35, 0.0, 0.7)
 _ANY_YAW = (0.0, 0.25 * math.pi, 0.5 * math.pi, -0.25 * math.pi)
 
 
@@ -40,7 +42,8 @@ def _sides(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]
     # A long thing that came to stand on end is taken across its other axis.
     axis = rotation[:, 0] if abs(rotation[2, 0]) < 0.8 else rotation[:, 1]
     yaw = math.atan2(axis[1], axis[0])
-    for lean in thing.grasp.lean:
+    lying = abs(rotation[2, 0]) < 0.8 and thing.size[0] > 1.3 * thing.size[1] and not thing.grasp.any_yaw
+    for lean in _LYING_LEANS if lying else thing.grasp.lean:
         for turn in _ANY_YAW if thing.grasp.any_yaw else (0.0,):
             for side in (0.5 * math.pi, -0.5 * math.pi):
                 finger = about_z(yaw + turn + side)[:, 0]

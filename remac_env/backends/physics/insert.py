@@ -39,7 +39,10 @@ _BACK = 0.36  # m that the base drives in and out
 _CHECKS = 9000
 _PALM = 0.028  # m between grip site and palm, less a little
 _WIDEST_TURN = 1.25  # rad to the side from which a hand still fits into a cavity
-_CLEAR = 0.012  # m between the thing's lowest point and the floor while driving in
+_CLEAR = 0.022  # m by which the thing is lowered once it is in
+_TOUCH = 0.003  # m between the thing's lowest point and the floor where the hand opens
+_FORWARD = 0.05  # m by which a thing let go on end moves on as it falls
+_WITHDRAW = 0.05  # m by which the hand draws back along its approach before the base moves
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,11 @@ def insert(here: Surroundings, fixture: str, point: Array, *, vessel: str | None
     found = _search(here, point, carry, lambda base: _placing(here, body, point, base), _lowered)
     yield from _enter(here, found)
     check_held(here)
-    yield from release(here, 8)
+    yield from release(here, 10)
+    position, rotation = here.kinematics.forward(here.robot.q)
+    away = position - _WITHDRAW * rotation[:, 2]
+    here.begin(here.simulation.geoms(body) + (here.simulation.geoms(vessel) if vessel else []))
+    yield from here.mover.play(here.planner.line(here.robot.q, away, rotation, speed=0.15) or [])
     yield from _leave(here, found)
     here.begin()
     yield from go_home(here)
@@ -158,19 +165,34 @@ def _leave(here: Surroundings, found: Insertion) -> Steps:
 
 
 def _placing(here: Surroundings, body: str, point: Array, base: Array) -> Iterator[tuple[Array, Array, Array]]:
-    """Hand poses that bring the held thing in over ``point``: (while driving in, at the release, rotation)."""
+    """Hand poses that bring the held thing in over ``point``: (while driving in, at the release, rotation).
+
+    Those come first in which the thing is nearly as it will lie, so that it does not topple.
+    """
     grip, pose = here.robot.grip_pose(), here.simulation.pose(body)
     inward = grip[1].T
     offset, turned = inward @ (pose[0] - grip[0]), inward @ pose[1]
     heading = about_z(float(base[2]))
+    found = []
     for tilt in _TILTS:
         for side in (-heading[:, 1], heading[:, 1]):
             hand = grip_frame(heading[:, 0] * math.cos(tilt) - np.array([0.0, 0.0, math.sin(tilt)]), side)
-            below = lowest(here, body, hand @ turned)
-            shift = -hand @ offset
-            height = max(point[2] + below + _CLEAR, point[2] + 0.03 - shift[2])
-            at = np.array([point[0], point[1], height]) + shift
-            yield at + [0.0, 0.0, _CLEAR], at, hand
+            fall = _fall(here.things[body], hand @ turned)
+            found.append((round(abs(fall) + 0.2 * abs(tilt - _TILTS[0]), 6), len(found), hand, fall))
+    for _, _, hand, fall in sorted(found, key=lambda entry: entry[:2]):
+        below = lowest(here, body, hand @ turned)
+        shift = -hand @ offset
+        height = max(point[2] + below + _TOUCH, point[2] + 0.03 - shift[2])
+        at = np.array([point[0], point[1], height]) + shift - _FORWARD * abs(math.sin(fall)) * heading[:, 0]
+        yield at + [0.0, 0.0, _CLEAR], at, hand
+
+
+def _fall(thing: Category, rotation: Array) -> float:
+    """How far a thing turned so is from lying or standing (rad)."""
+    if thing.rest_height > 0.01:
+        return math.asin(min(1.0, abs(float(rotation[2, 0]))))
+    tilt = math.acos(min(1.0, abs(float(rotation[2, 2]))))
+    return min(tilt, 0.5 * math.pi - tilt)
 
 
 def _grasping(
