@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rendering.video import MAX_FRAMES, Sampler, spread
+from remac_env.simulator import load_mujoco
 from remac_env.start import Start
 from remac_env.state import WorldState
 
@@ -91,6 +92,7 @@ class Pictures:
 
     def _stage(self, moment: Moment) -> Stage:
         """The stage of this kitchen, posed like the moment; kept while episodes have the same things in them."""
+        load_mujoco()
         from remac_env.rendering.stage import Stage, stage_key
 
         start = moment.start

@@ -11,6 +11,7 @@ from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 
 from remac_env.errors import RenderingError
+from remac_env.simulator import load_mujoco
 
 KEYS: Mapping[str, str] = {
     "OPENAI_API_KEY": "language models of OpenAI, or of any endpoint that speaks its protocol",
@@ -33,7 +34,7 @@ PACKAGES: Mapping[str, str] = {
     "rich": "tables and progress bars",
 }
 EXTRAS: Mapping[str, str] = {
-    "robosuite": "robosuite's meshes drawn over our robots",
+    "robosuite": "speed comparisons with its environments",
     "torch": "learned skills",
     "ray": "jobs on many machines",
 }
@@ -118,12 +119,13 @@ def _mujoco() -> Finding:
     """Whether MuJoCo not only is installed but steps."""
     purpose = "the physics backend; without it use --backend symbolic"
     try:
+        load_mujoco()
         import mujoco
 
         model = mujoco.MjModel.from_xml_string('<mujoco><worldbody><geom size=".1"/></worldbody></mujoco>')
         data = mujoco.MjData(model)
         mujoco.mj_step(model, data)
-    except (ImportError, OSError, ValueError) as error:
+    except (RenderingError, ImportError, OSError, ValueError) as error:
         return Finding("physics", "MuJoCo", f"does not work: {error}", False, purpose)
     return Finding("physics", "MuJoCo", f"{mujoco.__version__} steps", data.time > 0, purpose)
 

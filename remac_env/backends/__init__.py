@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from remac_env.backends.base import Backend
 from remac_env.backends.symbolic import SymbolicBackend
+from remac_env.simulator import load_mujoco
 
 if TYPE_CHECKING:
     from remac_env.kitchen.worlds import TaskWorlds
@@ -16,6 +17,7 @@ def make_backend(options: Options, worlds: TaskWorlds) -> Backend:
     """The backend that the options name; physics loads MuJoCo."""
     if options.backend == "symbolic":
         return SymbolicBackend(failure_rate=options.failure_rate)
+    load_mujoco()
     from remac_env.backends.physics.backend import PhysicsBackend
 
     return PhysicsBackend()

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from remac_env.backends.physics.collision import IGNORED
+from remac_env.backends.physics.collision import IGNORED, TARGET
 from remac_env.backends.physics.grasps import OPENINGS, tip_depth
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.pick_up import draw_in
@@ -84,15 +84,25 @@ def take_out(
     simulation, thing = here.simulation, here.things[body]
     here.begin()
     yield from tuck(here)
-    here.begin(simulation.geoms(body) + (simulation.geoms(vessel) if vessel else []))
+    opening = OPENINGS[thing.grasp.mode]
+    here.robot.grip = opening
+    here.begin(simulation.geoms(body))
     for inner in contents:
         here.scratch.mark(simulation.geoms(inner), IGNORED)
-    opening = OPENINGS[thing.grasp.mode]
-    here.scratch.fingers(opening)
-    here.robot.grip = opening
     position, rotation = here.seen(body)
     carry = panda.tucked(*here.robot.q[:3])
-    found = _search(here, position, carry, lambda base: _grasping(thing, position, rotation, base), _advanced)
+
+    def search() -> Insertion:
+        return _search(here, position, carry, lambda base: _grasping(thing, position, rotation, base), _advanced)
+
+    try:
+        found = search()
+    except SkillFailure:
+        if vessel is None:
+            raise
+        # Clear of the vessel there is no way; its rim may be touched.
+        here.scratch.mark(simulation.geoms(vessel), TARGET)
+        found = search()
     yield from _enter(here, found)
     yield from here.mover.grasp(gently=thing.grasp.mode == "side")
     grip = here.planner.kinematics.forward(here.robot.q)

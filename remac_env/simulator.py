@@ -1,0 +1,26 @@
+"""Loads MuJoCo, and says what to do where an environment variable keeps it from loading."""
+
+from __future__ import annotations
+
+import os
+
+from remac_env.errors import RenderingError
+
+
+def load_mujoco() -> None:
+    """Import mujoco.
+
+    Raises:
+        RenderingError: if MUJOCO_GL names a platform that does not exist or is not installed; MuJoCo then cannot even
+            be imported, so that physics does not run either.
+    """
+    try:
+        import mujoco  # noqa: F401
+    except (RuntimeError, AttributeError, ImportError) as error:
+        value = os.environ.get("MUJOCO_GL")
+        if value is None:
+            raise
+        raise RenderingError(
+            f"MuJoCo cannot be imported with MUJOCO_GL={value!r} ({error}); unset MUJOCO_GL and start again: a platform "
+            "that works is then found, and without any pictures are made by rays (MUJOCO_GL=disable forces rays)"
+        ) from error
