@@ -21,6 +21,6 @@ def load_mujoco() -> None:
         if value is None:
             raise
         raise RenderingError(
-            f"MuJoCo cannot be imported with MUJOCO_GL={value!r} ({error}); unset MUJOCO_GL and start again: a platform "
-            "that works is then found, and without any pictures are made by rays (MUJOCO_GL=disable forces rays)"
+            f"MuJoCo cannot be imported with MUJOCO_GL={value!r} ({error}); unset MUJOCO_GL and start again: a "
+            "platform that works is then found, and where none does pictures are made by rays (MUJOCO_GL=disable forces rays)"
         ) from error

@@ -136,7 +136,7 @@ def _search(
         for first, end, rotation in poses(base):
             if scratch.checks > limit:
                 break
-            for q in planner.reach(first, rotation, base, np.concatenate([base, carry[3:]]), most=5):
+            for q in planner.reach(first, rotation, base, np.concatenate([base, carry[3:]]), most=40):
                 retreated = np.concatenate([outside, q[3:]])
                 if not scratch.free(q) or not scratch.free(retreated) or not planner.edge(retreated, q, 0.06):
                     why["inside: {} meets {}".format(*scratch.touching)] += 1
