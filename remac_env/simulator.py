@@ -22,5 +22,6 @@ def load_mujoco() -> None:
             raise
         raise RenderingError(
             f"MuJoCo cannot be imported with MUJOCO_GL={value!r} ({error}); unset MUJOCO_GL and start again: a "
-            "platform that works is then found, and where none does pictures are made by rays (MUJOCO_GL=disable forces rays)"
+            "platform that works is then found, and where none does pictures are made by rays (MUJOCO_GL=disable "
+            "forces rays)"
         ) from error
