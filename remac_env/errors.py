@@ -49,6 +49,6 @@ class PhysicsError(RemacError, RuntimeError):
 def check_choice(kind: str, given: object, valid: Iterable[object]) -> None:
     """Raise UnknownNameError unless `given` is one of `valid`."""
     choices = list(valid)
-    if given not in choices:
+    if not any(type(given) is type(choice) and given == choice for choice in choices):
         listed = ", ".join(str(choice) for choice in choices)
         raise UnknownNameError(f"unknown {kind} {given!r}; valid: {listed}")

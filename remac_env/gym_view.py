@@ -88,6 +88,8 @@ class KitchenEnv(gymnasium.Env[dict[str, Any], Any]):
             return {name: check_token(action, name) for name in names}
         several = isinstance(action, list | tuple) or (isinstance(action, np.ndarray) and action.ndim > 0)
         values = list(action) if several else [action]
+        if not several:
+            check_token(action, " and ".join(names))
         if len(values) != len(names):
             raise ActionError(f"action {action!r} has {len(values)} tokens for the robots {names}")
         return {name: check_token(value, name) for name, value in zip(names, values, strict=True)}

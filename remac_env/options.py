@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from remac_env.errors import OptionError, check_choice
 from remac_env.kitchen.starts import STARTS
 from remac_env.tasks.spec import WORDINGS
@@ -51,10 +53,10 @@ class Options:
         check_choice("obs", self.obs, OBSERVATIONS)
         check_choice("text", self.text, TEXTS)
         check_choice("feedback", self.feedback, FEEDBACKS)
-        check_choice("wording", self.wording, WORDINGS)
         check_choice("naming", self.naming, NAMINGS)
         check_choice("reward", self.reward, REWARDS)
         check_choice("render_mode", self.render_mode, RENDER_MODES)
+        self._check_whole("wording", min(WORDINGS), max(WORDINGS))
         self._check_whole("robots", 1, MAX_ROBOTS)
         self._check_whole("image_size", 16, 1024)
         self._check_whole("max_rounds", 1, 100_000)
@@ -65,8 +67,11 @@ class Options:
 
     def _check_whole(self, name: str, least: int, most: int) -> None:
         value = getattr(self, name)
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            raise OptionError(f"{name} {value!r} is not valid; valid: whole numbers {least}..{most}")
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+            few = most - least < 5
+            valid = ", ".join(map(str, range(least, most + 1))) if few else f"whole numbers {least}..{most}"
+            raise OptionError(f"{name} {value!r} is not valid; valid: {valid}")
+        object.__setattr__(self, name, int(value))
 
     def _check_real(self, name: str, least: float, most: float) -> None:
         value = getattr(self, name)

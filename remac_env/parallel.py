@@ -15,7 +15,7 @@ from remac_env.actions import check_actions
 from remac_env.backends import make_backend
 from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms
-from remac_env.errors import LifecycleError
+from remac_env.errors import LifecycleError, OptionError
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.observation import Facts
 from remac_env.options import Options
@@ -85,6 +85,8 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
             seed = int(self._seeds.integers(UNSEEDED_BELOW))
         else:
             self._seeds = generator(seed, "seeds of further resets")
+        if options is not None and not isinstance(options, Mapping):
+            raise OptionError(f"options {options!r} is not valid; valid: a mapping, such as {{'style': 'modern_1'}}")
         wanted = dict(options or {})
         start, names = self.worlds.start(
             seed,
@@ -214,6 +216,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         return Terms(spec, self.options, start, spec.goal.bind(names), sentence, commands)
 
     def _running(self) -> Episode:
+        self._check_open()
         if self._episode is None:
             raise LifecycleError("no episode has begun: call reset() first")
         return self._episode

@@ -73,11 +73,12 @@ class Pictures:
 
     def save(self, path: str | Path) -> int:
         """Draw the kept moments as a video; returns the number of frames."""
+        if self._tape is None or not self._tape.frames:
+            raise LifecycleError("nothing was recorded: call start_recording(), then reset()")
+        load_mujoco()
         from remac_env.rendering import video
         from remac_env.rendering.renderer import VIDEO
 
-        if self._tape is None or not self._tape.frames:
-            raise LifecycleError("nothing was recorded: call start_recording(), then reset()")
         moments = self._tape.frames
         chosen = spread(len(moments))
         return video.write(path, (self._stage(moments[index]).picture(quality=VIDEO) for index in chosen))

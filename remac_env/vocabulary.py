@@ -36,6 +36,9 @@ class Vocabulary:
 
     def __init__(self, nouns: Iterable[Noun], *, version: int) -> None:
         self.nouns = tuple(nouns)
+        for noun in self.nouns:
+            if not noun.name or normalise(noun.name) != noun.name or "," in noun.name:
+                raise OptionError(f"noun {noun.name!r} is not valid; valid: lower case words, spaces between them")
         self.version = version
         self._subtasks = tuple(_subtasks(self.nouns))
         self._tokens = {subtask.text: token for token, subtask in enumerate(self._subtasks)}
@@ -63,7 +66,7 @@ class Vocabulary:
         Raises:
             UnknownNameError: if no command reads so; the message offers the nearest ones.
         """
-        token = self._tokens.get(normalise(text))
+        token = self._tokens.get(normalise(text)) if isinstance(text, str) else None
         if token is None:
             raise UnknownNameError(f"unknown subtask {text!r}; {self._nearest(text)}")
         return token
@@ -78,7 +81,8 @@ class Vocabulary:
         Raises:
             UnknownNameError: if the token is outside 0..len-1.
         """
-        if not 0 <= token < len(self):
+        whole = isinstance(token, int | np.integer) and not isinstance(token, bool)
+        if not whole or not 0 <= token < len(self):
             raise UnknownNameError(f"unknown token {token!r}; valid: 0..{len(self) - 1}")
         return self._subtasks[token]
 
@@ -96,7 +100,7 @@ class Vocabulary:
         return tuple(s.text for s, legal in zip(self._subtasks, self.mask(scene), strict=True) if legal)
 
     def _nearest(self, text: str) -> str:
-        near = difflib.get_close_matches(normalise(text), self._tokens, n=3, cutoff=0.4)
+        near = difflib.get_close_matches(normalise(str(text)), self._tokens, n=3, cutoff=0.4)
         return "did you mean " + ", ".join(repr(n) for n in near) + "?" if near else "see env.vocabulary"
 
 

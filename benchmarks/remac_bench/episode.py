@@ -45,12 +45,12 @@ class Fault(Exception):
 
 @contextmanager
 def blaming(kind: Kind) -> Iterator[None]:
-    """Turn any exception inside into a Fault of this kind."""
+    """Turn any exception inside into a Fault of this kind; a planner that exits has crashed, it has not stopped us."""
     try:
         yield
     except Fault:
         raise
-    except Exception as error:  # noqa: BLE001 - planners and simulators may raise anything; it is recorded
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - planners and simulators may raise anything; it is recorded
         raise Fault(kind, error) from error
 
 

@@ -10,10 +10,13 @@ from typing import Any
 from remac_bench import agents
 from remac_bench.errors import UsageError
 from remac_env.options import Options
-from remac_env.seeding import digest
+from remac_env.seeding import SEED_MAX, digest
 
 NOT_IN_KEY = ("render_mode",)
 """Options of the kitchen that cannot change what happens in it."""
+
+_MOST_SEEDS = 1_000_000
+"""Seeds in one range at most: more is a slip of the keyboard."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,7 +126,10 @@ def parse_seeds(text: str) -> list[int]:
         first, colon, last = part.strip().partition(":")
         if not first.isdecimal() or (colon and not last.isdecimal()):
             raise UsageError(f"seeds {text!r} are not valid; valid: a range 0:10, a number 3 or a list 0,4,7")
-        seeds += range(int(first), int(last)) if colon else [int(first)]
+        span = range(int(first), int(last)) if colon else range(int(first), int(first) + 1)
+        if span and span[-1] > SEED_MAX or span.stop - span.start > _MOST_SEEDS:
+            raise UsageError(f"seeds {text!r} are not valid; valid: at most {_MOST_SEEDS} seeds of 0..{SEED_MAX}")
+        seeds += span
     if not seeds:
         raise UsageError(f"seeds {text!r} name no seed; valid: a range 0:10, a number 3 or a list 0,4,7")
     return list(dict.fromkeys(seeds))

@@ -95,8 +95,8 @@ def read(path: Path) -> Layout:
     """Read a layout file from anywhere; the layout is named like the file. Raises KitchenFileError."""
     try:
         text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise KitchenFileError(path.name, "file", f"cannot be read ({error.strerror})") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise KitchenFileError(path.name, "file", f"cannot be read ({error})") from error
     return parse(text, name=path.stem, file=path.name)
 
 

@@ -96,9 +96,9 @@ def forget(name: str) -> None:
 def advice() -> str:
     """What to do where no platform works."""
     if _asked() is None:
-        return "MUJOCO_GL forbids OpenGL: unset it, or ask for backend='rays'"
+        return "MUJOCO_GL forbids OpenGL: unset it to have one looked for"
     tried = "; ".join(f"{name}: {problem}" for name, problem in _complaints.items())
-    return f"no OpenGL platform works here ({tried}); on Debian: {_INSTALL}; or ask for backend='rays'"
+    return f"no OpenGL platform works here ({tried}); on Debian: {_INSTALL}; without one pictures are made by rays"
 
 
 def _asked() -> str | None:
@@ -121,7 +121,7 @@ def _wrong_value() -> str:
     problem = _complaints.get(_asked() or "", "it gives no picture")
     return (
         f"MUJOCO_GL={value!r} does not work here ({problem}); unset it to let a working one be found, choose one of "
-        f"{', '.join(_candidates())}, or ask for backend='rays'; on Debian: {_INSTALL}"
+        f"{', '.join(_candidates())}, or set MUJOCO_GL=disable for rays; on Debian: {_INSTALL}"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -155,6 +156,8 @@ class _GlPainter:
         gl.activate(platform)
         with _buffers(model, width, height, quality):
             self._renderer: Any = mujoco.Renderer(model, height, width, max_geom=2 * model.ngeom + 200)
+        # Contexts that are left to the interpreter's end are freed too late, and say so at length.
+        self._free = weakref.finalize(self, self._renderer.close)
         flags = self._renderer.scene.flags
         flags[mujoco.mjtRndFlag.mjRND_SHADOW] = quality.shadows
         flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = quality.mirrors
@@ -170,7 +173,7 @@ class _GlPainter:
 
     def close(self) -> None:
         """Free the context."""
-        self._renderer.close()
+        self._free()
 
 
 @contextmanager

@@ -27,10 +27,8 @@ def add(spec: TaskSpec) -> None:
     """Add a task from outside. Adding an equal one again changes nothing.
 
     Raises:
-        OptionError: if the name is not CamelCase letters and digits, or another task has it.
+        OptionError: if another task has the name.
     """
-    if not spec.name.isalnum() or not spec.name[:1].isupper():
-        raise OptionError(f"task name {spec.name!r} is not valid; valid: CamelCase letters and digits")
     if spec.name in _SPECS and _SPECS[spec.name] != spec:
         raise OptionError(f"task name {spec.name!r} is taken by another task; taken: {', '.join(_SPECS)}")
     _SPECS[spec.name] = spec

@@ -51,7 +51,7 @@ def test_tasks_lists_them() -> None:
     ("arguments", "named"),
     [
         (("oracle", "--task", "Nope"), "HeatOnStove"),
-        (("oracle", "--task", "HeatOnStove", "--robots", "3"), "1..2"),
+        (("oracle", "--task", "HeatOnStove", "--robots", "3"), "1, 2"),
         (("oracle", "--task", "HeatOnStove", "--style", "x"), "modern_1"),
         (("oracle", "--task", "HeatOnStove", "--import", "no_such_module"), "no_such_module"),
         (("bench", "run", "--out", "x", "--tasks", "Nope"), "OpenCabinetPnP"),

@@ -46,7 +46,7 @@ def list_tasks() -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "goal": get(name).wordings[2],
+            "goal": get(name).sentence(3, {role.name: "/".join(role.nouns) for role in get(name).roles}),
             "styles": list(get(name).styles),
             "layouts": list(get(name).layouts),
             "in_table": name in PAPER_TABLE,

@@ -1,0 +1,107 @@
+"""How often the shortest plan works in physics: `python benchmarks/oracle_physics.py --seeds 0:50`.
+
+Each episode runs the oracle's plan; after a failed round the oracle plans again from where things are, at most
+`--replans` times. "first try" counts episodes without a failed subtask.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from time import process_time
+from typing import Annotated
+
+import typer
+from remac_bench.jobs import parse_seeds
+from rich.console import Console
+from rich.table import Table
+
+import remac_env
+from remac_env.oracle import solve
+
+
+@dataclass(frozen=True)
+class Played:
+    """One episode: how it ended, its failed subtasks as text, and what it cost."""
+
+    task: str
+    robots: int
+    seed: int
+    end: str | None
+    failures: tuple[str, ...]
+    rounds: int
+    simulated: float
+    cpu: float
+    contacts: int
+    near_misses: int
+
+
+def play(task: str, robots: int, seed: int, *, starts: str, replans: int) -> Played:
+    """Run the oracle's plan of one seed."""
+    env = remac_env.parallel_env(task, robots=robots, starts=starts)
+    _, infos = env.reset(seed=seed)
+    began, failures, left = process_time(), [], replans
+    plan = solve(env.start.scene, env.world, env.goal)
+    rounds = [] if plan is None else list(plan.rounds)
+    while env.agents and rounds:
+        joint = rounds.pop(0)
+        _, _, _, _, infos = env.step({name: env.vocabulary.encode(s.text) for name, s in joint.items()})
+        told = {name: info["outcome"] for name, info in infos.items()}
+        failed = [f"{joint[n].text}: {o['reason']}: {o['detail']}" for n, o in told.items() if o["reason"]]
+        failures += failed
+        if failed:
+            left -= 1
+            plan = solve(env.start.scene, env.world, env.goal) if left >= 0 else None
+            rounds = [] if plan is None else list(plan.rounds)
+    info = next(iter(infos.values()))
+    env.close()
+    return Played(
+        task, robots, seed, info["end"], tuple(failures), info["round"], info["seconds"], process_time() - began,
+        info["robot_contacts"], info["near_misses"],
+    )  # fmt: skip
+
+
+def main(
+    seeds: Annotated[str, typer.Option(help="first:end")] = "0:50",
+    starts: Annotated[str, typer.Option(help="paper or mixed")] = "paper",
+    replans: Annotated[int, typer.Option(help="Plans anew after a failed round, at most this often.")] = 2,
+    processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
+) -> None:
+    """Print a table a task and number of robots, and every failed subtask."""
+    cells = [(task, robots, seed) for task in remac_env.tasks() for robots in (1, 2) for seed in parse_seeds(seeds)]
+    console = Console()
+    groups: dict[tuple[str, int], list[Played]] = defaultdict(list)
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        for played in pool.map(_job, [(*cell, starts, replans) for cell in cells]):
+            groups[played.task, played.robots].append(played)
+            for failure in played.failures:
+                console.print(f"{played.task} {played.robots} seed {played.seed} {played.end}: {failure}", markup=False)
+    columns = ("task", "robots", "n", "success", "first try", "rounds", "sim s", "CPU s", "contacts", "near misses")
+    table = Table(*columns, title=f"The oracle's plans in physics, {starts} starts, seeds {seeds}")
+    for (task, robots), group in groups.items():
+        table.add_row(task, str(robots), *_row(group))
+    console.print(table)
+
+
+def _job(job: tuple[str, int, int, str, int]) -> Played:
+    task, robots, seed, starts, replans = job
+    return play(task, robots, seed, starts=starts, replans=replans)
+
+
+def _row(group: list[Played]) -> Iterator[str]:
+    ends = Counter(played.end for played in group)
+    clean = sum(played.end == "success" and not played.failures for played in group)
+
+    def mean(name: str) -> float:
+        return sum(getattr(played, name) for played in group) / len(group)
+
+    yield from (str(len(group)), str(ends["success"]), str(clean))
+    yield from (f"{mean(name):.1f}" for name in ("rounds", "simulated", "cpu"))
+    yield from (str(sum(getattr(played, name) for played in group)) for name in ("contacts", "near_misses"))
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,41 @@
+"""Language models over OpenAI-compatible endpoints: a client, its providers, budgets and cassettes.
+
+with ChatClient("openai:gpt-4o", budget=Budget(calls=100, money=2.0)) as client:
+    reply = client.complete([{"role": "user", "content": "..."}], max_tokens=500)
+    if isinstance(reply, ChatError):
+        ...  # reply.kind is one of KINDS; reply.infrastructure: not the model's fault
+"""
+
+from __future__ import annotations
+
+from remac_agents.llm.answer import Answer, BadAnswer, read_json
+from remac_agents.llm.budget import Budget, Spent
+from remac_agents.llm.cassette import Cassette
+from remac_agents.llm.client import ChatClient
+from remac_agents.llm.limiter import Limiter
+from remac_agents.llm.outcomes import KINDS, ChatError, ChatReply
+from remac_agents.llm.providers import Endpoint, Model, Provider, load, resolve
+from remac_agents.llm.redaction import file_name, plain
+from remac_agents.llm.request import Picture
+
+__all__ = [
+    "KINDS",
+    "Answer",
+    "BadAnswer",
+    "Budget",
+    "Cassette",
+    "ChatClient",
+    "ChatError",
+    "ChatReply",
+    "Endpoint",
+    "Limiter",
+    "Model",
+    "Picture",
+    "Provider",
+    "Spent",
+    "file_name",
+    "load",
+    "plain",
+    "read_json",
+    "resolve",
+]

@@ -1,0 +1,184 @@
+"""Every exchange with a model as a line of JSON, and the same exchanges played back without a network."""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import hashlib
+import json
+import os
+import threading
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import IO, Any, Literal
+
+from remac_agents.llm.outcomes import KINDS, ChatError, ChatReply
+from remac_agents.llm.redaction import plain
+from remac_agents.llm.request import digest
+from remac_env.errors import OptionError, check_choice
+
+VERSION = 1
+Mode = Literal["record", "replay", "fill"]
+DIFF_LINES = 60
+CANDIDATES = 200
+
+
+class Cassette:
+    """A file of exchanges; threads and processes may share it.
+
+    Modes: "record" always asks the model and appends; "replay" never does, and a request that is not on the cassette
+    is an error that shows the difference to the nearest one; "fill" plays what is there and records the rest, so that
+    a run which was interrupted pays for nothing twice.
+
+    Equal requests are played in the order in which they were recorded. Played are replies, and errors that lie with
+    the model (such as a refused answer); an outage is written down but never played: it was nobody's answer. A line
+    that is torn, or was changed by hand, is not played either.
+    """
+
+    def __init__(self, path: Path | str, *, mode: Mode = "record") -> None:
+        """Open a cassette.
+
+        Raises:
+            UnknownNameError: for an unknown mode.
+            OptionError: if the file cannot be read, or written.
+        """
+        check_choice("cassette mode", mode, ("record", "replay", "fill"))
+        self.path = Path(path)
+        self.mode = mode
+        self.damaged = 0
+        self.misses = 0
+        self._lock = threading.Lock()
+        self._told: dict[str, list[ChatReply | ChatError]] = {}
+        self._played: dict[str, int] = {}
+        self._requests: dict[str, Mapping[str, Any]] = {}
+        try:
+            if mode != "record" and (mode == "replay" or self.path.exists()):
+                self._load()
+            if mode != "replay":
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                self.path.open("ab").close()
+        except OSError as error:
+            raise OptionError(f"cassette {self.path}: {error}; valid: a file of recorded exchanges") from error
+
+    def __len__(self) -> int:
+        return sum(len(outcomes) for outcomes in self._told.values())
+
+    def play(self, canonical: Mapping[str, Any]) -> ChatReply | ChatError | None:
+        """The next recorded outcome of this request; None: ask the model."""
+        if self.mode == "record":
+            return None
+        key = digest(canonical)
+        with self._lock:
+            outcomes = self._told.get(key, [])
+            index = self._played.get(key, 0)
+            if index < len(outcomes):
+                self._played[key] = index + 1
+                return outcomes[index]
+            if self.mode == "fill":
+                return None
+            self.misses += 1
+            if outcomes:
+                return ChatError("cassette_miss", f"{self.path.name}: asked more often than recorded ({len(outcomes)})")
+            return ChatError("cassette_miss", f"{self.path.name}: {self._nearest(canonical)}")
+
+    def record(self, canonical: Mapping[str, Any], outcome: ChatReply | ChatError) -> None:
+        """Append an exchange. Both must hold no key any more.
+
+        Raises:
+            OSError: if it cannot be written; nothing but a torn line, which readers skip, is then left behind.
+        """
+        entry: dict[str, Any] = {
+            "version": VERSION,
+            "key": digest(canonical),
+            "at": datetime.now(UTC).isoformat(timespec="seconds"),
+            "played": isinstance(outcome, ChatReply) or not KINDS[outcome.kind].infrastructure,
+            "request": canonical,
+            "outcome": "reply" if isinstance(outcome, ChatReply) else "error",
+            "value": asdict(outcome),
+        }
+        entry["check"] = _check(entry)
+        line = json.dumps(entry, ensure_ascii=True).encode() + b"\n"
+        with self._lock, self.path.open("ab+") as file, _alone(file):
+            # A line that was torn when a process died must not swallow this one.
+            file.write((b"\n" if _ends_torn(file) else b"") + line)
+            file.flush()
+            os.fsync(file.fileno())
+
+    def _load(self) -> None:
+        with self.path.open("rb") as file:
+            for line in file:
+                entry = _entry(line)
+                if entry is None:
+                    self.damaged += bool(line.strip())
+                elif entry["played"]:
+                    self._told.setdefault(entry["key"], []).append(_outcome(entry))
+                    self._requests.setdefault(entry["key"], entry["request"])
+
+    def _nearest(self, canonical: Mapping[str, Any]) -> str:
+        """How a request differs from the one on the cassette that is most like it."""
+        if not self._requests:
+            return "the cassette is empty"
+        asked = _shown(canonical)
+        head = "\n".join(asked)[:20_000]
+        scores: list[tuple[float, str]] = []
+        for key in list(self._requests)[-CANDIDATES:]:
+            other = "\n".join(_shown(self._requests[key]))[:20_000]
+            scores.append((difflib.SequenceMatcher(None, head, other, autojunk=True).quick_ratio(), key))
+        nearest = _shown(self._requests[max(scores)[1]])
+        lines = list(difflib.unified_diff(nearest, asked, "recorded", "asked", n=1, lineterm=""))
+        more = [f"... and {len(lines) - DIFF_LINES} lines more"] if len(lines) > DIFF_LINES else []
+        return "\n".join(["not recorded; the nearest request differs so:", *lines[:DIFF_LINES], *more])
+
+
+def _shown(canonical: Mapping[str, Any]) -> list[str]:
+    """A request as lines for people."""
+    lines = [f"{name}: {json.dumps(value)[:400]}" for name, value in canonical.items() if name != "messages"]
+    for role, text in canonical.get("messages", []):
+        lines += [f"[{role}]", *(plain(line, limit=300) for line in text.splitlines())]
+    return lines
+
+
+def _check(entry: Mapping[str, Any]) -> str:
+    text = json.dumps({name: value for name, value in entry.items() if name != "check"}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _entry(line: bytes) -> dict[str, Any] | None:
+    """A line that is whole and unchanged, or None."""
+    try:
+        entry = json.loads(line)
+        whole = isinstance(entry, dict) and entry.get("version") == VERSION and entry.get("check") == _check(entry)
+        return entry if whole and entry["key"] == digest(entry["request"]) else None
+    except (ValueError, RecursionError, KeyError):
+        return None
+
+
+def _outcome(entry: Mapping[str, Any]) -> ChatReply | ChatError:
+    value = dict(entry["value"])
+    if entry["outcome"] == "error":
+        return ChatError(**value)
+    return ChatReply(**value | {"flags": tuple(value.get("flags", ()))})
+
+
+def _ends_torn(file: IO[bytes]) -> bool:
+    if file.seek(0, os.SEEK_END) == 0:
+        return False
+    file.seek(-1, os.SEEK_END)
+    return file.read(1) != b"\n"
+
+
+@contextlib.contextmanager
+def _alone(file: IO[bytes]) -> Iterator[None]:
+    """Keep other processes from writing meanwhile, where the system can."""
+    try:
+        import fcntl
+    except ImportError:  # Windows: one process a cassette
+        yield
+        return
+    fcntl.flock(file, fcntl.LOCK_EX)
+    try:
+        yield
+    finally:
+        fcntl.flock(file, fcntl.LOCK_UN)

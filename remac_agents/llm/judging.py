@@ -1,0 +1,111 @@
+"""What an endpoint's answer comes to: a whole reply, or which kind of error."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from remac_agents.llm.outcomes import ChatError, ChatReply
+from remac_agents.llm.reasoning import split_reasoning
+from remac_agents.llm.request import ChatRequest
+from remac_agents.llm.wire import Raw
+
+MOST_TOKENS = 100_000_000
+"""A larger count of tokens is not credible."""
+
+_TOO_LONG = (
+    "context_length",
+    "context length",
+    "maximum context",
+    "context window",
+    "context size",
+    "prompt is too long",
+)
+_NO_MODEL = ("model_not_found", "model not found", "unknown model", "no such model")
+_NO_MONEY = ("insufficient_quota", "exceeded your current quota", "billing", "insufficient balance", "credit balance")
+
+
+def judge(raw: Raw, request: ChatRequest) -> ChatReply | ChatError:
+    """A reply only if the answer is whole, is text, and came to its own end."""
+    tokens_in, tokens_out = tokens(raw.usage)
+    money = request.endpoint.model.money(tokens_in, tokens_out)
+    text, thoughts = split_reasoning(raw.content)
+    finish = (raw.finish or "").casefold()
+    kind, detail = _fault(raw, finish, text)
+    if kind:
+        return ChatError(kind, detail, 200, tokens_in=tokens_in, tokens_out=tokens_out, money=money)
+    reasoning = "\n".join(part for part in (raw.reasoning.strip(), thoughts) if part)
+    return ChatReply(
+        text=text,
+        reasoning=reasoning,
+        tokens_in=tokens_in,
+        tokens_out=tokens_out,
+        money=money,
+        finish_reason=finish,
+        model=raw.model,
+        response_id=raw.response_id,
+        fingerprint=raw.fingerprint,
+        flags=_flags(raw, request, tokens_in, tokens_out),
+    )
+
+
+def _fault(raw: Raw, finish: str, text: str) -> tuple[str, str]:
+    if raw.tools or finish in ("tool_calls", "function_call"):
+        return "tool_call", f"finish_reason {finish or None!r}, calls: {', '.join(raw.tools) or 'none'}"
+    if finish in ("length", "max_tokens"):
+        return "cut_short", f"after {len(raw.content)} characters of answer"
+    if raw.refused or finish == "content_filter":
+        return "filtered", f"finish_reason {finish or None!r}"
+    if finish != "stop":
+        return "unfinished", f"finish_reason {raw.finish!r}"
+    if not text:
+        return "empty", "reasoning only" if raw.reasoning.strip() or raw.content.strip() else "no text"
+    return "", ""
+
+
+def tokens(usage: Any) -> tuple[int | None, int | None]:
+    """Tokens in and out as an endpoint says; (None, None) unless both are credible."""
+    if not isinstance(usage, dict):
+        return None, None
+    counts = (usage.get("prompt_tokens"), usage.get("completion_tokens"))
+    if all(type(count) is int and 0 <= count <= MOST_TOKENS for count in counts):
+        return counts  # type: ignore[return-value]
+    return None, None
+
+
+def _flags(raw: Raw, request: ChatRequest, tokens_in: int | None, tokens_out: int | None) -> tuple[str, ...]:
+    flags: list[str] = []
+    wanted = request.response_format
+    if tokens_in is None:
+        flags.append("usage_unknown")
+    if tokens_out is not None and tokens_out >= request.max_tokens:
+        flags.append("at_token_limit")
+    if raw.model and request.endpoint.model.name.split("/")[-1].casefold() not in raw.model.casefold():
+        flags.append("other_model")
+    if wanted is not None and wanted.get("type") not in request.endpoint.model.response_format:
+        flags.append("response_format_not_offered")
+    return tuple(flags)
+
+
+def refusal(status: int, detail: str, retry_after: float | None) -> ChatError:
+    """What an HTTP status other than 200 means. Only what may succeed later is of a kind that is retried."""
+    text = detail.casefold()
+    error = ChatError(_refusal_kind(status, text), detail, status)
+    if error.kind in ("rate_limited", "server_error") and retry_after is not None:
+        return ChatError(error.kind, detail, status, retry_after)
+    return error
+
+
+def _refusal_kind(status: int, text: str) -> str:
+    if status == 402 or (status == 429 and any(word in text for word in _NO_MONEY)):
+        return "quota"
+    if status == 429:
+        return "rate_limited"
+    if status in (401, 403):
+        return "unauthorised"
+    if status == 404 or (status == 400 and any(word in text for word in _NO_MODEL)):
+        return "unknown_model"
+    if status == 413 or (status in (400, 422) and any(word in text for word in _TOO_LONG)):
+        return "context_too_long"
+    if status in (408, 409, 425) or (status >= 500 and status not in (501, 505)):
+        return "server_error"
+    return "redirected" if 300 <= status < 400 else "bad_request"

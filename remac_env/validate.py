@@ -1,0 +1,104 @@
+"""Refuses a task that could not be played, when it is registered and not when it is reset."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from remac_env.errors import OptionError, check_choice
+from remac_env.tasks.goals import DoorIs, Goal, SwitchedOn
+from remac_env.tasks.spec import TaskSpec
+
+if TYPE_CHECKING:
+    from remac_env.kitchen.layout import Layout
+
+
+def validate(spec: TaskSpec) -> None:
+    """Check that a task's parts fit together.
+
+    Raises:
+        OptionError: naming the field and what is wrong with it.
+        UnknownNameError: for a role, layout, style, fixture or command that does not exist, with the valid names.
+        KitchenFileError: for a malformed layout file or category.
+    """
+    if not isinstance(spec, TaskSpec):
+        raise OptionError(f"a task is a TaskSpec, got {type(spec).__name__}")
+    if not isinstance(spec.name, str) or not spec.name.isalnum() or not spec.name[:1].isupper():
+        raise OptionError(f"task name {spec.name!r} is not valid; valid: CamelCase letters and digits")
+    _check_shape(spec)
+    for problem in _problems(spec):
+        raise OptionError(f"task {spec.name}: {problem}")
+    _check_places(spec)
+
+
+def _check_shape(spec: TaskSpec) -> None:
+    if len(spec.wordings) != 3 or not all(isinstance(text, str) and text.strip() for text in spec.wordings):
+        raise OptionError(f"task {spec.name}: wordings {spec.wordings!r} is not valid; valid: three sentences")
+    if not isinstance(spec.goal, Goal):
+        raise OptionError(f"task {spec.name}: goal {spec.goal!r} is not valid; valid: a value of remac_env.tasks.goals")
+    least, most = spec.distractors
+    if not 0 <= least <= most:
+        raise OptionError(f"task {spec.name}: distractors {spec.distractors!r} is not valid; valid: 0 <= least <= most")
+    for kind in ("roles", "styles", "layouts"):
+        if not getattr(spec, kind):
+            raise OptionError(f"task {spec.name}: {kind} is empty; valid: at least one")
+
+
+def _problems(spec: TaskSpec) -> Iterator[str]:
+    names = [role.name for role in spec.roles]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        yield f"two roles are called {twice[0]!r}; valid: a name of its own for each"
+    example = {role.name: role.nouns[0] for role in spec.roles if role.nouns}
+    if len(example) < len(spec.roles):
+        yield "a role has no nouns; valid: at least one"
+    for text in spec.wordings:
+        try:
+            text.format(**example)
+        except (KeyError, IndexError, ValueError) as error:
+            yield f"wording {text!r} has a field that is no role ({error}); valid: {', '.join(names)}"
+    try:
+        spec.goal.bind(example)
+    except (KeyError, IndexError, ValueError) as error:
+        yield f"the goal has a field that is no role ({error}); valid: {', '.join(names)}"
+
+
+def _check_places(spec: TaskSpec) -> None:
+    """Everything that is named exists: in the layouts, the styles and the vocabulary."""
+    from remac_env.kitchen import layout as layouts
+    from remac_env.kitchen import style as styles
+    from remac_env.kitchen.worlds import TaskWorlds
+
+    worlds = TaskWorlds(spec)
+    for style in spec.styles:
+        check_choice(f"style of task {spec.name}", style, styles.names())
+    commands = [worlds.vocabulary.decode(token) for token in range(len(worlds.vocabulary))]
+    for verb, implied in spec.verbs.items():
+        for command in implied:
+            check_choice(f"command of verb {verb!r} of task {spec.name}", command, commands)
+    nouns = [noun.name for noun in worlds.vocabulary.nouns]
+    for role in spec.roles:
+        for noun in role.nouns:
+            check_choice(f"noun of role {role.name!r} of task {spec.name}", noun, nouns)
+            options = [c.name for c in worlds.categories.values() if noun == c.name or noun in c.roles]
+            if not options:
+                raise OptionError(f"task {spec.name}: no category of the catalogue can be the {noun!r}")
+    for name in spec.layouts:
+        check_choice(f"layout of task {spec.name}", name, (*layouts.names(), *spec.layout_files))
+        _check_fixtures(spec, worlds.layout(name))
+
+
+def _check_fixtures(spec: TaskSpec, layout: Layout) -> None:
+    usable = [name for name, fixture in layout.fixtures.items() if fixture.station is not None]
+    where = f"of task {spec.name} in layout {layout.name}"
+    for name in (*spec.fixtures, *(role.at for role in spec.roles)):
+        check_choice(f"fixture {where}", name, usable)
+    goal = spec.goal.bind({role.name: role.nouns[0] for role in spec.roles})
+    things = [noun for role in spec.roles for noun in role.nouns]
+    for name in goal.names():
+        check_choice(f"name in the goal {where}", name, [*usable, *things])
+    for atom in goal.atoms():
+        if isinstance(atom, DoorIs) and not layout.fixtures[atom.fixture].door:
+            raise OptionError(f"task {spec.name}: the goal speaks of a door of {atom.fixture}, which has none")
+        if isinstance(atom, SwitchedOn) and not layout.fixtures[atom.fixture].switches:
+            raise OptionError(f"task {spec.name}: the goal switches on {atom.fixture}, which has no switch")
