@@ -60,6 +60,7 @@ def make(
     adjuster: Any = "rule",
     reflector: Any = "rule",
     handover: Any = "reflections",
+    summariser: Any = "rule",
     memory: Memory | str | Path | None = None,
     retries: int = 2,
     max_adjustments: int = 20,
@@ -71,9 +72,10 @@ def make(
 
     Args:
         name: one of `methods()`.
-        planner, checker, conditions, adjuster, reflector, handover: a name of `roles()`,
-        `package.module:Name`, a
-            mapping {"name": ..., **options}, or an object with the role's methods (remac_agents.roles).
+        planner, checker, conditions, adjuster, reflector, handover, summariser: a name of `roles()`,
+            `package.module:Name`, `path/file.py:Name`, a mapping {"name": ..., **options}, a function in place of
+            the role's only method, or an object with the role's methods (remac_agents.roles). A planner may also
+            be `http://HOST:PORT/PATH` or `answers:FILE.json` (docs/planners.md).
         memory: a Memory, a path of a JSON-lines file, or None for one in this process.
         retries: how often a subtask whose post-conditions fail is tried again.
         max_adjustments, max_rounds: after so many in an episode the plan is no longer changed, or ends.
@@ -85,13 +87,7 @@ def make(
         OptionError: for a negative bound, or an object that does not fit its role.
     """
     check_choice("method", name, METHODS)
-    for option, value in (
-        ("retries", retries),
-        ("max_adjustments", max_adjustments),
-        ("max_rounds", max_rounds),
-    ):
-        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-            raise OptionError(f"{option} {value!r} is not valid; valid: a whole number from 0")
+    _check_bounds(retries=retries, max_adjustments=max_adjustments, max_rounds=max_rounds)
     given = {
         "planner": planner,
         "checker": checker,
@@ -99,6 +95,7 @@ def make(
         "adjuster": adjuster,
         "reflector": reflector,
         "handover": handover,
+        "summariser": summariser,
     }
     filled = Roles(**{role: make_role(role, who) for role, who in given.items()})
     return Agent(
@@ -109,3 +106,9 @@ def make(
         lead=lead,
         helper=helper,
     )
+
+
+def _check_bounds(**bounds: object) -> None:
+    for option, value in bounds.items():
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise OptionError(f"{option} {value!r} is not valid; valid: a whole number from 0")

@@ -13,6 +13,7 @@ from remac_agents.memory import Memory, Run
 from remac_agents.methods import Method
 from remac_agents.plan import Plan
 from remac_agents.roles import Report, Roles, View
+from remac_agents.tries import Try
 from remac_env.errors import LifecycleError, check_choice
 from remac_env.state import WorldState
 from remac_env.subtasks import DONE, WAIT, Subtask
@@ -40,6 +41,7 @@ class Agent:
         self.method, self.roles, self.memory, self.bounds = method, roles, memory, bounds
         self._lead, self._helper = lead, helper
         self._iterations: dict[str, int] = {}
+        self._won: dict[str, Try] = {}
         self._episode: Episode | None = None
         self._open = False
         self._success = False
@@ -54,15 +56,16 @@ class Agent:
         if self._open:
             self.close_episode({}, {})
         briefing = self._brief(infos)
-        label = f"{briefing.task} {briefing.episode.get('digest', '')}"
-        self._iteration = self._iterations.get(label, 0)
-        self._iterations[label] = self._iteration + 1
+        self._label = f"{briefing.task} {briefing.episode.get('digest', '')}"
+        self._iteration = self._iterations.get(self._label, 0)
+        self._iterations[self._label] = self._iteration + 1
         for role in self.roles.named().values():
             begin = getattr(role, "begin_episode", None)
             if begin is not None:
                 begin(int(briefing.episode.get("seed", 0)), self._iteration)
         view, world = _look(obs, infos, briefing)
         self._episode = Episode(briefing, self.roles, view, world, bounds=self.bounds, memory=self.memory)
+        self._episode.won = self._won.get(self._label)
         self._turns = self.method.run(self._episode)
         self._tokens = {robot: dict(infos[robot]["commands"]) for robot in infos}
         self._played: dict[str, Subtask] | None = None
@@ -101,6 +104,9 @@ class Agent:
         review = getattr(self.roles.reflector, "review", None)
         if review is not None:
             episode.ledger.reflections = list(review(episode.ledger.reflections, success=self._success))
+        if self._success and self.method.iterates:
+            kept = Try.of(episode.ledger, episode.plan, episode.commands)
+            self._won.setdefault(self._label, kept)
         if self.method.remembers:
             self.memory.append(_run(episode, success=self._success))
 
@@ -114,7 +120,7 @@ class Agent:
             success=self._success,
             initial_plan=ledger.initial.as_text(),
             final_plan=final.as_text(),
-            initial_plan_length=ledger.initial.length,
+            initial_plan_length=ledger.initial.length if self.method.plans_ahead else None,
             final_plan_length=final.length,
             subtasks_done=ledger.rounds_done(episode.plan),
             executed=tuple(ledger.steps),

@@ -8,8 +8,10 @@ from dataclasses import replace
 from remac_agents.briefing import Bounds, Briefing
 from remac_agents.ledger import Check, Ledger, really_done
 from remac_agents.memory import Memory
+from remac_agents.moment import Moment, shown
 from remac_agents.plan import Commands, Plan, PlanError, read_plan
 from remac_agents.roles import AdjustRequest, HandoverRequest, PlanRequest, ReflectRequest, Roles, View
+from remac_agents.tries import Try
 from remac_env.conditions import Condition
 from remac_env.state import WorldState
 from remac_env.subtasks import WAIT, Subtask
@@ -40,6 +42,8 @@ class Episode:
         self.lessons: tuple[str, ...] = ()
         self.reflecting = False
         self.rounds = 0
+        self.moments: list[Moment] = []
+        self.won: Try | None = None
         self._pending: set[str] = set()
         self._tries = 0
         self._adjustments = 0
@@ -47,7 +51,6 @@ class Episode:
         self._slipped: set[str] = set()
         self._answers: dict[Condition, bool] = {}
         self._noted: set[tuple[str, Condition]] = set()
-        self._before, self._world_before = view, world
 
     # -- the plan --------------------------------------------------------------------------------------------
 
@@ -68,17 +71,56 @@ class Episode:
 
     def make_plan(self, robots: Sequence[str] | None = None) -> None:
         """Ask the planner; a reply that is no plan is sent back once, then counts as an empty plan."""
-        names = tuple(robots or (self.briefing.lead,))
-        failure = ""
+        self.adopt(self.consult(self.plan_request(tuple(robots or (self.briefing.lead,)))))
+
+    def consult(self, request: PlanRequest) -> Plan:
+        """The planner's answer to a request; see `make_plan` for one that is no plan."""
         for _ in range(self.bounds.replies):
-            reply = self.roles.planner.plan(self._plan_request(names, failure))
-            plan = read_plan(reply, self.commands, names, self.briefing.lead)
+            plan = read_plan(
+                self.roles.planner.plan(request), self.commands, request.robots, self.briefing.lead
+            )
             if not isinstance(plan, PlanError):
-                self._adopt(plan)
-                return
-            failure = plan.problem
-            self.ledger.errors.append(failure)
-        self._adopt(Plan.of({}))
+                return plan
+            request = replace(request, failure=plan.problem)
+            self.ledger.errors.append(plan.problem)
+        return Plan.of({})
+
+    def plan_request(self, names: tuple[str, ...]) -> PlanRequest:
+        """What a planner is told now."""
+        runs = self.memory.runs(self.briefing.task) if self.reflecting else ()
+        before = {robot: tuple(row) for robot, row in runs[-1].initial_plan.items()} if runs else None
+        world = self.seen_by(self.roles.planner).world
+        return PlanRequest(
+            goal=self.briefing.goal,
+            scene=self.briefing.text,
+            facts=self.view.scene,
+            robots=names,
+            lead=self.briefing.lead,
+            commands=self.briefing.commands,
+            reflections=self.lessons,
+            previous_plan=before,
+            executed=self.ledger.executed(),
+            holding=self.view.holding,
+            images=self.view.images,
+            verbs=self.briefing.verbs,
+            episode=self.briefing.episode,
+            world=world,
+            goal_test=self.briefing.goal_test if world is not None else None,
+        )
+
+    def seen_by(self, role: object) -> View:
+        """The present moment as this role may see it."""
+        return shown(self.view, self._world, role)
+
+    def adopt(self, plan: Plan) -> None:
+        """Carry out this plan from now on, as the first one."""
+        self.ledger.initial = plan
+        self.change_plan(plan)
+
+    def change_plan(self, plan: Plan) -> None:
+        """Carry out this plan from now on, in place of what remains of the one before."""
+        self.plan = plan
+        self._open_round()
 
     def proven_plan(self) -> tuple[Subtask, ...] | None:
         """The single-robot plan that an earlier iteration carried out without adjustment, or None."""
@@ -88,7 +130,7 @@ class Episode:
 
     def hand_over(self, single: tuple[Subtask, ...], helper: str) -> bool:
         """Share a proven plan with the helper; False when no way to share it was found."""
-        lead, view = self.briefing.lead, self._seen_by(self.roles.handover)
+        lead, view = self.briefing.lead, self.seen_by(self.roles.handover)
         request = HandoverRequest(
             self.briefing.goal, single, lead, helper, self.lessons, self.briefing.commands, view
         )
@@ -101,12 +143,13 @@ class Episode:
         if isinstance(plan, PlanError):
             self.ledger.errors.append(f"hand-over: {plan.problem}")
             return False
-        self._adopt(plan)
+        self.adopt(plan)
         return True
 
-    def advance(self) -> None:
-        """Go on to the next round of the plan."""
-        self.ledger.close_round(self.plan.round())
+    def advance(self, *, again: bool = False) -> None:
+        """Go on to the next round of the plan; `again`: it is another try of this one."""
+        if not again:
+            self.ledger.close_round(self.plan.round())
         self.plan = self.plan.rest()
         self._open_round()
 
@@ -118,7 +161,7 @@ class Episode:
         for robot, subtask in self.turn.items():
             if subtask == WAIT or robot in self._accepted:
                 continue
-            conditions = self.roles.conditions.before(subtask, robot, self._seen_by(self.roles.conditions))
+            conditions = self.roles.conditions.before(subtask, robot, self.seen_by(self.roles.conditions))
             verdicts = self._judge(conditions)
             self._note(self.ledger.pre_checks, robot, subtask, verdicts)
             wrong = tuple(condition for condition, value in verdicts.items() if not value)
@@ -142,7 +185,7 @@ class Episode:
             plan=self.plan,
             executed=tuple(played[robot] for played in self.ledger.finished if robot in played),
             commands=self.briefing.commands,
-            view=self._seen_by(self.roles.adjuster),
+            view=self.seen_by(self.roles.adjuster),
             ask=lambda condition: self._ask(robot, subtask, condition),
         )
         advice = self.roles.adjuster.adjust(request)
@@ -154,7 +197,7 @@ class Episode:
         else:
             self._replace_row(robot, row)
         if self.reflecting and robot not in self._slipped:
-            seen = self._seen_by(self.roles.reflector)
+            seen = self.seen_by(self.roles.reflector)
             self.ledger.reflections += self.roles.reflector.reflect(
                 ReflectRequest(self.briefing.goal, failed[robot], subtask, robot, held, advice, seen)
             )
@@ -162,7 +205,8 @@ class Episode:
     def check_after(self) -> None:
         """Check what was run; a robot whose post-conditions fail tries again, at most `retries` times."""
         for robot, subtask in self.turn.items():
-            view = _shown(self._before, self._world_before, self.roles.conditions)
+            last = self.moments[-1]
+            view = shown(last.before, last.world_before, self.roles.conditions)
             verdicts = self._judge(self.roles.conditions.after(subtask, robot, view))
             self._note(self.ledger.post_checks, robot, subtask, verdicts)
             if all(verdicts.values()):
@@ -188,7 +232,8 @@ class Episode:
                 done = really_done(view.scene, self._world, world, robot, subtask)
             status = None if report is None else report.status
             self.ledger.score(robot, subtask, status=status, done=done, round_=self.rounds)
-        self._before, self._world_before = self.view, self._world
+        moment = Moment(self.rounds, dict(played), self.view, view, self._world, world)
+        self.moments.append(moment)
         self.view, self._world = view, world
         self.rounds += 1
         self._accepted.clear()
@@ -196,10 +241,6 @@ class Episode:
         self._noted.clear()
 
     # -- inside ----------------------------------------------------------------------------------------------
-
-    def _adopt(self, plan: Plan) -> None:
-        self.plan = self.ledger.initial = plan
-        self._open_round()
 
     def _open_round(self) -> None:
         self._pending = set(self.plan.robots)
@@ -217,34 +258,11 @@ class Episode:
         self.plan = self.plan.with_row(robot, row)
         self._open_round()
 
-    def _plan_request(self, names: tuple[str, ...], failure: str) -> PlanRequest:
-        runs = self.memory.runs(self.briefing.task) if self.reflecting else ()
-        before = {robot: tuple(row) for robot, row in runs[-1].initial_plan.items()} if runs else None
-        return PlanRequest(
-            goal=self.briefing.goal,
-            scene=self.briefing.text,
-            facts=self.view.scene,
-            robots=names,
-            lead=self.briefing.lead,
-            commands=self.briefing.commands,
-            reflections=self.lessons,
-            previous_plan=before,
-            failure=failure,
-            images=self.view.images,
-            verbs=self.briefing.verbs,
-            episode=self.briefing.episode,
-            world=self._seen_by(self.roles.planner).world,
-            goal_test=self.briefing.goal_test if self._seen_by(self.roles.planner).world is not None else None,
-        )
-
-    def _seen_by(self, role: object) -> View:
-        return _shown(self.view, self._world, role)
-
     def _judge(self, conditions: Sequence[Condition]) -> dict[Condition, bool]:
         """Verdicts; a question put twice at one moment is answered once."""
         fresh = [condition for condition in dict.fromkeys(conditions) if condition not in self._answers]
         if fresh:
-            for verdict in self.roles.checker.check(fresh, self._seen_by(self.roles.checker)):
+            for verdict in self.roles.checker.check(fresh, self.seen_by(self.roles.checker)):
                 self._answers[verdict.condition] = verdict.value
         return {condition: self._answers.get(condition, True) for condition in conditions}
 
@@ -269,7 +287,3 @@ class Episode:
             self._noted.add(key)
             truth = None if self._world is None else condition.holds(self.view.scene, self._world)
             book.append(Check(self.rounds, robot, subtask.text, condition.sentence, value, truth, asked))
-
-
-def _shown(view: View, world: WorldState | None, role: object) -> View:
-    return replace(view, world=world) if getattr(role, "needs_truth", False) else view

@@ -47,7 +47,7 @@ class EpisodeReport:
         method, iteration, success: which method, the how-manieth episode on this start, and how it ended.
         initial_plan: the first plan, robot -> commands.
         final_plan: the plan in force at the end: steps executed, retries not counted, plus those that remain.
-        initial_plan_length, final_plan_length: in rounds.
+        initial_plan_length, final_plan_length: in rounds; the former None for a method that plans step by step.
         subtasks_done: rounds of the final plan whose subtasks' post-conditions all held.
         executed: every step in order, retries included.
         pre_checks, post_checks: verdicts beside the truth.
@@ -63,7 +63,7 @@ class EpisodeReport:
     success: bool
     initial_plan: Mapping[str, tuple[str, ...]]
     final_plan: Mapping[str, tuple[str, ...]]
-    initial_plan_length: int
+    initial_plan_length: int | None
     final_plan_length: int
     subtasks_done: int
     executed: tuple[Step, ...]
@@ -104,6 +104,11 @@ class Ledger:
         self.finished.append(dict(played))
         self.finished_done.append(self._round_done(played))
         self.current_done = {}
+
+    def executed(self) -> dict[str, tuple[str, ...]]:
+        """Robot -> commands run so far, retries included."""
+        names = dict.fromkeys(step.robot for step in self.steps)
+        return {name: tuple(step.subtask for step in self.steps if step.robot == name) for name in names}
 
     def plan_in_force(self, remaining: Plan) -> Plan:
         """The rounds played, each once, and those that remain."""

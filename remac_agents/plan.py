@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import re
+import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from remac_agents.plan_text import PlanText, UnreadableError
+from remac_agents.plan_words import Names, nearest
 from remac_env.state import FrozenMap
 from remac_env.subtasks import SKILLS, WAIT, Subtask
 from remac_env.vocabulary import normalise
@@ -15,7 +16,8 @@ from remac_env.vocabulary import normalise
 MAX_STEPS = 200
 """A longer row of a plan is refused: no episode has so many rounds."""
 
-_MARKER = re.compile(r"^\s*(?:[-*]|\(?\d+[.):])\s*")
+MAX_CHARACTERS = 400_000
+"""A longer text is refused unread; thoughts count."""
 
 
 @dataclass(frozen=True)
@@ -101,8 +103,20 @@ class Commands(Mapping[str, Subtask]):
         return len(self._subtasks)
 
     def parse(self, text: str) -> Subtask | None:
-        """The subtask that a text names exactly, or None."""
+        """The subtask that a text names exactly, or None.
+
+        Letters that only look like those of a command, or become them in lower case, do not name it.
+        """
+        if not text.isascii() and " ".join(text.split()) not in self._subtasks:
+            return None
         return self._subtasks.get(normalise(text))
+
+    def unknown(self, entry: object) -> str:
+        """That something is no command, with the nearest ones. It is quoted in ASCII, cut short."""
+        told = str(entry)[:80] if isinstance(entry, str) else repr(entry)[:80]
+        near = nearest(told, self._subtasks)
+        offered = f"; nearest: {near}" if near else "; valid: one of the listed commands"
+        return f"{told!a} is not a command{offered}"
 
     def allows(self, subtask: Subtask) -> bool:
         """True when the subtask is one of these commands."""
@@ -125,7 +139,8 @@ def read_plan(reply: object, commands: Commands, robots: Sequence[str], lead: st
     """A planner's reply as a plan.
 
     Args:
-        reply: a Plan, a mapping robot -> commands, a list of commands (for the leading robot), or text.
+        reply: a Plan, a mapping robot -> commands (which may lie under "plan"), a list of commands (for the
+            leading robot), or text.
         commands: what is legal in this kitchen.
         robots: whom the plan may command.
         lead: whose row a bare list is.
@@ -136,55 +151,58 @@ def read_plan(reply: object, commands: Commands, robots: Sequence[str], lead: st
         return parse_text(reply, commands, robots, lead)
     if isinstance(reply, Plan):
         reply = reply.rows
+    names = Names(robots, lead, commands.unknown)
     if isinstance(reply, Mapping):
-        return _from_mapping(reply, commands, robots)
+        rows = names.rows(reply)
+        return PlanError(rows) if isinstance(rows, str) else _from_rows(rows, commands)
     if isinstance(reply, Iterable):
-        return _from_mapping({lead: list(reply)}, commands, robots)
+        return _from_rows({lead: list(itertools.islice(reply, MAX_STEPS + 1))}, commands)
     return PlanError(f"a plan is a mapping from robots to lists of commands, not {type(reply).__name__}")
 
 
 def parse_text(text: str, commands: Commands, robots: Sequence[str], lead: str) -> Plan | PlanError:
-    """A plan from simple text: JSON, or one command a line with rows headed by `robot name:`.
+    """The one plan that a text states, in any of the forms of `plan_text`; rows without a name are the lead's.
 
-    Lines without a heading belong to the leading robot; bullets and numbers at their start are ignored.
+    A plan may stand there twice, but two different ones are an error: which is meant, nobody can know.
     """
-    stripped = text.strip()
-    if stripped.startswith(("{", "[")):
-        try:
-            return read_plan(json.loads(stripped), commands, robots, lead)
-        except (json.JSONDecodeError, RecursionError) as error:
-            return PlanError(f"the text starts like JSON but is none: {error}")
-    rows: dict[str, list[object]] = {}
-    robot = lead
-    for line in stripped.splitlines():
-        head, colon, tail = line.partition(":")
-        named = normalise(head).replace(" ", "_")
-        known = {normalise(name).replace(" ", "_"): name for name in robots}
-        if colon and named in known:
-            robot, line = known[named], tail
-            rows.setdefault(robot, [])
-        parts = (_MARKER.sub("", part).strip() for part in re.split(r"[,;]", line))
-        rows.setdefault(robot, []).extend(part for part in parts if part)
-    if not any(rows.values()):
-        return PlanError("the text names no command")
-    return _from_mapping(rows, commands, robots)
+    if len(text) > MAX_CHARACTERS:
+        return PlanError(f"the text has {len(text)} characters; valid: at most {MAX_CHARACTERS}")
+    names = Names(robots, lead, commands.unknown)
+    try:
+        found = PlanText(lambda part: commands.parse(part) is not None, names).read(text)
+    except UnreadableError as error:
+        return PlanError(str(error))
+    plans: list[Plan] = []
+    for rows in found:
+        plan = _from_rows(rows, commands)
+        if isinstance(plan, PlanError):
+            return plan
+        if not any(_says_the_same(plan, other) for other in plans):
+            plans.append(plan)
+    if len(plans) > 1:
+        return PlanError(f"the answer holds {len(plans)} different plans; give one")
+    return plans.pop()
 
 
-def _from_mapping(rows: Mapping[Any, Any], commands: Commands, robots: Sequence[str]) -> Plan | PlanError:
+def _says_the_same(plan: Plan, other: Plan) -> bool:
+    """Whether two plans differ in empty rows at most."""
+    return all(plan.row(robot) == other.row(robot) for robot in (*plan.robots, *other.robots))
+
+
+def _from_rows(rows: Mapping[str, Any], commands: Commands) -> Plan | PlanError:
     read: dict[str, list[Subtask]] = {}
     for robot, row in rows.items():
-        if robot not in robots:
-            return PlanError(f"unknown robot {robot!r}; valid: {', '.join(robots)}")
-        if isinstance(row, str) or not isinstance(row, Iterable):
+        if isinstance(row, str | Mapping) or not isinstance(row, Iterable):
             return PlanError(f"the row of {robot} is not a list of commands")
-        entries = list(row)
+        entries = list(itertools.islice(row, MAX_STEPS + 1))
         if len(entries) > MAX_STEPS:
-            return PlanError(f"the row of {robot} has {len(entries)} subtasks; valid: at most {MAX_STEPS}")
-        subtasks = [_read_step(entry, commands) for entry in entries]
-        for entry, subtask in zip(entries, subtasks, strict=True):
+            return PlanError(f"the row of {robot} has more subtasks than valid: at most {MAX_STEPS}")
+        read[robot] = []
+        for entry in entries:
+            subtask = _read_step(entry, commands)
             if subtask is None:
-                return PlanError(f"{str(entry)[:80]!r} is not a command; valid: {', '.join(commands)}")
-        read[str(robot)] = [subtask for subtask in subtasks if subtask is not None]
+                return PlanError(commands.unknown(entry))
+            read[robot].append(subtask)
     return Plan.of(read)
 
 

@@ -9,13 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from remac_agents.plan import Plan, PlanError
 from remac_env.conditions import Condition
 from remac_env.state import Scene, WorldState
 from remac_env.subtasks import Subtask
 from remac_env.tasks.goals import Goal
+
+if TYPE_CHECKING:
+    from remac_agents.hindsight import Summariser
 
 Ask = Callable[[Condition], bool]
 """A question to the checker about the moment at hand."""
@@ -45,6 +48,23 @@ class View:
 
 
 @dataclass(frozen=True)
+class Attempt:
+    """A step of this episode as its planner hears of it.
+
+    Attributes:
+        ran: False for a step that was only proposed and then refused.
+        succeeded: how it ended, None where nobody said.
+        false: what the checker found false about it.
+    """
+
+    robot: str
+    subtask: Subtask
+    ran: bool
+    succeeded: bool | None = None
+    false: tuple[Condition, ...] = ()
+
+
+@dataclass(frozen=True)
 class PlanRequest:
     """What a planner is given.
 
@@ -56,7 +76,12 @@ class PlanRequest:
         reflections: what earlier iterations taught, oldest first.
         previous_plan: robot -> commands of the iteration before, if any.
         executed: robot -> commands run so far in this episode.
-        failure: why the last reply was no plan, "" at first.
+        failure: why the last reply was no plan or its step was refused, "" at first.
+        holding: what each robot feels in its gripper.
+        history: steps run and refused so far, oldest first, where the method tells them.
+        single_step: only the next step is wanted; an empty answer or `done` ends the episode.
+        explanation: why the episode failed so far; a corrected plan from the present state is wanted.
+        events: the episode so far, one line an event, where `explanation` is given.
         images: pictures by robot and camera.
         verbs: goal verb -> commands that the verb itself implies.
         episode: what the kitchen says of the episode (task, seed, ...).
@@ -73,6 +98,11 @@ class PlanRequest:
     previous_plan: Mapping[str, tuple[str, ...]] | None = None
     executed: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     failure: str = ""
+    holding: Mapping[str, str | None] = field(default_factory=dict)
+    history: tuple[Attempt, ...] = ()
+    single_step: bool = False
+    explanation: str = ""
+    events: tuple[str, ...] = ()
     images: Images = field(default_factory=dict)
     verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     episode: Mapping[str, Any] = field(default_factory=dict)
@@ -233,6 +263,7 @@ class Roles:
     adjuster: Adjuster
     reflector: Reflector
     handover: Handover
+    summariser: Summariser
 
     def named(self) -> dict[str, object]:
         """Role -> who fills it."""

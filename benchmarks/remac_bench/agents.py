@@ -17,7 +17,7 @@ DEFAULT_ITERATIONS = 2
 """RE and REMAC play iterations 0, 1, 2: learn, plan with what was learnt, share the work."""
 
 
-ROLES = ("planner", "conditions", "checker", "adjuster", "reflector", "handover")
+ROLES = ("planner", "conditions", "checker", "adjuster", "reflector", "handover", "summariser")
 """Keywords of `remac_agents.make` that name a role."""
 
 OPTIONS = (*ROLES, "retries", "max_adjustments", "max_rounds", "lead", "helper")
@@ -92,16 +92,16 @@ def methods() -> list[str]:
 
 
 def default_robots(method: str) -> int:
-    """How many robots a method is made for: those that hand over to a second one have two."""
+    """How many robots a method is made for."""
     from remac_agents.methods import METHODS
 
     check_choice("method", method, METHODS)
-    return int(getattr(METHODS[method], "robots", 2 if method == "REMAC" else 1))
+    return METHODS[method].robots
 
 
 def default_iterations(method: str) -> int:
-    """The number of a method's last iteration: 0 for one that remembers nothing."""
+    """The number of a method's last iteration: 0 for one that would only play the same again."""
     from remac_agents.methods import METHODS
 
     check_choice("method", method, METHODS)
-    return DEFAULT_ITERATIONS if METHODS[method].remembers else 0
+    return DEFAULT_ITERATIONS if METHODS[method].iterates else 0

@@ -28,12 +28,12 @@ Kind = Literal["agent", "infrastructure"]
 class Fault(Exception):
     """An exception, and whose it is."""
 
-    def __init__(self, kind: Kind, error: Exception) -> None:
+    def __init__(self, kind: Kind, error: BaseException) -> None:
         super().__init__(str(error))
         self.kind, self.error = kind, error
 
     def entry(self) -> ErrorEntry:
-        """The exception for the record: no local paths, no keys."""
+        """The exception for the record: places without folders, and no value of a key that is set here."""
         frames = traceback.extract_tb(self.error.__traceback__)[-FRAMES_MAX:]
         return ErrorEntry(
             kind=self.kind,

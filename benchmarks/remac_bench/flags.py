@@ -44,20 +44,24 @@ Reward = Annotated[str, _kitchen("sparse or progress.")]
 Robots = Annotated[int | None, _kitchen("1 or 2; by default the method's own: REMAC 2, others 1.")]
 
 Planner = Annotated[
-    str | None, _agent("A planner's name or package.module:Name; options as name,option=value.")
+    str | None, _agent(
+        "A name, package.module:Name, path/file.py:Name, http://HOST:PORT/PATH or answers:FILE.json; "
+        "options as name,option=value."
+    ),
 ]
 Conditions = Annotated[str | None, _agent("Who says what should be true before and after a subtask.")]
 Checker = Annotated[str | None, _agent("Who judges it.")]
 Adjuster = Annotated[str | None, _agent("Who mends a plan.")]
 Reflector = Annotated[str | None, _agent("Who says what was learnt.")]
 Handover = Annotated[str | None, _agent("How a second robot is given work.")]
+Summariser = Annotated[str | None, _agent("Who tells what happened and why it failed (REFLECT).")]
 Retries = Annotated[int | None, _agent("How often a subtask whose post-conditions fail is tried again.")]
 MaxAdjustments = Annotated[int | None, _agent("How often a plan is changed at most.")]
 AgentMaxRounds = Annotated[int | None, _agent("Rounds after which a method stops by itself.")]
 Lead = Annotated[str | None, _agent("The robot that works alone or leads; by default the first by name.")]
 Helper = Annotated[str | None, _agent("The second robot of a team.")]
 Iterations = Annotated[
-    int | None, _agent("Number of the last iteration: 2 plays 0, 1, 2 (methods with a memory).")
+    int | None, _agent("Number of the last iteration: 2 plays 0, 1, 2 (methods that learn, and best-of controls).")
 ]
 
 Out = Annotated[str, _run("Folder for records and videos; what it holds already is not run again.")]

@@ -11,27 +11,49 @@ from dataclasses import dataclass
 
 from remac_agents.episode import Episode, Turns
 from remac_agents.methods.base import base
+from remac_agents.methods.best import best_of
+from remac_agents.methods.cape import cape
 from remac_agents.methods.cc import cc
 from remac_agents.methods.re import re
+from remac_agents.methods.reflect import reflect, reflect_cc
 from remac_agents.methods.remac import remac
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Method:
-    """A method by name. `remembers`: its runs go into the memory."""
+    """A method by name.
+
+    Attributes:
+        run: its generator.
+        robots: how many robots it is made for.
+        remembers: its runs go into the memory.
+        iterates: playing one start again may end differently, so that it is given k+1 iterations.
+        plans_ahead: it has a first plan, whose length is the IPL.
+    """
 
     name: str
     run: Callable[[Episode], Turns]
+    robots: int = 1
     remembers: bool = False
+    iterates: bool = False
+    plans_ahead: bool = True
 
 
 METHODS: dict[str, Method] = {
     method.name: method
     for method in (
-        Method("BASE", base),
-        Method("CC", cc),
-        Method("RE", re, remembers=True),
-        Method("REMAC", remac, remembers=True),
+        Method(name="BASE", run=base),
+        Method(name="CC", run=cc),
+        Method(name="RE", run=re, remembers=True, iterates=True),
+        Method(name="REMAC", run=remac, robots=2, remembers=True, iterates=True),
+        Method(name="REFLECT", run=reflect),
+        Method(name="REFLECT+CC", run=reflect_cc),
+        Method(name="CAPE", run=cape("explicit"), plans_ahead=False),
+        Method(name="CAPE-IMPLICIT", run=cape("implicit"), plans_ahead=False),
+        Method(name="CAPE-SUCCESS", run=cape("success"), plans_ahead=False),
+        Method(name="CAPE-RESAMPLE", run=cape("resample"), plans_ahead=False),
+        Method(name="BASE-BEST", run=best_of(base), iterates=True),
+        Method(name="CC-BEST", run=best_of(cc), iterates=True),
     )
 }
 """Every method by its name."""

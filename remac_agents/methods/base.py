@@ -8,6 +8,11 @@ from remac_agents.episode import Episode, Turns
 def base(episode: Episode) -> Turns:
     """Carry out the planner's plan open-loop; a subtask that fails does not stop it."""
     episode.make_plan()
+    yield from open_loop(episode)
+
+
+def open_loop(episode: Episode) -> Turns:
+    """The plan at hand to its end."""
     while not episode.finished:
         yield episode.turn
         episode.advance()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from remac_agents.lessons import read_lesson
 from remac_agents.plan import Commands, Plan
+from remac_agents.planners.mending import corrected, next_steps
 from remac_agents.planners.rewriting import apply, tidy
 from remac_agents.planners.sentence import SentenceReader
 from remac_agents.roles import PlanRequest
@@ -18,7 +19,10 @@ class LiteralPlanner:
     needs_truth = False
 
     def plan(self, request: PlanRequest) -> Plan:
-        """A row for the leading robot; empty when the sentence names nothing that can be done."""
+        """A row for the leading robot; empty when the sentence names nothing that can be done.
+
+        Told that steps failed, and why, it goes on from there by the rules of `mending`.
+        """
         commands = Commands(request.commands)
         reader = SentenceReader(request.facts, commands, request.verbs)
         steps = tidy(reader.read(request.goal), request.facts)
@@ -26,4 +30,8 @@ class LiteralPlanner:
             lesson = read_lesson(text, commands)
             if lesson is not None:
                 steps = tidy(apply(steps, lesson), request.facts)
+        if request.single_step:
+            steps = next_steps(steps, request)
+        elif request.explanation:
+            steps = corrected(steps, request)
         return Plan.of({request.lead: steps})

@@ -1,0 +1,154 @@
+"""Looking back on an episode that failed: what happened, which subgoals were met, why it failed - after REFLECT."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol, runtime_checkable
+
+from remac_agents.episode import Episode
+from remac_agents.ledger import Check
+from remac_agents.moment import Moment, shown
+from remac_agents.roles import Attempt, View
+from remac_env.conditions import Condition
+from remac_env.subtasks import WAIT, Subtask
+
+
+@dataclass(frozen=True)
+class SeenStep:
+    """A step that was run, between what was seen just before and just after it."""
+
+    round: int
+    robot: str
+    subtask: Subtask
+    before: View
+    after: View
+
+
+@dataclass(frozen=True)
+class Summary:
+    """An episode in words: one line a step, and one a subgoal (the last try of each step)."""
+
+    events: tuple[str, ...]
+    subgoals: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ExplainRequest:
+    """An episode that failed.
+
+    Attributes:
+        steps: the last try of each step, in order; `summary.subgoals` has one line for each.
+        reached: whether the checker found each subgoal met.
+        false_before: index of a step -> its pre-conditions that the checker finds false, seen at that moment.
+        plan: robot -> commands of the plan that failed.
+    """
+
+    goal: str
+    summary: Summary
+    steps: tuple[SeenStep, ...]
+    reached: tuple[bool, ...]
+    false_before: Callable[[int], tuple[Condition, ...]]
+    plan: dict[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why an episode failed; `step` is the index of the step at fault, None where no step was."""
+
+    reason: str
+    step: int | None = None
+    false: tuple[Condition, ...] = ()
+
+
+@runtime_checkable
+class Summariser(Protocol):
+    """Tells what happened, and why it went wrong."""
+
+    def summarise(self, goal: str, steps: Sequence[SeenStep]) -> Summary:
+        """The steps, every try of them, as events and subgoals."""
+
+    def explain(self, request: ExplainRequest) -> Explanation:
+        """The cause: a subgoal that was not met (execution), or a plan that could not work (planning)."""
+
+
+def correct(episode: Episode) -> bool:
+    """Ask for one corrected plan from the present state; False when there is no room or no plan left."""
+    if episode.rounds >= episode.bounds.rounds:
+        return False
+    summariser = episode.roles.summariser
+    moments = [(m, robot, step) for m in episode.moments for robot, step in m.played.items() if step != WAIT]
+    steps = [_seen(moment, robot, step, summariser) for moment, robot, step in moments]
+    summary = summariser.summarise(episode.briefing.goal, steps)
+    last = last_tries(steps)
+    reached = [_reached(episode, *moments[index]) for index in last]
+    explanation = summariser.explain(
+        ExplainRequest(
+            goal=episode.briefing.goal,
+            summary=summary,
+            steps=tuple(steps[index] for index in last),
+            reached=tuple(reached),
+            false_before=lambda index: _false_before(episode, *moments[last[index]]),
+            plan=episode.ledger.initial.as_text(),
+        )
+    )
+    history = [
+        Attempt(steps[at].robot, steps[at].subtask, True, reached[n], _cause(explanation, n))
+        for n, at in enumerate(last)
+    ]
+    request = replace(
+        episode.plan_request((episode.briefing.lead,)),
+        previous_plan=episode.ledger.initial.as_text(),
+        history=tuple(history),
+        explanation=explanation.reason,
+        events=summary.events,
+    )
+    episode.ledger.adjusted = True
+    episode.change_plan(episode.consult(request))
+    return not episode.finished
+
+
+def last_tries(steps: Sequence[SeenStep]) -> list[int]:
+    """Indices of the steps that are not followed by another try of the same by the same robot."""
+    found = []
+    for index, step in enumerate(steps):
+        later = next((other for other in steps[index + 1 :] if other.robot == step.robot), None)
+        if later is None or later.subtask != step.subtask:
+            found.append(index)
+    return found
+
+
+def _cause(explanation: Explanation, index: int) -> tuple[Condition, ...]:
+    return explanation.false if explanation.step == index else ()
+
+
+def _seen(moment: Moment, robot: str, step: Subtask, role: object) -> SeenStep:
+    before = shown(moment.before, moment.world_before, role)
+    return SeenStep(moment.round, robot, step, before, shown(moment.after, moment.world_after, role))
+
+
+def _reached(episode: Episode, moment: Moment, robot: str, step: Subtask) -> bool:
+    """Whether the checker, shown the moment after the step, finds what the step was to achieve."""
+    roles = episode.roles
+    view = shown(moment.before, moment.world_before, roles.conditions)
+    wanted = roles.conditions.after(step, robot, view)
+    verdicts = roles.checker.check(wanted, shown(moment.after, moment.world_after, roles.checker))
+    for verdict in verdicts:
+        world = moment.world_after
+        truth = None if world is None else verdict.condition.holds(moment.after.scene, world)
+        entry = Check(episode.rounds, robot, step.text, verdict.condition.sentence, verdict.value, truth, True)
+        episode.ledger.post_checks.append(entry)
+    return all(verdict.value for verdict in verdicts)
+
+
+def _false_before(episode: Episode, moment: Moment, robot: str, step: Subtask) -> tuple[Condition, ...]:
+    """The step's pre-conditions that the checker, shown the moment before it, finds false."""
+    roles = episode.roles
+    wanted = roles.conditions.before(step, robot, shown(moment.before, moment.world_before, roles.conditions))
+    verdicts = roles.checker.check(wanted, shown(moment.before, moment.world_before, roles.checker))
+    for verdict in verdicts:
+        world = moment.world_before
+        truth = None if world is None else verdict.condition.holds(moment.before.scene, world)
+        entry = Check(episode.rounds, robot, step.text, verdict.condition.sentence, verdict.value, truth, True)
+        episode.ledger.pre_checks.append(entry)
+    return tuple(verdict.condition for verdict in verdicts if not verdict.value)

@@ -1,0 +1,27 @@
+"""A round that was played, and what a role may see of a moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from remac_agents.roles import View
+from remac_env.state import WorldState
+from remac_env.subtasks import Subtask
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A round that was played, with what was seen and what was true before and after it."""
+
+    round: int
+    played: Mapping[str, Subtask]
+    before: View
+    after: View
+    world_before: WorldState | None
+    world_after: WorldState | None
+
+
+def shown(view: View, world: WorldState | None, role: object) -> View:
+    """A moment as a role may see it: with the truth only if it needs that."""
+    return replace(view, world=world) if getattr(role, "needs_truth", False) else view

@@ -1,0 +1,97 @@
+"""The planner behind an HTTP address: it is sent the request as JSON and answers as any planner may, JSON or text.
+
+Nothing but that address is called: redirects are not followed. Whatever goes wrong is an error value.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+from urllib.parse import urlsplit
+
+from remac_agents.plan import PlanError
+from remac_agents.request_json import as_json
+from remac_agents.roles import PlanRequest
+from remac_env.errors import OptionError
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+class HttpPlanner:
+    """Posts each request and waits for the answer.
+
+    Args:
+        url: http or https, with a host.
+        seconds: deadline of one answer, all in all.
+        most_bytes: a longer answer is refused.
+
+    Raises:
+        OptionError: for an address without a host, or a bound that is not positive.
+    """
+
+    needs_truth = False
+
+    def __init__(self, url: str, *, seconds: float = 60.0, most_bytes: int = 1_000_000) -> None:
+        address = urlsplit(url)
+        if address.scheme not in ("http", "https") or not address.hostname:
+            raise OptionError(f"address {url!r} is not valid; valid: http://HOST:PORT/PATH")
+        for name, value in (("seconds", seconds), ("most_bytes", most_bytes)):
+            if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < math.inf:
+                raise OptionError(f"{name} {value!r} is not valid; valid: a positive number")
+        self._url, self._seconds, self._most = url, float(seconds), int(most_bytes)
+        self._shown = f"{address.scheme}://{address.hostname}{address.path}"
+        self._loopback = address.hostname in LOOPBACK
+        self._iteration = 0
+
+    def begin_episode(self, seed: int, iteration: int) -> None:
+        """Which iteration it is; the request says so."""
+        self._iteration = iteration
+
+    def plan(self, request: PlanRequest) -> Any:
+        """The answer: a JSON value, or text."""
+        body = json.dumps(as_json(request, self._iteration)).encode()
+        # A loop of its own in a thread of its own: the caller may run in a notebook, which has one already.
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(asyncio.run, self._answer(body)).result()
+
+    async def _answer(self, body: bytes) -> Any:
+        import httpx
+
+        try:
+            status, content = await asyncio.wait_for(self._post(body), self._seconds)
+        except TimeoutError:
+            return PlanError(f"no answer from {self._shown} within {self._seconds:g} s")
+        except (httpx.HTTPError, httpx.InvalidURL) as error:
+            return PlanError(f"no answer from {self._shown}: {type(error).__name__}")
+        if status != 200:
+            return PlanError(f"{self._shown} answered with status {status}; valid: 200")
+        if content is None:
+            return PlanError(f"the answer from {self._shown} has more than {self._most} bytes")
+        text = content.decode("utf-8", errors="replace")
+        try:
+            value = json.loads(text)
+        except (ValueError, RecursionError):
+            return text
+        # Text that is read as JSON here is read again by the parser, which sees keys that stand twice.
+        return value if isinstance(value, str) else text
+
+    async def _post(self, body: bytes) -> tuple[int, bytes | None]:
+        """Status and content; None for a content that is too long."""
+        import httpx
+
+        content = bytearray()
+        headers = {"content-type": "application/json", "accept-encoding": "identity"}
+        async with (
+            httpx.AsyncClient(timeout=self._seconds, trust_env=not self._loopback) as client,
+            client.stream("POST", self._url, content=body, headers=headers) as response,
+        ):
+            if response.status_code != 200:
+                return response.status_code, b""
+            async for part in response.aiter_raw():
+                content += part
+                if len(content) > self._most:
+                    return response.status_code, None
+        return response.status_code, bytes(content)

@@ -1,0 +1,1 @@
+"""Summarisers: who tells what happened in an episode, and why it failed."""
