@@ -27,6 +27,12 @@ PARKING_JITTER = (0.12, 0.12, 0.2)
 HANDLE_YAW = 0.6
 """How far a handle is turned at most from pointing at the robot, rad."""
 
+INWARD_YAW = 0.4
+"""How far a long thing behind a door is turned at most from pointing inwards, rad; across, no hand gets at it."""
+
+HAND_ROOM = 0.14
+"""How far from the sides of a cavity things stand that a hand reaching in must straddle, m."""
+
 EDGE = 0.02
 """Room kept between a thing and the edge of its slot, m, so that neighbours leave space for a hand."""
 
@@ -157,16 +163,27 @@ def _open_surfaces(scene: Scene) -> list[str]:
 
 
 def _offset(world: WorldState, layout: Layout, noun: str, category: Category, rng: np.random.Generator) -> Offset:
-    """A pose within the slot: as far from its middle as the thing's size allows, at any yaw its grasp allows."""
+    """A pose within the slot: as far from its middle as the thing's size allows, at any yaw its grasp allows.
+
+    Behind a door things stand in the nearest part of their slot, where a hand gets at them.
+    """
     yaw_range = HANDLE_YAW if category.grasp.mode == "handle" else np.pi
     yaw = float(rng.uniform(-yaw_range, yaw_range))
     spread = rng.uniform(-1.0, 1.0, 2)
     place = world.objects[noun].place
     if place.relation != "slot":
         return Offset(0.0, 0.0, yaw)
-    half = layout.slots[place.where].half
+    slot = layout.slots[place.where]
+    half = slot.half
+    if slot.kind == "cavity":
+        spread[1] = -0.75 - 0.25 * abs(spread[1])
+        if category.grasp.mode == "side" and not category.grasp.any_yaw:
+            yaw = float(np.copysign(0.5 * np.pi, yaw)) + INWARD_YAW * yaw / yaw_range
     radius = max(category.size[:2]) if category.vessel else float(np.hypot(*category.size[:2]))
-    room = [max(0.0, side - radius - EDGE) for side in half]
+    edge = 0.5 * EDGE if slot.kind == "cavity" else EDGE
+    room = [max(0.0, side - radius - edge) for side in half]
+    if slot.kind == "cavity" and not category.vessel:
+        room[0] = min(room[0], max(0.0, half[0] - HAND_ROOM))
     return Offset(float(spread[0] * room[0]), float(spread[1] * room[1]), yaw)
 
 

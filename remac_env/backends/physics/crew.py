@@ -14,7 +14,7 @@ from remac_env.backends.physics.navigate import base_pose, parking
 from remac_env.backends.physics.paths import Planner
 from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
-from remac_env.backends.physics.skill import Hand, SkillFailure, Steps, Surroundings, go_home
+from remac_env.backends.physics.skill import Hand, SkillFailure, Steps, Surroundings, go_home, handled
 from remac_env.backends.physics.traffic import Convoy, Errand, Rooms
 from remac_env.kitchen.layout import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
@@ -131,7 +131,8 @@ class Crew:
         for here in self.robots.values():
             place = [round(float(value), 3) for value in here.robot.q[:2]]
             chance = generator(self._start.seed, "perception", now.number, *place)
-            here.shifts = {body: np.append(chance.normal(0.0, noise, 2), 0.0) for body in here.things}
+            seen = (*here.things, *handled(self._layout))
+            here.shifts = {name: np.append(chance.normal(0.0, noise, 2), 0.0) for name in seen}
 
     def _goals(self, now: Round) -> dict[str, Station]:
         """Where driving robots go; those that step aside and find no free parking place are left out."""

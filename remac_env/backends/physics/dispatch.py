@@ -6,7 +6,7 @@ import numpy as np
 
 from remac_env.backends.physics.doors import close_door, open_door
 from remac_env.backends.physics.insert import insert, take_out
-from remac_env.backends.physics.pick_up import pick_up
+from remac_env.backends.physics.pick_up import LIFTS, pick_up
 from remac_env.backends.physics.place import place_on
 from remac_env.backends.physics.season import season
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, require_open
@@ -18,6 +18,9 @@ from remac_env.robots.rotation import Array
 from remac_env.state import Scene, WorldState, base_place, contents
 from remac_env.subtasks import Subtask
 
+_CAVITY_LIFT = 0.10  # m by which a vessel is raised in a cavity where there is room
+_OUTWARDS = ((-0.35, 0.6), (-0.35, 0.4), (-0.30, 0.8))  # back (m) and share of the lift
+_OUT_OF_BASIN = ((0.0, 1.0), (-0.08, 1.0), (-0.14, 1.0), (-0.2, 1.0))
 _FALL = 20  # control periods in which a dropped thing reaches the floor
 
 
@@ -63,11 +66,16 @@ def _pick_up(here: Surroundings, world: WorldState, target: str) -> Steps:
     place = world.objects[target].place
     vessel = place.where if place.relation == "vessel" else None
     inner = tuple(contents(world, target))
-    if slot.kind == "cavity":
+    if slot.kind == "cavity" and here.things[target].vessel:
+        require_open(here, slot.fixture)
+        yield from pick_up(here, target, contents=inner, lift=_CAVITY_LIFT, lifts=_OUTWARDS)
+    elif slot.kind == "cavity":
         yield from take_out(here, slot.fixture, target, vessel=vessel, contents=inner)
     else:
-        lift = 0.26 if slot.kind == "basin" else 0.20 if here.things[target].vessel else 0.14
-        yield from pick_up(here, target, vessel=vessel, contents=inner, lift=lift)
+        big = here.things[target].vessel
+        lift = 0.26 if slot.kind == "basin" else 0.20 if big else 0.14
+        lifts = _OUT_OF_BASIN if slot.kind == "basin" and big else LIFTS
+        yield from pick_up(here, target, vessel=vessel, contents=inner, lift=lift, lifts=lifts)
 
 
 def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, target: str) -> Steps:
@@ -84,7 +92,10 @@ def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, targ
     else:
         slot, vessel = here.layout.slots[place.where], None
         point = np.array(slot.center)
-    if slot.kind == "cavity":
+    if slot.kind == "cavity" and here.things[here.hand.body].vessel:
+        require_open(here, slot.fixture)
+        yield from place_on(here, point)
+    elif slot.kind == "cavity":
         yield from insert(here, slot.fixture, point, vessel=vessel)
     else:
         yield from place_on(here, point, vessel=vessel, deep=slot.kind == "basin")

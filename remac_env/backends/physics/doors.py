@@ -58,7 +58,8 @@ def _door(here: Surroundings, name: str) -> _Door:
     body = model.body(f"{name}/door")
     bar = model.site(f"{name}/handle").pos
     address = int(model.joint(f"{name}/door").qposadr[0])
-    return _Door(name, np.array(body.pos), np.array(bar), address, tuple(here.simulation.geoms(f"{name}/door")))
+    hinge = np.array(body.pos) + here.shift(f"{name}/handle")
+    return _Door(name, hinge, np.array(bar), address, tuple(here.simulation.geoms(f"{name}/door")))
 
 
 def open_door(here: Surroundings, name: str) -> Steps:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import product
 
 import mujoco
 import numpy as np
@@ -35,13 +37,19 @@ _DISTANCES = (0.78, 0.72, 0.84)
 _SIDES = (0.0, -0.08, 0.08, -0.16, 0.16)
 _TURNS = (0.0, 0.2, -0.2, 0.4, -0.4)
 _TILTS = (0.45, 0.3, 0.6, 0.8)  # of the hand below the horizontal
+_GRASP_TILTS = (0.6, 0.7, 0.8, 0.53, 0.45, 1.0, 0.3)
 _BACK = 0.36  # m that the base drives in and out
 _CHECKS = 9000
+_ASKEW = 0.25  # rad by which the fingers may close askew on a long thing
+_RAISED = (0.0, 0.006, 0.010, 0.0125)  # m by which the grasp may be higher, so that the palm clears the rim of a plate
+_HOLD = 0.005  # m by which the pads must reach below a thing's middle, with the air that tip_depth adds
 _PALM = 0.028  # m between grip site and palm, less a little
 _WIDEST_TURN = 1.25  # rad to the side from which a hand still fits into a cavity
-_CLEAR = 0.022  # m by which the thing is lowered once it is in
+_CLEAR = (0.022,)  # m by which the thing is lowered once it is in
+_CLEAR_OF_RIM = (0.045, 0.034, 0.022)  # the same over a plate, the best first: too low it would push the plate
 _TOUCH = 0.003  # m between the thing's lowest point and the floor where the hand opens
-_FORWARD = 0.05  # m by which a thing let go on end moves on as it falls
+_FORWARD = 0.03  # m by which a thing let go on end moves on as it falls
+_NEARER = 0.04  # m in front of a slot's middle at which things are put, so that they can be taken out again
 _WITHDRAW = 0.05  # m by which the hand draws back along its approach before the base moves
 
 
@@ -63,7 +71,9 @@ def insert(here: Surroundings, fixture: str, point: Array, *, vessel: str | None
         raise SkillFailure("hands_empty", "there is nothing to place")
     here.begin(here.simulation.geoms(vessel) if vessel else ())
     carry = here.robot.q.copy()
-    found = _search(here, point, carry, lambda base: _placing(here, body, point, base), _lowered)
+    if vessel is None:
+        point = point - [0.0, _NEARER, 0.0]
+    found = _way_in(here, point, carry, body, _CLEAR if vessel is None else _CLEAR_OF_RIM)
     yield from _enter(here, found)
     check_held(here)
     yield from release(here, 10)
@@ -74,6 +84,17 @@ def insert(here: Surroundings, fixture: str, point: Array, *, vessel: str | None
     yield from _leave(here, found)
     here.begin()
     yield from go_home(here)
+
+
+def _way_in(here: Surroundings, point: Array, carry: Array, body: str, clearances: Sequence[float]) -> Insertion:
+    """A way in at the first of these clearances (m) that has one."""
+    *better, last = clearances
+    for clear in better:
+        try:
+            return _search(here, point, carry, partial(_placing, here, body, point, clear), _lowered, _CHECKS // 2)
+        except SkillFailure:
+            continue
+    return _search(here, point, carry, partial(_placing, here, body, point, last), _lowered)
 
 
 def take_out(
@@ -92,22 +113,22 @@ def take_out(
     position, rotation = here.seen(body)
     carry = panda.tucked(*here.robot.q[:3])
 
-    def search() -> Insertion:
-        return _search(here, position, carry, lambda base: _grasping(thing, position, rotation, base), _advanced)
+    def search(checks: int = _CHECKS, raised: Sequence[float] = _RAISED) -> Insertion:
+        poses = partial(_grasping, thing, position, rotation, raised)
+        return _search(here, position, carry, poses, _advanced, checks)
 
     try:
-        found = search()
+        found = search(_CHECKS if vessel is None else _CHECKS // 2)
     except SkillFailure:
         if vessel is None:
             raise
         # Clear of the vessel there is no way; its rim may be touched.
         here.scratch.mark(simulation.geoms(vessel), TARGET)
-        found = search()
+        found = search(raised=_RAISED[::-1])
     yield from _enter(here, found)
+    yield from here.mover.settle(0.001, 20)
     yield from here.mover.grasp(gently=thing.grasp.mode == "side")
-    grip = here.planner.kinematics.forward(here.robot.q)
-    up = here.planner.line(here.robot.q, grip[0] + [0.0, 0.0, 0.025], grip[1], speed=0.1, check=False)
-    yield from here.mover.play(up or [])
+    yield from here.mover.play(_up(here))
     if here.robot.opening < 0.004:
         yield from here.mover.fingers(opening, 6)
         yield from _leave(here, found)
@@ -119,16 +140,27 @@ def take_out(
     yield from go_home(here)
 
 
+def _up(here: Surroundings) -> Path:
+    """Off the floor, over the rim of a plate where there is room for the hand."""
+    position, rotation = here.kinematics.forward(here.robot.q)
+    for rise in (0.05, 0.04, 0.03):
+        up = here.planner.line(here.robot.q, position + [0.0, 0.0, rise], rotation, speed=0.1)
+        if up is not None:
+            return up
+    return here.planner.line(here.robot.q, position + [0.0, 0.0, 0.025], rotation, speed=0.1, check=False) or []
+
+
 Poses = Callable[[Array], Iterator[tuple[Array, Array, Array]]]
 
 
 def _search(
-    here: Surroundings, point: Array, carry: Array, poses: Poses, last: Callable[..., Path | None]
+    here: Surroundings, point: Array, carry: Array, poses: Poses, last: Callable[..., Path | None],
+    checks: int = _CHECKS,
 ) -> Insertion:
     """The first stance, tilt and branch whose whole way in is free. ``poses`` yields (first, end, rotation)."""
     planner, scratch = here.planner, here.scratch
     why: Counter[str] = Counter()
-    limit = scratch.checks + _CHECKS
+    limit = scratch.checks + checks
     for base in stances(here, point, _DISTANCES, _SIDES, _TURNS):
         heading = about_z(float(base[2]))[:, 0]
         outside = base.copy()
@@ -136,7 +168,7 @@ def _search(
         for first, end, rotation in poses(base):
             if scratch.checks > limit:
                 break
-            for q in planner.reach(first, rotation, base, np.concatenate([base, carry[3:]]), most=40):
+            for q in planner.reach(first, rotation, base, np.concatenate([base, carry[3:]]), most=5):
                 retreated = np.concatenate([outside, q[3:]])
                 if not scratch.free(q) or not scratch.free(retreated) or not planner.edge(retreated, q, 0.06):
                     why["inside: {} meets {}".format(*scratch.touching)] += 1
@@ -174,7 +206,9 @@ def _leave(here: Surroundings, found: Insertion) -> Steps:
     yield from here.mover.go([out], 0.8)
 
 
-def _placing(here: Surroundings, body: str, point: Array, base: Array) -> Iterator[tuple[Array, Array, Array]]:
+def _placing(
+    here: Surroundings, body: str, point: Array, clear: float, base: Array
+) -> Iterator[tuple[Array, Array, Array]]:
     """Hand poses that bring the held thing in over ``point``: (while driving in, at the release, rotation).
 
     Those come first in which the thing is nearly as it will lie, so that it does not topple.
@@ -183,7 +217,7 @@ def _placing(here: Surroundings, body: str, point: Array, base: Array) -> Iterat
     inward = grip[1].T
     offset, turned = inward @ (pose[0] - grip[0]), inward @ pose[1]
     heading = about_z(float(base[2]))
-    found = []
+    found: list[tuple[float, int, Array, float]] = []
     for tilt in _TILTS:
         for side in (-heading[:, 1], heading[:, 1]):
             hand = grip_frame(heading[:, 0] * math.cos(tilt) - np.array([0.0, 0.0, math.sin(tilt)]), side)
@@ -194,7 +228,7 @@ def _placing(here: Surroundings, body: str, point: Array, base: Array) -> Iterat
         shift = -hand @ offset
         height = max(point[2] + below + _TOUCH, point[2] + 0.03 - shift[2])
         at = np.array([point[0], point[1], height]) + shift - _FORWARD * abs(math.sin(fall)) * heading[:, 0]
-        yield at + [0.0, 0.0, _CLEAR], at, hand
+        yield at + [0.0, 0.0, clear], at, hand
 
 
 def _fall(thing: Category, rotation: Array) -> float:
@@ -206,15 +240,17 @@ def _fall(thing: Category, rotation: Array) -> float:
 
 
 def _grasping(
-    thing: Category, position: Array, rotation: Array, base: Array
+    thing: Category, position: Array, rotation: Array, raised: Sequence[float], base: Array
 ) -> Iterator[tuple[Array, Array, Array]]:
     """Hand poses that grasp a thing from the front: (before, at the grasp, rotation)."""
     heading = float(base[2])
     turns: tuple[float, ...] = (0.0, 0.3, -0.3, 0.6, -0.6)
     if thing.grasp.mode == "side" and not thing.grasp.any_yaw:
         along = math.atan2(rotation[1, 0], rotation[0, 0])
-        turns = ((along - heading + 0.5 * math.pi) % math.pi - 0.5 * math.pi,)
-    for tilt in (0.6, 0.8, 0.45, 1.0, 0.3):
+        along = (along - heading + 0.5 * math.pi) % math.pi - 0.5 * math.pi
+        # Square to the thing, or nearer to square to the cavity, for the hand is wide.
+        turns = (along, along - math.copysign(min(_ASKEW, abs(along)), along))
+    for higher, tilt in product(raised, _GRASP_TILTS):
         for yaw in turns:
             if abs(yaw) > _WIDEST_TURN:
                 continue
@@ -224,7 +260,11 @@ def _grasping(
                 hand = grip_frame(approach, side)
                 height = max(thing.grasp.height, tip_depth(0.5 * math.pi - tilt) - thing.rest_height)
                 # A long thing lies along the hand: take it nearer, or its end would meet the palm.
-                nearer = min(max(0.0, thing.size[0] - _PALM / math.cos(tilt)), 0.6 * thing.size[0])
+                height += higher
+                if higher and height > tip_depth(0.5 * math.pi - tilt) - _HOLD:
+                    continue
+                spare = (_PALM + height * math.sin(tilt)) / math.cos(tilt)
+                nearer = min(max(0.0, thing.size[0] - spare), 0.6 * thing.size[0])
                 at = position + [0.0, 0.0, height] - nearer * front[:, 0]
                 yield at + [0.0, 0.0, 0.03] - 0.04 * approach, at, hand
 

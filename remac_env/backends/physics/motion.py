@@ -17,7 +17,7 @@ Steps = Generator[None, None, None]
 LAG_LIMIT = 0.08  # rad or m by which a joint may miss all of the latest commands
 LAG_PERIODS = 6  # the servos follow 0.1 s late at steady speed, and later while they accelerate
 LAG_PATIENCE = 12  # control periods
-_GENTLE = 0.0045  # m by which each finger is commanded into the thing: 18 N of the servo's 4000 N/m
+_GENTLE = 0.0018  # m by which each finger is commanded into the thing: 7 N of the servo's 4000 N/m
 
 
 class StuckError(Exception):

@@ -22,13 +22,15 @@ from remac_env.robots.rotation import Array
 
 DISTANCES = (0.55, 0.48, 0.62, 0.70)
 SIDES = (0.0, -0.12, 0.12, -0.24, 0.24)
-_LIFTS = ((0.0, 1.0), (-0.15, 0.6), (-0.25, 0.4))  # back (m) and share of the lift: slanting out from under something
+Lifts = tuple[tuple[float, float], ...]
+LIFTS: Lifts = ((0.0, 1.0), (-0.08, 1.0), (-0.14, 1.0), (-0.15, 0.6), (-0.25, 0.4))
 _LEAST_RISE = 0.02
 _EMPTY = 0.004  # m between closed fingers
 
 
 def pick_up(
-    here: Surroundings, body: str, *, vessel: str | None = None, contents: tuple[str, ...] = (), lift: float = 0.14
+    here: Surroundings, body: str, *, vessel: str | None = None, contents: tuple[str, ...] = (), lift: float = 0.14,
+    lifts: Lifts = LIFTS,
 ) -> Steps:
     """Grasp ``body`` where it stands, lift it and come home with it. ``vessel``: what it lies in."""
     simulation, thing = here.simulation, here.things[body]
@@ -43,9 +45,12 @@ def pick_up(
         here.scratch.mark(simulation.geoms(inner), IGNORED)
 
     def after(goal: Array, grasp: Grasp) -> Path | None:
-        return _lift(here, body, goal, grasp, lift)
+        return _lift(here, body, goal, grasp, lift, lifts)
 
-    found = plan_reach(here, stances(here, position, DISTANCES, SIDES), candidates(thing, position, rotation), after)
+    grasps = candidates(thing, position, rotation)
+    # A handle lies well in front of its pan; too near to it the arm could not draw the pan in.
+    stands = stances(here, grasps[0].position if thing.grasp.mode == "handle" else position, DISTANCES, SIDES)
+    found = plan_reach(here, stands, grasps, after)
     yield from go_to_grasp(here, found)
     yield from here.mover.grasp(gently=thing.grasp.mode == "side")
     yield from here.mover.play(found.after)
@@ -60,7 +65,7 @@ def pick_up(
     check_held(here)
 
 
-def _lift(here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float) -> Path | None:
+def _lift(here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float, lifts: Lifts) -> Path | None:
     """Off the surface unchecked for the thing itself, then up, or slanting out from under something."""
     scratch, planner = here.scratch, here.planner
     at = planner.kinematics.forward(goal)
@@ -70,7 +75,7 @@ def _lift(here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float)
     path: Path | None = None
     if off is not None:
         scratch.hold(body, at, pose)
-        for back, share in _LIFTS:
+        for back, share in lifts:
             rest = planner.line(off[-1], grasp.position + [0.0, back, share * lift], grasp.rotation)
             if rest is not None:
                 path = off + rest

@@ -27,6 +27,8 @@ FRONT_LIMIT = -0.20  # y of the arm axis nearest to the counters (their fronts a
 DOOR_OPEN = 0.90  # rad
 _EMPTY = 0.004  # m between fingers that hold nothing
 _SLIPPED = 0.06  # m by which a thing may move in the hand and still be held
+_LADEN = 0.6  # share of the usual speeds at which a full hand is drawn in
+_SWITCH_PARTS = {"faucet": "lever", "microwave": "button"}
 _FLOOR_THING = 0.4  # m; things lower than this have fallen down
 
 
@@ -62,7 +64,7 @@ class Surroundings:
     mover: Mover
     hand: Hand
     station: Station
-    shifts: dict[str, Array] = field(default_factory=dict)  # errors (3,) in the poses that controllers see
+    shifts: dict[str, Array] = field(default_factory=dict)  # errors (3,) of things, handles and knobs as seen
 
     @property
     def home(self) -> Array:
@@ -72,7 +74,11 @@ class Surroundings:
     def seen(self, body: str) -> tuple[Array, Array]:
         """The pose of a thing as the controllers see it."""
         position, rotation = self.simulation.pose(body)
-        return position + self.shifts.get(body, 0.0), rotation
+        return position + self.shift(body), rotation
+
+    def shift(self, name: str) -> Array:
+        """The error (3,) with which controllers see a thing, or what is handled on a fixture (m)."""
+        return self.shifts.get(name, np.zeros(3))
 
     def fixture(self, name: str) -> Fixture:
         """A fixture of the layout."""
@@ -90,6 +96,16 @@ class Surroundings:
             if body != self.hand.body and self.simulation.pose(body)[0][2] < _FLOOR_THING:
                 self.scratch.mark(self.simulation.geoms(body), IGNORED)
         self.scratch.fingers(self.robot.grip if self.hand.body is None else 0.5 * self.robot.opening)
+
+
+def handled(layout: Layout) -> tuple[str, ...]:
+    """What hands take hold of on fixtures: handles, knobs, levers and buttons, as they are called in the model."""
+    names: list[str] = []
+    for name, fixture in layout.fixtures.items():
+        names += [f"{name}/handle"] if fixture.door else []
+        names += getattr(fixture, "knobs", ())
+        names += [f"{name}/{_SWITCH_PARTS[fixture.kind]}"] if fixture.kind in _SWITCH_PARTS else []
+    return tuple(names)
 
 
 def stances(
@@ -153,7 +169,7 @@ def tuck(here: Surroundings) -> Steps:
             continue
         way = planner.path(stand, panda.tucked(*stand[:3]), tree=back == 0.3)
         if way is not None:
-            yield from here.mover.go(([stand] if back else []) + way)
+            yield from here.mover.go(([stand] if back else []) + way, 1.0 if here.hand.body is None else _LADEN)
             return
     raise SkillFailure("blocked", "no way to fold the arm: {} meets {}".format(*here.scratch.touching))
 

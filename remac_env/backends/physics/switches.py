@@ -38,7 +38,7 @@ class _Turn:
 def turn_knob(here: Surroundings, joint: str, *, on: bool) -> Steps:
     """Turn a knob (joint, body and site of one name) on or off."""
     model = here.simulation.model
-    at = np.array(model.body(joint).pos) + np.array(model.site(joint).pos)
+    at = np.array(model.body(joint).pos) + np.array(model.site(joint).pos) + here.shift(joint)
     start = here.simulation.joint(joint)
     grasps = []
     for pitch in (0.0, 0.3, -0.3):
@@ -55,7 +55,7 @@ def turn_knob(here: Surroundings, joint: str, *, on: bool) -> Steps:
 def turn_lever(here: Surroundings, fixture: str, *, on: bool) -> Steps:
     """Lift or lower the lever of a faucet, pinched from above and below: the hand is wide along its fingers."""
     joint = f"{fixture}/lever"
-    hinge = np.array(here.simulation.model.body(joint).pos)
+    hinge = np.array(here.simulation.model.body(joint).pos) + here.shift(joint)
     start = here.simulation.joint(joint)
 
     def at(angle: float) -> Array:
@@ -88,7 +88,7 @@ def press_button(here: Surroundings, fixture: str) -> Steps:
     yield from here.mover.fingers(0.0, 8)
     here.begin(simulation.geoms(name))
     here.scratch.fingers(0.0)
-    face = np.array(simulation.model.body(name).pos) + np.array(simulation.model.site(name).pos)
+    face = np.array(simulation.model.body(name).pos) + np.array(simulation.model.site(name).pos) + here.shift(name)
     grasps = []
     for pitch in (0.5, 0.8, 0.3, 0.0):
         for yaw in (0.0, 0.4, -0.4):
