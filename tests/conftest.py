@@ -2,9 +2,25 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterator
+
 import hypothesis
+import pytest
+
+import remac_env  # noqa: F401 - loads the table of tasks
 
 hypothesis.settings.register_profile(
     "kitchen", deadline=None, derandomize=True, database=None, suppress_health_check=list(hypothesis.HealthCheck)
 )
 hypothesis.settings.load_profile("kitchen")
+
+
+@pytest.fixture(autouse=True)
+def the_table_of_tasks_stays_as_it_was() -> Iterator[None]:
+    """Tasks that a test registers are forgotten after it, whatever order the tests run in."""
+    table = sys.modules["remac_env.tasks"]._SPECS
+    before = dict(table)
+    yield
+    table.clear()
+    table.update(before)

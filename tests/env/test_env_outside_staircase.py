@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
-
 import pytest
 from outside_task import STORE_BREAD
 
 import remac_agents
 import remac_env
 from remac_env.oracle import solve
-
-
-@pytest.fixture(autouse=True)
-def forget_the_task() -> Iterator[None]:
-    """Leave the table of tasks as it was."""
-    yield
-    sys.modules["remac_env.tasks"]._SPECS.pop("StoreBread", None)
 
 
 def reports(
