@@ -47,10 +47,10 @@ def test_other_processes_draw_the_same_starts(tmp_path: Path) -> None:
         "import sys, remac_env\n"
         "for task in remac_env.tasks():\n"
         "    env = remac_env.parallel_env(task, backend='symbolic', starts='mixed')\n"
-        "    for seed in (3, 0, 900000):\n"
+        "    for seed in (3, 0, 899999):\n"
         "        sys.stdout.write(env.reset(seed=seed)[1]['robot_1']['episode']['digest'] + ' ')\n"
     )
-    here = [digest(make(task, starts="mixed"), seed) for task in TASKS for seed in (3, 0, 900_000)]
+    here = [digest(make(task, starts="mixed"), seed) for task in TASKS for seed in (3, 0, 899_999)]
     for hashes in ("1", "2"):
         environ = os.environ | {"PYTHONHASHSEED": hashes, "PYTHONPATH": str(ROOT), "LC_ALL": "C"}
         done = subprocess.run(
