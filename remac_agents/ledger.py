@@ -40,6 +40,45 @@ class Step:
 
 
 @dataclass(frozen=True)
+class Usage:
+    """What an episode took of language models. `money`: US dollars, of the calls whose price is known."""
+
+    calls: int = 0
+    prompt_tokens: int = 0
+    completion_tokens: int = 0
+    money: float = 0.0
+    unpriced: int = 0
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """One question to a language model and its answer.
+
+    Attributes:
+        round: rounds played before it.
+        role, label: who asked, and what about.
+        messages: (role, text) in order.
+        reply, reasoning: the answer, and the reasoning text that came apart from it.
+        error: the kind of a failed call (remac_agents.llm.KINDS), else None.
+        tokens, money, seconds: what it took; money in US dollars, None where the price is not known.
+        pictures: digests of the images shown.
+    """
+
+    round: int
+    role: str
+    label: str = ""
+    messages: tuple[tuple[str, str], ...] = ()
+    reply: str = ""
+    reasoning: str = ""
+    error: str | None = None
+    tokens: int = 0
+    money: float | None = None
+    seconds: float = 0.0
+    pictures: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class EpisodeReport:
     """One episode of an agent.
 
@@ -56,6 +95,9 @@ class EpisodeReport:
         reflections: what this episode taught.
         truth_readers: the roles that were given the WorldState.
         errors: replies of the planner that were no plans.
+        usage, exchanges: what language models were asked, and what that took.
+        pictures: digest -> PNG of every image that a language model was shown.
+        infrastructure: why the episode counts for nothing (an endpoint that was down), None where it counts.
     """
 
     method: str
@@ -74,6 +116,10 @@ class EpisodeReport:
     reflections: tuple[str, ...]
     truth_readers: tuple[str, ...]
     errors: tuple[str, ...]
+    usage: Usage = field(default_factory=Usage)
+    exchanges: tuple[Exchange, ...] = ()
+    pictures: Mapping[str, bytes] = field(default_factory=dict)
+    infrastructure: str | None = None
 
 
 @dataclass

@@ -50,6 +50,37 @@ class ErrorEntry(Model):
     where: list[str] = Field(default_factory=list)
 
 
+class UsageEntry(Model):
+    """What an episode took of language models. `money`: US dollars, of the calls whose price is known."""
+
+    calls: int = 0
+    prompt_tokens: int = 0
+    completion_tokens: int = 0
+    money: float = 0.0
+    unpriced: int = 0
+    seconds: float = 0.0
+
+
+class ExchangeEntry(Model):
+    """One question to a language model and its answer, long texts cut.
+
+    `round` counts the rounds played before it; `pictures` are digests of the images shown, which lie in the records'
+    folder as pictures/<digest>.png; `error` is the kind of a failed call.
+    """
+
+    round: int
+    role: str
+    label: str = ""
+    messages: list[tuple[str, str]] = Field(default_factory=list)
+    reply: str = ""
+    reasoning: str = ""
+    error: str | None = None
+    tokens: int = 0
+    money: float | None = None
+    seconds: float = 0.0
+    pictures: list[str] = Field(default_factory=list)
+
+
 class VideoEntry(Model):
     """The video of an episode, its path relative to the records' folder, or why there is none."""
 
@@ -75,7 +106,9 @@ class Record(Model):
         rounds: rounds played, retries included. sim_seconds: each round as long as its slowest robot.
         outcomes: a round an entry, robot -> how its subtask ended.
         robot_contacts, near_misses: control steps in which robots touched, or were within 0.05 m.
+        worlds: the WorldState at the start and after each round, as plain values.
         truth_readers: the roles that were given the WorldState.
+        usage, exchanges: what language models were asked, and what that took.
         planner_errors: replies of the planner that were no plans.
         optimum_rounds: length of the shortest plan, where it was asked for.
         options: {"kitchen": ..., "agent": ...}: everything that the job was made with.
@@ -107,6 +140,7 @@ class Record(Model):
     initial_plan: dict[str, list[str]] = Field(default_factory=dict)
     final_plan: dict[str, list[str]] = Field(default_factory=dict)
     outcomes: list[dict[str, OutcomeEntry]] = Field(default_factory=list)
+    worlds: list[dict[str, Any]] = Field(default_factory=list)
     pre_checks: list[CheckEntry] = Field(default_factory=list)
     post_checks: list[CheckEntry] = Field(default_factory=list)
     adjusted: bool = False
@@ -114,6 +148,8 @@ class Record(Model):
     reflections: list[str] = Field(default_factory=list)
     truth_readers: list[str] = Field(default_factory=list)
     planner_errors: list[str] = Field(default_factory=list)
+    usage: UsageEntry = Field(default_factory=UsageEntry)
+    exchanges: list[ExchangeEntry] = Field(default_factory=list)
     robot_contacts: int = 0
     near_misses: int = 0
     physics_steps: int = 0
