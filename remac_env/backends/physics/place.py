@@ -22,7 +22,7 @@ _TURNS = (0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2)
 _LEVEL_TURNS = (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.8, -0.8, 1.0, -1.0, 1.4, -1.4, 2.0, -2.0)
 # Vessels are set down beside and behind a basin's middle, with the hand at their side: at the middle the forearm
 # would meet the basin's front edge.
-_BASIN_SHIFTS = ((-0.03, 0.08), (-0.05, 0.06), (-0.12, 0.06), (0.03, 0.08), (0.05, 0.06), (0.12, 0.06), (0.0, 0.08))
+_BASIN_SHIFTS = ((-0.03, 0.065), (-0.05, 0.06), (-0.12, 0.06), (0.03, 0.065), (0.05, 0.06), (0.12, 0.06), (0.0, 0.08))
 _BASIN_TURNS = (1.4, -1.4, 1.0, -1.0, 0.8, -0.8, 1.8, -1.8, 0.2, -0.2, 0.0)
 _ABOVE, _ABOVE_BASIN = 0.10, 0.26  # m, height from which the hand comes down straight
 
