@@ -95,20 +95,13 @@ def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place |
     return next((place for place in places if place is not None), None)
 
 
-def switch_for(scene: Scene, world: WorldState, fixture: str, *, turning_on: bool) -> str | None:
-    """The switch that `turn on` or `turn off` acts on; None when turning off and nothing is on.
-
-    With a switch per slot: the one under a vessel, else (turning on) the first, or (turning off) the first that is on.
-    """
+def switch_for(scene: Scene, world: WorldState, fixture: str) -> str:
+    """The switch that `turn on` acts on: with a switch per slot, the one under a vessel, else the first."""
     facts = scene.fixtures[fixture]
     if not facts.switch_per_slot:
         return facts.switches[0]
-    on = world.fixtures[fixture].on
     used = [n for n in facts.slots if (o := occupant(world, n)) is not None and scene.objects[o].holds]
-    if turning_on:
-        return next(iter(used), facts.switches[0])
-    lit = [name for name in facts.switches if name in on]
-    return next(iter([name for name in used if name in on] + lit), None)
+    return next(iter(used), facts.switches[0])
 
 
 # -- predicates -----------------------------------------------------------------------------------------------------
@@ -149,8 +142,7 @@ def _no_vessel_needed(scene: Scene, world: WorldState, robot: str, target: str) 
 
 
 def _switched_on(scene: Scene, world: WorldState, fixture: str) -> bool:
-    switch = switch_for(scene, world, fixture, turning_on=True)
-    return switch in world.fixtures[fixture].on
+    return switch_for(scene, world, fixture) in world.fixtures[fixture].on
 
 
 def _may_run(scene: Scene, world: WorldState, fixture: str) -> bool:

@@ -215,13 +215,11 @@ def _put(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState
 
 
 def _set_on(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
-    switch = switch_for(scene, world, target, turning_on=True)
-    return world.with_fixture(target, on=world.fixtures[target].on | {switch})
+    return world.with_fixture(target, on=world.fixtures[target].on | {switch_for(scene, world, target)})
 
 
 def _set_off(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
-    switch = switch_for(scene, world, target, turning_on=False)
-    return world.with_fixture(target, on=world.fixtures[target].on - {switch})
+    return world.with_fixture(target, on=frozenset())
 
 
 def _open(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:

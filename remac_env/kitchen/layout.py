@@ -9,12 +9,12 @@ from functools import cache
 from itertools import combinations
 from math import hypot
 from pathlib import Path
-from types import MappingProxyType
 
 from remac_env.errors import KitchenFileError, check_choice
 from remac_env.kitchen.fixtures import KINDS, Block, Fixture, Room, Slot
 from remac_env.kitchen.fixtures.base import Point
 from remac_env.kitchen.fixtures.table import Table
+from remac_env.state import FrozenMap
 
 FOLDER = Path(__file__).parent / "layouts"
 
@@ -112,9 +112,9 @@ def parse(text: str, *, name: str, file: str) -> Layout:
         name=name,
         version=table.whole("version"),
         room=Room.parse(table.table("room")),
-        fixtures=MappingProxyType(fixtures),
-        slots=MappingProxyType({slot.name: slot for fixture in fixtures.values() for slot in fixture.slots}),
-        stations=MappingProxyType(stations),
+        fixtures=FrozenMap(fixtures),
+        slots=FrozenMap({slot.name: slot for fixture in fixtures.values() for slot in fixture.slots}),
+        stations=FrozenMap(stations),
         asides=tuple(_station(key, entry) for key, entry in table.tables("asides").items()),
         lanes=_lanes(table.table("lanes")),
     )

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import copy
+import pickle
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -167,3 +170,25 @@ def test_names_of_robots_do_not_matter() -> None:
 def test_a_backend_without_a_start_says_so() -> None:
     with pytest.raises(LifecycleError, match="reset"):
         PhysicsBackend().run_round({"robot_0": WAIT})
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda backend: pickle.loads(pickle.dumps(backend))])
+def test_a_copy_goes_on_as_the_original(copied: Callable[[PhysicsBackend], PhysicsBackend]) -> None:
+    backend = PhysicsBackend()
+    backend.reset(make_start(CARROT))
+    run(backend, ("navigate to", "vegetable"))
+    other = copied(backend)
+    assert run(other, ("pick up", "vegetable")) == [None]
+    assert (backend.positions() != other.positions()).any()  # the copy moved, the original did not
+    assert run(backend, ("pick up", "vegetable")) == [None]
+    assert (backend.positions() == other.positions()).all()
+
+
+def test_turning_the_stove_off_turns_every_burner_off() -> None:
+    backend = PhysicsBackend()
+    start = make_start(CARROT)
+    lit = start.world.with_fixture("stove", on=frozenset({"stove.0", "stove.2"}))
+    world = backend.reset(replace(start, world=lit))
+    assert world.fixtures["stove"].on == {"stove.0", "stove.2"}
+    assert run(backend, ("navigate to", "stove"), ("turn off", "stove")) == [None, None]
+    assert backend.world.fixtures["stove"].on == set()

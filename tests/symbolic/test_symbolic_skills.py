@@ -225,8 +225,11 @@ def test_faucet_on_and_off(kitchen: TableKitchen) -> None:
 def test_the_knob_is_that_of_the_burner_under_the_pan(kitchen: TableKitchen) -> None:
     kitchen.put("pan", "stove.3").stand(A, "stove").run(**{A: "turn on stove"})
     assert kitchen.world.fixtures["stove"].on == {"stove.3"}
-    kitchen.on("stove", "stove.0", "stove.3").run(**{A: "turn off stove"})
-    assert kitchen.world.fixtures["stove"].on == {"stove.0"}
+
+
+def test_turning_the_stove_off_turns_every_burner_off(kitchen: TableKitchen) -> None:
+    kitchen.put("pan", "stove.3").on("stove", "stove.0", "stove.3").stand(A, "stove").run(**{A: "turn off stove"})
+    assert kitchen.world.fixtures["stove"].on == set()
 
 
 def test_without_a_pan_it_is_the_default_burner(kitchen: TableKitchen) -> None:

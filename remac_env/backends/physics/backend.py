@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -37,15 +38,30 @@ class PhysicsBackend:
     def __init__(self) -> None:
         self.watch: Callable[[], None] | None = None
         self._episode: _Episode | None = None
+        self._played: list[dict[str, Subtask]] = []
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy is made from: the start and the rounds played. `watch` stays behind."""
+        return {"start": None if self._episode is None else self._episode.start, "played": list(self._played)}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        """Play the rounds again: copies of MjData are inexact while parts of the kitchen sleep, replays are exact."""
+        self.__init__()  # type: ignore[misc]
+        if state["start"] is not None:
+            self.reset(state["start"])
+            for subtasks in state["played"]:
+                self.run_round(subtasks)
 
     def reset(self, start: Start) -> WorldState:
         """Put the kitchen into this start; what follows depends on nothing that went before."""
-        self._episode = _Episode(start)
+        self._episode, self._played = _Episode(start), []
         return self._episode.world
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """Every robot runs its subtask at the same time, until each has ended and the kitchen is at rest."""
-        return self._begun().run_round(subtasks, self.watch)
+        result = self._begun().run_round(subtasks, self.watch)
+        self._played.append(dict(subtasks))
+        return result
 
     def positions(self) -> NDArray[np.float64]:
         """Joint positions now, qpos of `model` (rad, m)."""
@@ -53,7 +69,7 @@ class PhysicsBackend:
 
     def close(self) -> None:
         """Forget the episode and free its memory."""
-        self._episode = None
+        self._episode, self._played = None, []
 
     @property
     def world(self) -> WorldState:
@@ -80,7 +96,7 @@ class _Episode:
     """One start and what has become of it."""
 
     def __init__(self, start: Start) -> None:
-        self._start = start
+        self.start = start
         self._layout: Layout = layouts.load(start.layout)
         self._things: dict[str, Category] = {noun: catalogue.get(name) for noun, name in start.categories.items()}
         robots = tuple(start.scene.robots)
@@ -97,7 +113,7 @@ class _Episode:
 
     def run_round(self, subtasks: Mapping[str, Subtask], watch: Callable[[], None] | None) -> RoundResult:
         """One round; see the backend."""
-        began, before, scene = self.simulation.ticks, self.world, self._start.scene
+        began, before, scene = self.simulation.ticks, self.world, self.start.scene
         refused, stations = settle_claims(scene, before, subtasks)
         accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
         attempts = self._crew.attempts(Round(self._rounds, before, accepted, stations))
@@ -157,7 +173,7 @@ class _Episode:
     def _read(self) -> WorldState:
         """The world now; every robot's idea of its hand follows it."""
         world = read_world(
-            self.simulation, self._start.scene, self._layout, self._things, marks=self._marks, running=self._running
+            self.simulation, self.start.scene, self._layout, self._things, marks=self._marks, running=self._running
         )
         for name, here in self._crew.robots.items():
             here.hand.body = world.robots[name].holding
@@ -168,7 +184,7 @@ class _Episode:
         if not outcome.success:
             return outcome
         for condition in subtask.achieves(robot, before.robots[robot].holding):
-            if not condition.holds(self._start.scene, self.world):
+            if not condition.holds(self.start.scene, self.world):
                 return failure("slipped", f"not true at rest: {condition.sentence}", seconds=outcome.seconds)
         return outcome
 

@@ -111,9 +111,10 @@ def _season(here: Surroundings, world: WorldState, target: str) -> Steps:
 def _switch(here: Surroundings, scene: Scene, world: WorldState, target: str, *, on: bool) -> Steps:
     fixture = here.layout.fixtures[target]
     if fixture.kind == "stove":
-        switch = switch_for(scene, world, target, turning_on=on)
-        knob = fixture.knobs[fixture.switches.index(str(switch))]  # type: ignore[attr-defined]
-        yield from turn_knob(here, knob, on=on)
+        switches = [switch_for(scene, world, target)] if on else sorted(world.fixtures[target].on)
+        for switch in switches:
+            knob = fixture.knobs[fixture.switches.index(switch)]  # type: ignore[attr-defined]
+            yield from turn_knob(here, knob, on=on)
     elif fixture.kind == "faucet":
         yield from turn_lever(here, target, on=on)
     else:

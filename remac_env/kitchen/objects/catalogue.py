@@ -14,6 +14,7 @@ from remac_env.errors import KitchenFileError, check_choice
 from remac_env.kitchen.objects.forms import FORMS, OPTIONAL_MEASURES, Body
 from remac_env.kitchen.style import hex_color
 from remac_env.kitchen.textures import Color
+from remac_env.state import FrozenMap
 
 _FILE = Path(__file__).with_name("catalogue.toml")
 
@@ -162,7 +163,7 @@ class _Reader:
                 measures[key] = self._numbers(where, given[key], count=3)
             else:
                 measures[key] = self._number(where, given[key], positive=True)
-        return Body(form, MappingProxyType(measures))
+        return Body(form, FrozenMap(measures))
 
     def _grasp(self, table: object) -> Grasp:
         given = self._keys("grasp", table, _GRASP_KEYS[:3], _GRASP_KEYS[3:])
