@@ -15,7 +15,7 @@ from time import process_time
 from typing import Annotated
 
 import typer
-from remac_bench.jobs import parse_seeds
+from remac_bench.jobs import parse_names, parse_seeds
 from rich.console import Console
 from rich.table import Table
 
@@ -66,12 +66,14 @@ def play(task: str, robots: int, seed: int, *, starts: str, replans: int) -> Pla
 
 def main(
     seeds: Annotated[str, typer.Option(help="first:end")] = "0:50",
+    tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
     starts: Annotated[str, typer.Option(help="paper or mixed")] = "paper",
     replans: Annotated[int, typer.Option(help="Plans anew after a failed round, at most this often.")] = 2,
     processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
 ) -> None:
     """Print a table a task and number of robots, and every failed subtask."""
-    cells = [(task, robots, seed) for task in remac_env.tasks() for robots in (1, 2) for seed in parse_seeds(seeds)]
+    names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
+    cells = [(task, robots, seed) for task in names for robots in (1, 2) for seed in parse_seeds(seeds)]
     console = Console()
     groups: dict[tuple[str, int], list[Played]] = defaultdict(list)
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:

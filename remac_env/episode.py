@@ -28,6 +28,7 @@ class Terms:
     goal: Goal
     sentence: str
     commands: Mapping[str, int]
+    phases: tuple[tuple[str, Goal], ...] = ()
 
     @property
     def scene(self) -> Scene:
@@ -61,6 +62,7 @@ class Episode:
     rounds: int = 0
     done: frozenset[str] = frozenset()
     end: End | None = None
+    phases_done: int = 0
 
     def advance(self, subtasks: Mapping[str, Subtask], invalid: Mapping[str, Outcome], result: RoundResult) -> None:
         """Take over a round's result and judge it."""
@@ -72,6 +74,10 @@ class Episode:
         said = {name for name, subtask in subtasks.items() if subtask.skill == "done"}
         quiet = {name for name, subtask in subtasks.items() if subtask.skill in ("done", "wait")}
         self.done = frozenset((self.done & quiet) | said)
+        for _, goal in self.terms.phases[self.phases_done :]:
+            if not goal.holds(self.terms.scene, self.world):
+                break
+            self.phases_done += 1
         self.end = self._judge()
 
     @property
@@ -95,6 +101,7 @@ class Episode:
             "goal_test": terms.goal,
             "verbs": dict(terms.spec.verbs),
             "feedback": terms.options.feedback,
+            "phases": {name: index < self.phases_done for index, (name, _) in enumerate(terms.phases)},
             "round": self.rounds,
             "seconds": self.seconds,
             "robot_contacts": self.counters.robot_contacts,

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 from remac_env.conditions import destination, stations_of
 from remac_env.rounds import NAVIGATION, attempt, first_false, merge
-from remac_env.state import Place, Scene, WorldState, contents, occupant, supports
+from remac_env.state import WASHED, Place, Scene, WorldState, contents, inside, occupant, supports, washed
 from remac_env.subtasks import WAIT, Subtask
-from remac_env.tasks.goals import Goal, Inside
+from remac_env.tasks.goals import DoorIs, Goal, Inside, Marked, SwitchedOn
 
 Reached = Callable[[WorldState], bool]
 Joint = dict[str, Subtask]
@@ -117,7 +117,7 @@ def _joint_moves(scene: Scene, world: WorldState, commands: Sequence[Subtask]) -
             continue
         after = merge(world, {name: move[1] for name, move in zip(names, choice, strict=True)})
         if after is not None and after != world:
-            yield {name: move[0] for name, move in zip(names, choice, strict=True)}, after
+            yield {name: move[0] for name, move in zip(names, choice, strict=True)}, washed(scene, after)
 
 
 def _moves(
@@ -158,17 +158,21 @@ def relevant_commands(scene: Scene, world: WorldState, goal: Goal) -> list[Subta
         commands += [Subtask("place to", name)] if facts.slots else []
         commands += [Subtask("open door", name), Subtask("close door", name)] if facts.door else []
         commands += [Subtask("turn on", name), Subtask("turn off", name)] if facts.switches else []
-    seasoned = [atom for atom in goal.atoms() if getattr(atom, "mark", "") == "seasoned"]
-    for atom in seasoned:
-        commands.append(Subtask("season", atom.names()[0]))
-    return commands
+    return commands + [Subtask("season", name) for name in _to_mark(goal, "seasoned")]
+
+
+def _to_mark(goal: Goal, mark: str) -> list[str]:
+    """The objects to which `mark` is to happen."""
+    return [atom.name for atom in goal.atoms() if isinstance(atom, Marked) and atom.mark == mark]
 
 
 def _relevant_nouns(scene: Scene, world: WorldState, goal: Goal) -> tuple[list[str], list[str]]:
     objects = [name for name in goal.names() if name in scene.objects]
     fixtures = [name for name in goal.names() if name in scene.fixtures]
-    if any(getattr(atom, "mark", "") == "seasoned" for atom in goal.atoms()):
+    if _to_mark(goal, "seasoned"):
         objects += [name for name, facts in scene.objects.items() if facts.seasons]
+    if _to_mark(goal, WASHED):
+        fixtures += [name for tap, facts in scene.fixtures.items() if facts.wets for name in (tap, *facts.wets)]
     for name in list(fixtures):
         slots = scene.fixtures[name].slots
         taken = [occupant(world, slot) for slot in slots]
@@ -186,21 +190,50 @@ def _relevant_nouns(scene: Scene, world: WorldState, goal: Goal) -> tuple[list[s
 
 def _rounds_at_least(scene: Scene, world: WorldState, goal: Goal) -> int:
     """A lower bound on the rounds left: the longest chain that any one part of the goal still needs."""
-    return max((_atom_needs(scene, world, atom) for atom in goal.atoms()), default=0)
+    return max((_atom_needs(scene, world, goal, atom) for atom in goal.atoms()), default=0)
 
 
-def _atom_needs(scene: Scene, world: WorldState, atom: Goal) -> int:
+def _atom_needs(scene: Scene, world: WorldState, goal: Goal, atom: Goal) -> int:
     if atom.holds(scene, world):
         return 0
+    if isinstance(atom, Marked) and atom.mark == WASHED:
+        return _washing_needs(scene, world, atom.name)
+    if isinstance(atom, SwitchedOn) and scene.fixtures[atom.fixture].shut_to_run:
+        return 1 if world.fixtures[atom.fixture].door == "closed" else 2
     if not isinstance(atom, Inside):
         return 1
+    after = _rounds_after(scene, goal, atom.container)
+    if atom.name in _to_mark(goal, WASHED) and WASHED not in world.objects[atom.name].marks:
+        # Out of the basin, there, and in; the going falls away where both are used from one station.
+        return _washing_needs(scene, world, atom.name) + 2 + after
     place = world.objects[atom.name].place
     if place.relation == "held":
-        return 1 if _stands_at(scene, world, place.where, atom.container) else 2
+        return after + (1 if _stands_at(scene, world, place.where, atom.container) else 2)
     if place == Place("floor"):
         return 1
     # pick up, go, place - the going falls away only where both are used from one station.
-    return 3 if not _one_station(scene, world, atom) else 2
+    return after + (3 if not _one_station(scene, world, atom) else 2)
+
+
+def _rounds_after(scene: Scene, goal: Goal, container: str) -> int:
+    """Rounds that are left once the last thing has gone into a container: its door was open then."""
+    if container not in scene.fixtures or not scene.fixtures[container].door:
+        return 0
+    rest = [atom for atom in goal.atoms() if isinstance(atom, SwitchedOn | DoorIs) and atom.fixture == container]
+    runs = any(isinstance(atom, SwitchedOn) for atom in rest) and scene.fixtures[container].shut_to_run
+    shut = any(isinstance(atom, DoorIs) and atom.door == "closed" for atom in rest)
+    return 2 if runs else int(shut)
+
+
+def _washing_needs(scene: Scene, world: WorldState, name: str) -> int:
+    """Rounds until water has run on a thing, at least."""
+    basins = [basin for facts in scene.fixtures.values() for basin in facts.wets]
+    if any(inside(scene, world, name, basin) for basin in basins):
+        return 1
+    place = world.objects[name].place
+    if place.relation == "held":
+        return 1 if any(_stands_at(scene, world, place.where, basin) for basin in basins) else 2
+    return 2
 
 
 def _stands_at(scene: Scene, world: WorldState, robot: str, container: str) -> bool:

@@ -213,7 +213,8 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         spec = self.worlds.spec
         commands = {text: self.vocabulary.encode(text) for text in self.vocabulary.commands(start.scene)}
         sentence = spec.sentence(self.options.wording, names)
-        return Terms(spec, self.options, start, spec.goal.bind(names), sentence, commands)
+        phases = tuple((name, goal.bind(names)) for name, goal in spec.phases)
+        return Terms(spec, self.options, start, spec.goal.bind(names), sentence, commands, phases)
 
     def _running(self) -> Episode:
         self._check_open()

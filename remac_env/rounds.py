@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from remac_env.conditions import destination
-from remac_env.state import ASIDE, Scene, WorldState
+from remac_env.state import ASIDE, Scene, WorldState, washed
 from remac_env.subtasks import Outcome, Reason, Requirement, Subtask, drop, failure
 
 NAVIGATION = ("navigate to", "navigate aside")
@@ -130,4 +130,4 @@ def transition(
         reason: Reason = "blocked"
         clash = {r: failure(reason, "the robots' effects contradict each other") for r in results}
         return world, outcomes | clash
-    return merged, outcomes
+    return washed(scene, merged), outcomes

@@ -26,6 +26,9 @@ CLOSED_MAX = 0.05
 OPEN_MIN = 0.90
 """A door at least this far open is open, rad (released threshold)."""
 
+WASHED = "washed"
+"""The mark of a thing on which water has run."""
+
 Relation = Literal["slot", "vessel", "held", "floor"]
 Door = Literal["closed", "ajar", "open"]
 
@@ -101,7 +104,8 @@ class FixtureFacts:
     """A thing that stays where it is.
 
     `switches` are what `turn on` and `turn off` act on; a fixture that has one switch per slot (a stove) lists its
-    slots. `shut_to_run`: it can only be switched on with its door closed.
+    slots. `shut_to_run`: it can only be switched on with its door closed. `wets`: the fixtures into which its water
+    runs while it is on.
     """
 
     name: str
@@ -111,6 +115,7 @@ class FixtureFacts:
     switches: tuple[str, ...] = ()
     slots: tuple[str, ...] = ()
     shut_to_run: bool = False
+    wets: tuple[str, ...] = ()
 
     @property
     def switch_per_slot(self) -> bool:
@@ -123,7 +128,8 @@ class ObjectFacts:
     """A thing that can be carried.
 
     `needs_vessel_in` and `vessel_in` name fixture kinds: meat needs a vessel in a sink, a bowl is a vessel there.
-    `holds` is how many things fit on or in it; `seasons`: it is a shaker; `small`: it fits into a vessel.
+    `holds` is how many things fit on or in it; `seasons`: it is a shaker; `small`: it fits into a vessel; `washable`:
+    running water leaves it washed.
     """
 
     name: str
@@ -133,6 +139,7 @@ class ObjectFacts:
     holds: int = 0
     seasons: bool = False
     small: bool = True
+    washable: bool = False
 
 
 @dataclass(frozen=True)
@@ -263,6 +270,18 @@ def occupant(world: WorldState, slot: str) -> str | None:
     """The object that stands in `slot` itself, or None."""
     place = Place("slot", slot)
     return next((name for name, item in world.objects.items() if item.place == place), None)
+
+
+def washed(scene: Scene, world: WorldState) -> WorldState:
+    """The world with the mark `washed` on whatever washable thing stands under running water."""
+    for name, fixture in scene.fixtures.items():
+        if not (fixture.wets and world.fixtures[name].on):
+            continue
+        for thing, item in world.objects.items():
+            wet = any(inside(scene, world, thing, basin) for basin in fixture.wets)
+            if wet and scene.objects[thing].washable and WASHED not in item.marks:
+                world = world.with_object(thing, marks=item.marks | {WASHED})
+    return world
 
 
 def door_state(angle: float) -> Door:

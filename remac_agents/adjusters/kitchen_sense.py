@@ -115,6 +115,13 @@ class KitchenSense:
         taken = [step.target for step in self.request.executed if step.skill == "pick up"]
         return taken[-1] if taken else None
 
+    def has_served(self) -> bool:
+        """Whether the robot has worked with what it holds since it took it up: then it cannot be taken up later."""
+        since: list[Subtask] = []
+        for step in self.request.executed:
+            since = [] if step.skill == "pick up" else [*since, step]
+        return any(not step.skill.startswith("navigate") for step in since)
+
     def surrounding(self, target: str) -> str | None:
         """The fixture with a door that `target` is, or is in."""
         doors = [name for name, facts in self.fixtures.items() if facts.door]

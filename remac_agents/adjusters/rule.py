@@ -138,7 +138,7 @@ def _hand_is_full(sense: KitchenSense) -> Advice | None:
         return None
     reason = f"the hand has to be empty to {sense.subtask.text}"
     steps = (*down, go(sense.target))
-    if sense.subtask.skill == "pick up":
+    if sense.subtask.skill == "pick up" or sense.has_served() and not _uses_thing(sense.rest):
         return _advice(sense, reason, steps, remedy=down)
     fetch: tuple[Subtask, ...] = ()
     if _uses_thing(sense.rest):

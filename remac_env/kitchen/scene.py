@@ -11,12 +11,16 @@ from remac_env.state import FixtureFacts, FixtureState, FrozenMap, ObjectFacts, 
 SHUT_TO_RUN = ("microwave",)
 """Kinds of fixtures that can only be switched on with their door closed."""
 
+WATER, BASIN = "faucet", "sink"
+"""The kind of fixture that gives water, and the kind into which it runs: the one at the same station."""
+
 BULKY = ("vessel", "drink", "shaker")
 """Groups of things that do not fit into a bowl or pan."""
 
 
 def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence[str]) -> Scene:
     """The facts of a kitchen: the layout's usable fixtures, and `things` (noun -> category)."""
+    basins = {name: str(f.station) for name, f in layout.fixtures.items() if f.kind == BASIN}
     fixtures = {
         name: FixtureFacts(
             name=name,
@@ -26,6 +30,7 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             switches=tuple(fixture.switches),
             slots=tuple(slot.name for slot in fixture.slots),
             shut_to_run=fixture.kind in SHUT_TO_RUN,
+            wets=tuple(n for n, at in basins.items() if fixture.kind == WATER and at == fixture.station),
         )
         for name, fixture in layout.fixtures.items()
         if fixture.station is not None
@@ -39,6 +44,7 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             holds=category.holds,
             seasons=category.seasons,
             small=category.group not in BULKY,
+            washable="washable" in category.attributes,
         )
         for noun, category in things.items()
     }

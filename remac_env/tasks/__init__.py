@@ -7,9 +7,11 @@ from remac_env.tasks.defrost_in_bowl import SPEC as _DEFROST
 from remac_env.tasks.heat_on_stove import SPEC as _HEAT
 from remac_env.tasks.open_cabinet_pnp import SPEC as _CABINET
 from remac_env.tasks.open_microwave_pnp import SPEC as _MICROWAVE
+from remac_env.tasks.seasoned_microwave import SPEC as _SEASONED
 from remac_env.tasks.spec import TaskSpec
+from remac_env.tasks.wash_pnp_heat import SPEC as _WASH
 
-_SPECS: dict[str, TaskSpec] = {spec.name: spec for spec in (_CABINET, _MICROWAVE, _DEFROST, _HEAT)}
+_SPECS: dict[str, TaskSpec] = {spec.name: spec for spec in (_CABINET, _MICROWAVE, _DEFROST, _HEAT, _WASH, _SEASONED)}
 
 
 def names() -> tuple[str, ...]:

@@ -24,4 +24,5 @@ SPEC = TaskSpec(
     fixtures=("counter", "sink", "faucet"),
     verbs={"defrost": ("turn on faucet",)},
     styles=("coastal",),
+    in_table=True,
 )

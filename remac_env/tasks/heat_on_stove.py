@@ -24,4 +24,5 @@ SPEC = TaskSpec(
     fixtures=("counter", "stove"),
     verbs={"heat": ("turn on stove",)},
     styles=("industrial",),
+    in_table=True,
 )

@@ -16,4 +16,5 @@ SPEC = TaskSpec(
     roles=(Role("food", ("vegetable",)), Role("plate", ("plate",), at="cabinet")),
     fixtures=("counter", "cabinet"),
     styles=("modern_1",),
+    in_table=True,
 )

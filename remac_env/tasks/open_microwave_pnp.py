@@ -16,4 +16,5 @@ SPEC = TaskSpec(
     roles=(Role("food", ("vegetable",)), Role("plate", ("plate",), at="microwave")),
     fixtures=("counter", "microwave"),
     styles=("farmhouse",),
+    in_table=True,
 )

@@ -38,6 +38,9 @@ class TaskSpec:
         verbs: goal verb -> commands that the verb itself implies once the thing is in place ("heat": the burner).
             Public data: planners are told.
         styles, layouts: the task's rows of the style table.
+        in_table: whether it belongs to the suite's table of 27 task styles.
+        phases: (name, goal) in order, for tasks that are scored by phases: one counts once its goal has held after the
+            one before it.
         distractors: how many other things stand about, (least, most).
         nouns: words that the built-in vocabulary lacks.
         categories: further object categories, in the form of the catalogue's tables.
@@ -52,6 +55,8 @@ class TaskSpec:
     verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     styles: tuple[str, ...] = ("modern_1",)
     layouts: tuple[str, ...] = ("one_wall_large",)
+    in_table: bool = False
+    phases: tuple[tuple[str, Goal], ...] = ()
     distractors: tuple[int, int] = (1, 2)
     nouns: tuple[Noun, ...] = ()
     categories: Mapping[str, Mapping[str, object]] = field(default_factory=dict)

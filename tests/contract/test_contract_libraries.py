@@ -15,7 +15,7 @@ from pettingzoo.utils import aec_to_parallel, parallel_to_aec
 import remac_env
 from remac_env import testing
 
-TASKS = tuple(remac_env.tasks()[:4])
+TASKS = tuple(remac_env.tasks())
 CYCLES = 1000
 
 every_task = pytest.mark.parametrize("task", TASKS)

@@ -18,7 +18,7 @@ from remac_env.oracle import solve
 from remac_env.testing.play import opened, play, scripted
 
 CYCLES = 20
-TASKS = tuple(remac_env.tasks()[:4])
+TASKS = tuple(remac_env.tasks())
 
 pytestmark = pytest.mark.skipif(
     find_spec("remac_env.backends.physics.backend") is None, reason="backends/physics/backend.py is unfinished"

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from remac_bench.commands.tasks import PAPER_TABLE
 from remac_bench.console import clean_errors, console
 from remac_bench.flags import Backend
 
@@ -46,12 +45,13 @@ def demo(
 
 
 def demo_jobs(seeds: list[int], backend: str) -> list[Job]:
-    """The demo's jobs: every task in one kitchen, the first style and layout of its own."""
+    """The demo's jobs: every task of the table in one kitchen, the first style and layout of its own."""
+    import remac_env
     from remac_bench.jobs import make_jobs
     from remac_env.tasks import get
 
     jobs = []
-    for task in PAPER_TABLE:
+    for task in (name for name in remac_env.tasks() if get(name).in_table):
         cell = {"style": get(task).styles[0], "layout": get(task).layouts[0]}
         kitchen = {**cell, "backend": backend}
         jobs += make_jobs(tasks=[task], methods=METHODS, seeds=seeds, kitchen=kitchen, agent={})

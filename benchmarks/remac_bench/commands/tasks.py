@@ -13,9 +13,6 @@ from rich.table import Table
 from remac_bench.console import clean_errors, console
 from remac_bench.flags import Extensions
 
-PAPER_TABLE = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
-"""The tasks of the paper's 27-style table."""
-
 
 @clean_errors
 def tasks(
@@ -46,10 +43,10 @@ def list_tasks() -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "goal": get(name).sentence(3, {role.name: "/".join(role.nouns) for role in get(name).roles}),
-            "styles": list(get(name).styles),
-            "layouts": list(get(name).layouts),
-            "in_table": name in PAPER_TABLE,
+            "goal": spec.sentence(3, {role.name: "/".join(role.nouns) for role in spec.roles}),
+            "styles": list(spec.styles),
+            "layouts": list(spec.layouts),
+            "in_table": spec.in_table,
         }
-        for name in remac_env.tasks()
+        for name, spec in ((name, get(name)) for name in remac_env.tasks())
     ]

@@ -25,7 +25,7 @@ from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rounds import settle_claims
 from remac_env.start import Start
-from remac_env.state import CLOSED_MAX, WorldState
+from remac_env.state import CLOSED_MAX, WorldState, washed
 from remac_env.subtasks import Outcome, Subtask, failure
 
 _REST_SPEED = 0.02  # m/s or rad/s below which the kitchen is at rest
@@ -177,6 +177,8 @@ class _Episode:
         )
         for name, here in self._crew.robots.items():
             here.hand.body = world.robots[name].holding
+        world = washed(self.start.scene, world)
+        self._marks = {name: item.marks for name, item in world.objects.items()}
         return world
 
     def _judged(self, robot: str, subtask: Subtask, before: WorldState, outcome: Outcome) -> Outcome:

@@ -1,0 +1,33 @@
+"""Open the microwave, put the vegetable in, season it, close the door: the paper's real-robot task (its Table 3).
+
+Hidden: the microwave door is closed. Scored by its four phases.
+"""
+
+from __future__ import annotations
+
+from remac_env.tasks.goals import All, DoorIs, Inside, Marked, Released
+from remac_env.tasks.spec import Role, TaskSpec
+
+_IN = All(Inside("{food}", "microwave"), Released("{food}"))
+_SEASONED = Marked("{food}", "seasoned")
+
+SPEC = TaskSpec(
+    name="SeasonedMicrowave",
+    wordings=(
+        "open the microwave door, pick up the {food} from the counter and place it into the microwave, "
+        "season it with the seasoning and close the microwave door",
+        "place the {food} into the microwave, season it with the seasoning and close the microwave door, "
+        "which has to be open first",
+        "place the {food} into the microwave, season it with the seasoning and close the microwave door",
+    ),
+    goal=All(Inside("{food}", "microwave"), _SEASONED, DoorIs("microwave", "closed"), Released("{food}")),
+    roles=(Role("food", ("vegetable",)), Role("shaker", ("seasoning",))),
+    fixtures=("counter", "microwave"),
+    styles=("modern_1",),
+    phases=(
+        ("open microwave", DoorIs("microwave", "open")),
+        ("vegetable in microwave", _IN),
+        ("seasoned", _SEASONED),
+        ("close microwave", DoorIs("microwave", "closed")),
+    ),
+)
