@@ -26,7 +26,7 @@ def make(task: str = "OpenCabinetPnP", **options: Any) -> Any:
 
 def test_the_tasks_are_there_in_their_order() -> None:
     table = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
-    assert TASKS == (*table, "WashPnPHeat", "SeasonedMicrowave")
+    assert (*table, "WashPnPHeat", "SeasonedMicrowave") == TASKS
 
 
 @pytest.mark.parametrize("name", ["OpenCabinetPNP", "", None, 3, ["OpenCabinetPnP"]])
