@@ -10,10 +10,10 @@ import mujoco
 from remac_env.kitchen.canvas import SWITCHED, Canvas
 from remac_env.kitchen.fixtures import Window
 from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.style import Style, load
 
 if TYPE_CHECKING:
     from remac_env.kitchen.objects import Category
-    from remac_env.kitchen.style import Style
 
 TIMESTEP = 0.005  # s; ten steps make one control step of 20 Hz
 DEFAULT_STYLE = "modern_1"
@@ -53,9 +53,10 @@ def build_spec(
     spec.modelname = layout.name
     spec.compiler.degree = False
     _set_physics(spec)
+    style = load(DEFAULT_STYLE) if style is None else style
     if looks:
         _set_looks(spec, style)
-    canvas = Canvas(spec, looks=looks)
+    canvas = Canvas(spec, looks=looks, panel=style.panel, pull=style.pull)
     layout.room.build(canvas, [(f.x, f.z) for f in layout.fixtures.values() if isinstance(f, Window)])
     for fixture in layout.fixtures.values():
         fixture.build(canvas)
@@ -96,12 +97,10 @@ def _set_physics(spec: mujoco.MjSpec) -> None:
     spec.memory = _MEMORY
 
 
-def _set_looks(spec: mujoco.MjSpec, style: Style | None) -> None:
+def _set_looks(spec: mujoco.MjSpec, style: Style) -> None:
     """Add materials and lights."""
     from remac_env.kitchen.lights import add_lights
     from remac_env.kitchen.materials import add_materials
-    from remac_env.kitchen.style import load
 
-    style = load(DEFAULT_STYLE) if style is None else style
     add_materials(spec, style)
     add_lights(spec, style)

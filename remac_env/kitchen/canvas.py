@@ -42,9 +42,12 @@ class Canvas:
     of one body and material become one mesh, because pictures cost by the number of geoms.
     """
 
-    def __init__(self, spec: mujoco.MjSpec, *, looks: bool) -> None:
-        """Build into `spec`; with `looks`, its materials must already be there, named by role."""
-        self.looks = looks
+    def __init__(self, spec: mujoco.MjSpec, *, looks: bool, panel: str = "shaker", pull: str = "bar") -> None:
+        """Build into `spec`; with `looks`, its materials must already be there, named by role.
+
+        panel, pull: how doors and drawers are made (style.PANELS, style.PULLS).
+        """
+        self.looks, self.panel, self.pull = looks, panel, pull
         self._spec = spec
         self._bodies: dict[str, Any] = {}
         self._coats: dict[_Coat, list[Mesh]] = {}
@@ -117,6 +120,16 @@ class Part:
     def looks(self) -> bool:
         """Whether drawn shapes are kept."""
         return self._canvas.looks
+
+    @property
+    def panel(self) -> str:
+        """How doors and drawers are made, a name of style.PANELS."""
+        return self._canvas.panel
+
+    @property
+    def pull(self) -> str:
+        """What doors and drawers are drawn open by, a name of style.PULLS."""
+        return self._canvas.pull
 
     # Colliders. Options: mass (kg), friction, name.
 

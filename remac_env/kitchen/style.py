@@ -20,6 +20,12 @@ from remac_env.kitchen.textures import PATTERNS, Color
 
 _FOLDER = Path(__file__).parent / "styles"
 _COMMON = Path(__file__).parent / "finishes.toml"
+PANELS = ("shaker", "slab", "raised", "beaded")
+"""How fronts are made: a frame around a flat panel, one plain board, a frame around a raised field or around boards."""
+
+PULLS = ("bar", "knob", "edge")
+"""What fronts are drawn open by: a bar on two posts, a knob, or a strip along their edge."""
+
 _HEX = re.compile(r"#[0-9a-fA-F]{6}")
 
 
@@ -45,12 +51,18 @@ class Finish:
 
 @dataclass(frozen=True, eq=False)
 class Style:
-    """A look: a finish for every role, and the colour of the lamps (red, green, blue in 0..1)."""
+    """A look: a finish for every role, the colour of the lamps (red, green, blue in 0..1), and the make of the fronts.
+
+    panel: a name of PANELS, how doors and drawers are made; pull: a name of PULLS, how they are drawn open. Doors that
+    robots open keep their bar.
+    """
 
     name: str
     title: str
     lamp: Color
     finishes: Mapping[str, Finish]
+    panel: str = PANELS[0]
+    pull: str = PULLS[0]
 
     def __getitem__(self, role: str) -> Finish:
         """The finish of a role; UnknownNameError lists the roles."""
@@ -79,14 +91,23 @@ def read(path: Path) -> Style:
     """Read one style file. Raises KitchenFileError naming the file, the key and the valid values."""
     table = _table(path)
     title, lamp = table.pop("title", path.stem), table.pop("lamp", "#ffffff")
+    panel, pull = _one_of(path, table, "panel", PANELS), _one_of(path, table, "pull", PULLS)
     if not isinstance(title, str):
         raise KitchenFileError(path, "title", f"expected a text, got {title!r}")
     finishes = dict(_common())
     for role, given in table.items():
         if role not in finishes:
-            raise KitchenFileError(path, role, "is not a role", ["title", "lamp", *finishes])
+            raise KitchenFileError(path, role, "is not a role", ["title", "lamp", "panel", "pull", *finishes])
         finishes[role] = _finish(path, role, given, finishes[role])
-    return Style(path.stem, title, hex_color(path, "lamp", lamp), MappingProxyType(finishes))
+    return Style(path.stem, title, hex_color(path, "lamp", lamp), MappingProxyType(finishes), panel, pull)
+
+
+def _one_of(path: Path, table: dict[str, Any], key: str, valid: tuple[str, ...]) -> str:
+    """Take a name out of the table; the first of the valid ones where it is missing."""
+    name = table.pop(key, valid[0])
+    if name not in valid:
+        raise KitchenFileError(path, key, f"got {name!r}", valid)
+    return str(name)
 
 
 @lru_cache(maxsize=1)

@@ -23,6 +23,6 @@ SPEC = TaskSpec(
     roles=(Role("food", ("fish", "meat")), Role("vessel", ("bowl",))),
     fixtures=("counter", "sink", "faucet"),
     verbs={"defrost": ("turn on faucet",)},
-    styles=("coastal",),
+    styles=("coastal", "mediterranean", "modern_2", "traditional_2", "transitional_1"),
     in_table=True,
 )

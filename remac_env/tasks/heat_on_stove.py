@@ -23,6 +23,6 @@ SPEC = TaskSpec(
     roles=(Role("food", ("vegetable",)), Role("vessel", ("pan",))),
     fixtures=("counter", "stove"),
     verbs={"heat": ("turn on stove",)},
-    styles=("industrial",),
+    styles=("industrial", "rustic", "modern_1", "transitional_1", "traditional_2"),
     in_table=True,
 )

@@ -15,6 +15,9 @@ SPEC = TaskSpec(
     goal=All(Inside("{food}", "cabinet", only_on=("plate",)), Released("{food}")),
     roles=(Role("food", ("vegetable",)), Role("plate", ("plate",), at="cabinet")),
     fixtures=("counter", "cabinet"),
-    styles=("modern_1",),
+    styles=(
+        "modern_1", "industrial", "scandinavian", "coastal", "modern_2", "traditional_1", "traditional_2",
+        "farmhouse", "rustic", "mediterranean", "transitional_1", "transitional_2",
+    ),  # fmt: skip
     in_table=True,
 )

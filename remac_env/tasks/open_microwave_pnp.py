@@ -15,6 +15,6 @@ SPEC = TaskSpec(
     goal=All(Inside("{food}", "microwave"), Released("{food}")),
     roles=(Role("food", ("vegetable",)), Role("plate", ("plate",), at="microwave")),
     fixtures=("counter", "microwave"),
-    styles=("farmhouse",),
+    styles=("farmhouse", "modern_1", "scandinavian", "traditional_1", "transitional_2"),
     in_table=True,
 )

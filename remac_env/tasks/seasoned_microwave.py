@@ -23,7 +23,7 @@ SPEC = TaskSpec(
     goal=All(Inside("{food}", "microwave"), _SEASONED, DoorIs("microwave", "closed"), Released("{food}")),
     roles=(Role("food", ("vegetable",)), Role("shaker", ("seasoning",))),
     fixtures=("counter", "microwave"),
-    styles=("modern_1",),
+    styles=("modern_1", "farmhouse", "scandinavian", "traditional_1", "transitional_2"),
     phases=(
         ("open microwave", DoorIs("microwave", "open")),
         ("vegetable in microwave", _IN),

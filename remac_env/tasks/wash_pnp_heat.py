@@ -23,5 +23,5 @@ SPEC = TaskSpec(
     roles=(Role("food", ("vegetable",)),),
     fixtures=("counter", "sink", "faucet", "microwave"),
     verbs={"wash": ("turn on faucet",), "heat": ("turn on microwave",)},
-    styles=("modern_1",),
+    styles=("modern_1", "farmhouse", "scandinavian", "traditional_1", "transitional_2"),
 )
