@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from remac_env.state import ASIDE, Place, Scene, WorldState, base_place, contents, inside, occupant, supports
 
@@ -24,11 +25,16 @@ class Condition:
     @property
     def sentence(self) -> str:
         """The condition in plain English, as a checker or a language model reads it."""
-        return _SENTENCES[self.predicate].format(*self.args)
+        return _sentence(self.predicate, self.args)
 
     def holds(self, scene: Scene, world: WorldState) -> bool:
         """Whether the condition is true in this world."""
         return PREDICATES[self.predicate](scene, world, *self.args)
+
+
+@lru_cache(maxsize=4096)
+def _sentence(predicate: str, args: tuple[str, ...]) -> str:
+    return _SENTENCES[predicate].format(*args)
 
 
 def condition(predicate: str, *args: str) -> Condition:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 from remac_env.backends.base import Counters, RoundResult
@@ -35,7 +36,7 @@ class Terms:
         """The facts of this kitchen."""
         return self.start.scene
 
-    @property
+    @cached_property
     def label(self) -> dict[str, Any]:
         """The episode's cell, seed and digest, as infos and records carry it."""
         return {
@@ -48,6 +49,11 @@ class Terms:
             "robots": len(self.scene.robots),
             "backend": self.options.backend,
         }
+
+    @cached_property
+    def text(self) -> str:
+        """What every robot is told of the kitchen."""
+        return describe(self.scene, list(self.commands), self.sentence)
 
 
 @dataclass
@@ -92,7 +98,7 @@ class Episode:
             "outcome": self._outcome(robot),
             "text": self._text(robot),
             "goal": terms.sentence,
-            "episode": terms.label,
+            "episode": dict(terms.label),
             "success": self.end == "success",
             "end": self.end,
             "world": self.world,
@@ -127,7 +133,7 @@ class Episode:
 
     def _text(self, robot: str) -> str:
         terms = self.terms
-        lines = [f"You are {robot}.", describe(terms.scene, list(terms.commands), terms.sentence)]
+        lines = [f"You are {robot}.", terms.text]
         if terms.options.text == "states":
             lines.append(describe_states(terms.scene, self.world))
         lines.append(describe_outcome(self.outcomes.get(robot), feedback=terms.options.feedback))

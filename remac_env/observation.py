@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.conditions import stations_of
-from remac_env.state import ASIDE, Scene, WorldState, supports
+from remac_env.state import ASIDE, Scene, WorldState, base_place, supports
 from remac_env.vocabulary import Vocabulary
 
 _DOORS = ("closed", "ajar", "open")
 _MARKS = ("washed", "seasoned")
+_FIXTURE_SIZE = 5
 _ROBOTS = 2  # blocks: the robot itself, then the other one (zeros where there is none)
 
 
@@ -27,38 +27,51 @@ class Facts:
         self.fixtures = tuple(noun.name for noun in vocabulary.nouns if noun.kind == "fixture")
         self.objects = tuple(noun.name for noun in vocabulary.nouns if noun.kind == "object")
         f, o = len(self.fixtures), len(self.objects)
-        self.size = _ROBOTS * (1 + f + 2 * o) + o * (f + o + 6) + f * 5
+        self._at = {name: index for index, name in enumerate((*self.fixtures, *self.objects))}
+        self._robot_size, self._object_size = 1 + f + 2 * o, f + o + 6
+        self._objects_from = _ROBOTS * self._robot_size
+        self._fixtures_from = self._objects_from + o * self._object_size
+        self.size = self._fixtures_from + f * _FIXTURE_SIZE
 
     def vector(self, scene: Scene, world: WorldState, robot: str) -> NDArray[np.float32]:
         """The world as `robot` sees it; shape (size,), values 0 or 1."""
-        values: list[float] = []
+        ones: list[int] = []
         order = [robot, *(name for name in scene.robots if name != robot)]
-        for index in range(_ROBOTS):
-            values += self._robot(scene, world, order[index] if index < len(order) else None)
-        for name in self.objects:
-            values += self._object(scene, world, name, robot)
-        for name in self.fixtures:
-            state = world.fixtures.get(name)
-            doors = [state is not None and state.door == door for door in _DOORS]
-            values += [state is not None, *doors, state is not None and bool(state.on)]
-        return np.array(values, dtype=np.float32)
+        for index, name in enumerate(order[:_ROBOTS]):
+            ones += self._robot(scene, world, name, index * self._robot_size)
+        for name in world.objects:
+            ones += self._object(scene, world, name, robot)
+        for name, state in world.fixtures.items():
+            start = self._fixtures_from + self._at[name] * _FIXTURE_SIZE
+            ones.append(start)
+            if state.door is not None:
+                ones.append(start + 1 + _DOORS.index(state.door))
+            if state.on:
+                ones.append(start + 1 + len(_DOORS))
+        values = np.zeros(self.size, dtype=np.float32)
+        values[ones] = 1.0
+        return values
 
-    def _robot(self, scene: Scene, world: WorldState, robot: str | None) -> list[float]:
-        if robot is None:
-            return [0.0] * (1 + len(self.fixtures) + 2 * len(self.objects))
-        state = world.robots[robot]
-        nouns = [*self.fixtures, *self.objects]
-        known = [n in scene.fixtures or n in world.objects for n in nouns]
-        at = [k and state.station in stations_of(scene, world, n) for n, k in zip(nouns, known, strict=True)]
-        return [state.station == ASIDE, *at, *(state.holding == name for name in self.objects)]
+    def _robot(self, scene: Scene, world: WorldState, robot: str, start: int) -> list[int]:
+        """Places of the ones in a robot's block."""
+        state, first = world.robots[robot], start + 1
+        ones = [start] if state.station == ASIDE else [first + self._at[n] for n in scene.used_from(state.station)]
+        for name in world.objects:
+            place = base_place(world, name)
+            if place.relation == "slot" and scene.slots[place.where].station == state.station:
+                ones.append(first + self._at[name])
+        if state.holding is not None:
+            ones.append(first + self._at[state.holding] + len(self.objects))
+        return ones
 
-    def _object(self, scene: Scene, world: WorldState, name: str, robot: str) -> list[float]:
-        if name not in world.objects:
-            return [0.0] * (len(self.fixtures) + len(self.objects) + 6)
-        item = world.objects[name]
-        around = supports(scene, world, name)
-        inside = [other in around for other in (*self.fixtures, *self.objects)]
-        held = item.place.relation == "held"
-        own = held and item.place.where == robot
-        marks = [mark in item.marks for mark in _MARKS]
-        return [True, *inside, own, held and not own, item.place.relation == "floor", *marks]
+    def _object(self, scene: Scene, world: WorldState, name: str, robot: str) -> list[int]:
+        """Places of the ones in an object's block."""
+        start = self._objects_from + (self._at[name] - len(self.fixtures)) * self._object_size
+        item, first = world.objects[name], start + 1
+        ones = [start, *(first + self._at[other] for other in supports(scene, world, name) if other in self._at)]
+        rest = first + len(self._at)
+        if item.place.relation == "held":
+            ones.append(rest + (item.place.where != robot))
+        elif item.place.relation == "floor":
+            ones.append(rest + 2)
+        return [*ones, *(rest + 3 + _MARKS.index(mark) for mark in item.marks if mark in _MARKS)]

@@ -123,9 +123,9 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
             raise LifecycleError("step() needs an episode under way: call reset() first")
         episode = self._running()
         subtasks, invalid = self._decode(check_actions(actions, self.agents))
-        before = episode.progress
-        episode.advance(subtasks, invalid, self._backend.run_round(subtasks))
         sparse = self.options.reward == "sparse"
+        before = 0.0 if sparse else episode.progress
+        episode.advance(subtasks, invalid, self._backend.run_round(subtasks))
         reward = float(episode.end == "success") if sparse else episode.progress - before
         truncated = episode.end == "truncated"
         terminated = episode.end is not None and not truncated

@@ -41,7 +41,8 @@ def settle_claims(
         false = first_false(scene, world, robot, subtask, "refuse", skip=("station_free",))
         if false is not None:
             refused[robot] = failure(false.reason, f"not true: {false.condition.sentence}")
-    _settle_objects(subtasks, refused)
+    if len(subtasks) > 1:
+        _settle_objects(subtasks, refused)
     stations = {robot: state.station for robot, state in world.robots.items()}
     goals = {
         robot: ASIDE if subtask.skill == "navigate aside" else destination(scene, world, robot, subtask.target)
@@ -91,11 +92,14 @@ def attempt(
 
 def merge(world: WorldState, results: Mapping[str, WorldState]) -> WorldState | None:
     """The world after all robots' changes together, or None when two of them change one thing differently."""
+    others = [after for after in results.values() if after is not world]
+    if len(others) < 2:
+        return others[0] if others else world
     merged = world
     for part in ("robots", "objects", "fixtures"):
         before = getattr(world, part)
         changed: dict[str, object] = {}
-        for after in results.values():
+        for after in others:
             if getattr(after, part) is before:
                 continue
             for name, value in getattr(after, part).items():

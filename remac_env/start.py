@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from remac_env.seeding import digest
 from remac_env.state import Scene, WorldState
@@ -44,7 +45,7 @@ class Start:
     seed: int
     perception_noise: float = 0.0
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """A name for this start that is the same on every platform (figures rounded to 1e-6)."""
 

@@ -162,6 +162,28 @@ class Scene:
         names += [slot.station for slot in self.slots.values()]
         return tuple(dict.fromkeys(names))
 
+    @cached_property
+    def taps(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        """The fixtures that give water, each with those into which it runs."""
+        return tuple((name, facts.wets) for name, facts in self.fixtures.items() if facts.wets)
+
+    @cached_property
+    def washables(self) -> tuple[str, ...]:
+        """The objects that running water leaves washed."""
+        return tuple(name for name, facts in self.objects.items() if facts.washable)
+
+    @cached_property
+    def _fixtures_at(self) -> dict[str, tuple[str, ...]]:
+        at: dict[str, list[str]] = {name: [] for name in self.stations}
+        for name, facts in self.fixtures.items():
+            for station in dict.fromkeys([self.slots[slot].station for slot in facts.slots] or [facts.station]):
+                at[station].append(name)
+        return {station: tuple(names) for station, names in at.items()}
+
+    def used_from(self, station: str) -> tuple[str, ...]:
+        """The fixtures that can be used from a station."""
+        return self._fixtures_at.get(station, ())
+
     def conflicting(self, first: str, second: str) -> bool:
         """True when two robots cannot stand at these stations at the same time."""
         if ASIDE in (first, second):
@@ -225,15 +247,18 @@ class WorldState:
 
     def with_robot(self, name: str, **changes: object) -> WorldState:
         """A copy in which robot `name` has other `station` or `holding`."""
-        return replace(self, robots=self.robots.with_(name, replace(self.robots[name], **changes)))  # type: ignore[arg-type]
+        robot = replace(self.robots[name], **changes)  # type: ignore[arg-type]
+        return WorldState(self.robots.with_(name, robot), self.objects, self.fixtures)
 
     def with_object(self, name: str, **changes: object) -> WorldState:
         """A copy in which object `name` has another `place` or `marks`."""
-        return replace(self, objects=self.objects.with_(name, replace(self.objects[name], **changes)))  # type: ignore[arg-type]
+        item = replace(self.objects[name], **changes)  # type: ignore[arg-type]
+        return WorldState(self.robots, self.objects.with_(name, item), self.fixtures)
 
     def with_fixture(self, name: str, **changes: object) -> WorldState:
         """A copy in which fixture `name` has another `door` or `on`."""
-        return replace(self, fixtures=self.fixtures.with_(name, replace(self.fixtures[name], **changes)))  # type: ignore[arg-type]
+        fixture = replace(self.fixtures[name], **changes)  # type: ignore[arg-type]
+        return WorldState(self.robots, self.objects, self.fixtures.with_(name, fixture))
 
 
 def supports(scene: Scene, world: WorldState, name: str) -> list[str]:
@@ -274,13 +299,13 @@ def occupant(world: WorldState, slot: str) -> str | None:
 
 def washed(scene: Scene, world: WorldState) -> WorldState:
     """The world with the mark `washed` on whatever washable thing stands under running water."""
-    for name, fixture in scene.fixtures.items():
-        if not (fixture.wets and world.fixtures[name].on):
+    for tap, basins in scene.taps:
+        if not world.fixtures[tap].on:
             continue
-        for thing, item in world.objects.items():
-            wet = any(inside(scene, world, thing, basin) for basin in fixture.wets)
-            if wet and scene.objects[thing].washable and WASHED not in item.marks:
-                world = world.with_object(thing, marks=item.marks | {WASHED})
+        for thing in scene.washables:
+            marks = world.objects[thing].marks
+            if WASHED not in marks and any(inside(scene, world, thing, basin) for basin in basins):
+                world = world.with_object(thing, marks=marks | {WASHED})
     return world
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 from remac_env.conditions import Condition, condition, destination, landing, switch_for
@@ -94,7 +95,7 @@ class Subtask:
 
     def requirements(self, robot: str) -> tuple[Requirement, ...]:
         """What must hold before `robot` runs it, in the order in which it is tested."""
-        return SKILLS[self.skill].requires(robot, self.target)
+        return _requirements(self.skill, self.target, robot)
 
     def achieves(self, robot: str, held: str | None) -> tuple[Condition, ...]:
         """What holds after success; `held` is what the robot held before."""
@@ -103,6 +104,11 @@ class Subtask:
     def effect(self, scene: Scene, world: WorldState, robot: str) -> WorldState:
         """The world after success."""
         return SKILLS[self.skill].effect(scene, world, robot, self.target)
+
+
+@lru_cache(maxsize=4096)
+def _requirements(skill: str, target: str, robot: str) -> tuple[Requirement, ...]:
+    return SKILLS[skill].requires(robot, target)
 
 
 # -- requirements ---------------------------------------------------------------------------------------------------

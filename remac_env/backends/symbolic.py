@@ -11,7 +11,7 @@ from remac_env.backends.base import RoundResult, Start
 from remac_env.errors import LifecycleError, OptionError
 from remac_env.rounds import settle_claims, transition
 from remac_env.seeding import generator
-from remac_env.state import WorldState
+from remac_env.state import Scene, WorldState
 from remac_env.subtasks import SKILLS, Outcome, Subtask, failure
 
 
@@ -42,8 +42,7 @@ class SymbolicBackend:
         """One round by the table; seconds are the table's nominal ones."""
         if self._start is None or self._world is None:
             raise LifecycleError("the symbolic backend needs reset(start) before run_round")
-        refused, _ = settle_claims(self._start.scene, self._world, subtasks)
-        slipped = self._slips({robot: s for robot, s in subtasks.items() if robot not in refused})
+        slipped = self._slips(self._start.scene, self._world, subtasks)
         accepted = {robot: Subtask("wait") if robot in slipped else s for robot, s in subtasks.items()}
         world, outcomes = transition(self._start.scene, self._world, accepted)
         outcomes = outcomes | {robot: failure("slipped", "a seeded slip") for robot in slipped}
@@ -60,10 +59,12 @@ class SymbolicBackend:
         """Forget the episode."""
         self._start = self._world = None
 
-    def _slips(self, subtasks: Mapping[str, Subtask]) -> set[str]:
+    def _slips(self, scene: Scene, world: WorldState, subtasks: Mapping[str, Subtask]) -> set[str]:
+        """The robots whose accepted subtask slips."""
         if self._failure_rate == 0.0:
             return set()
-        moving = sorted(robot for robot, s in subtasks.items() if s.skill not in ("wait", "done"))
+        refused, _ = settle_claims(scene, world, subtasks)
+        moving = sorted(r for r, s in subtasks.items() if r not in refused and s.skill not in ("wait", "done"))
         return {robot for robot in moving if self._chance.random() < self._failure_rate}
 
 
