@@ -28,6 +28,7 @@ DOOR_OPEN = 0.90  # rad
 _EMPTY = 0.004  # m between fingers that hold nothing
 _SLIPPED = 0.06  # m by which a thing may move in the hand and still be held
 _LADEN = 0.6  # share of the usual speeds at which a full hand is drawn in
+_RISES = (0.08, 0.16, 0.24)  # m by which a hand is raised that cannot be folded where it is
 _SWITCH_PARTS = {"faucet": "lever", "microwave": "button"}
 _FLOOR_THING = 0.4  # m; things lower than this have fallen down
 
@@ -171,6 +172,19 @@ def tuck(here: Surroundings) -> Steps:
         if way is not None:
             yield from here.mover.go(([stand] if back else []) + way, 1.0 if here.hand.body is None else _LADEN)
             return
+    touching = here.scratch.touching
+    position, rotation = here.kinematics.forward(robot.q)
+    for rise in _RISES:
+        # A wrist low in a basin is too near its rim for any planned way: straight up first.
+        up = planner.line(robot.q, position + [0.0, 0.0, rise], rotation, speed=0.2, check=False)
+        if not up or not here.scratch.free(up[-1]):
+            continue
+        way = planner.path(up[-1], panda.tucked(*up[-1][:3]))
+        if way is not None:
+            yield from here.mover.play(up)
+            yield from here.mover.go(way, 1.0 if here.hand.body is None else _LADEN)
+            return
+    here.scratch.touching = touching
     raise SkillFailure("blocked", "no way to fold the arm: {} meets {}".format(*here.scratch.touching))
 
 
