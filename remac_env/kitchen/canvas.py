@@ -40,8 +40,9 @@ class Canvas:
     """Takes bodies, colliders and drawn shapes; `finish` must be called last.
 
     Lengths are metres, angles radians, z up; the frame is the world's until `stand` gives another. Drawn shapes weigh
-    nothing and touch nothing, so bodies, joints and motion are the same with and without them. With `looks` off every drawn shape is left out. Boxes and bars
-    of one body and material become one mesh, because pictures cost by the number of geoms.
+    nothing and touch nothing, so bodies, joints and motion are the same with and without them. With `looks` off every
+    drawn shape is left out. Boxes and bars of one body and material become one mesh: pictures cost by the number of
+    geoms.
     """
 
     def __init__(self, spec: mujoco.MjSpec, *, looks: bool) -> None:
@@ -56,10 +57,8 @@ class Canvas:
 
     def stand(self, name: str, frame: Frame) -> None:
         """Add a body that stands still; bodies and lights from here on are given in its frame."""
-        half = 0.5 * frame.heading
-        self._ground = self._spec.worldbody.add_body(
-            name=name, pos=[frame.x, frame.y, 0.0], quat=[cos(half), 0.0, 0.0, sin(half)]
-        )
+        turn = [cos(0.5 * frame.heading), 0.0, 0.0, sin(0.5 * frame.heading)]
+        self._ground = self._spec.worldbody.add_body(name=name, pos=[frame.x, frame.y, 0.0], quat=turn)
 
     def body(self, name: str, position: Vector = (0.0, 0.0, 0.0)) -> Part:
         """Add a body to the frame in force; without a joint it stands still."""
@@ -131,7 +130,7 @@ class Part:
     # Colliders. Options: mass (kg), friction, name.
 
     def solid_box(self, low: Vector, high: Vector, **options: Any) -> None:
-        """Add a box collider from its low to its high corner."""
+        """Add a box collider between two corners."""
         middle, half = (np.asarray(low) + high) / 2, (np.asarray(high) - low) / 2
         self._solid(type=mujoco.mjtGeom.mjGEOM_BOX, pos=middle, size=half, **options)
 
@@ -297,5 +296,4 @@ def _sheet_turn(facing: Vector) -> list[float]:
 
 
 def _point(vector: Vector) -> tuple[float, float, float]:
-    x, y, z = vector
-    return x, y, z
+    return vector[0], vector[1], vector[2]

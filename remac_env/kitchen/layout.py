@@ -56,7 +56,8 @@ class Station:
 
     def seen_from(self, frame: Frame) -> Station:
         """The same in another frame."""
-        return replace(self, **dict(zip("xy", frame.local(self.x, self.y), strict=True)), yaw=self.yaw - frame.heading)
+        x, y = frame.local(self.x, self.y)
+        return replace(self, x=x, y=y, yaw=self.yaw - frame.heading)
 
 
 @dataclass(frozen=True)

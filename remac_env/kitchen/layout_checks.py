@@ -29,7 +29,7 @@ STANCE_HALF = 0.60
 FREE_FRONT = 2.5
 """How far robots may drive beyond the open front of the room, m."""
 
-_BESIDE, _BEHIND = 0.30, 0.45  # m from the floor of a working robot at which the axis of another one may pass
+_BESIDE, _BEHIND = 0.30, 0.42  # m from the floor of a working robot at which the axis of another one may pass
 _PARKED = 0.80  # m from the axis of a parked robot at which another one's axis may pass
 _FRONT_SLACK = 0.06  # m by which fridges and handles stand out of the line of fronts
 _TOUCH = 0.001  # fixtures that reach this little, m, into one another merely touch

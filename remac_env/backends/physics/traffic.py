@@ -91,7 +91,8 @@ class Convoy:
         drivers = {name: self._driver(errand) for name, errand in self._errands.items()}
         self._separation.refresh()
         goals = {name: (errand.goal.x, errand.goal.y) for name, errand in self._errands.items()}
-        going = sorted((n for n in drivers if any(self._path(drivers[n], w) for w in drivers[n].ways)), key=goals.get)
+        able = [name for name, driver in drivers.items() if any(self._path(driver, way) for way in driver.ways)]
+        going = sorted(able, key=lambda n: goals[n])
         for group in (going, *([name] for name in going)) if len(going) != 1 else (going,):
             timed = self._combine({name: drivers[name] for name in group}) if group else None
             if timed is not None:
@@ -124,13 +125,13 @@ class Convoy:
         names, tries = list(drivers), 0
         standing = self._separation.circles(set(self._separation.robots) - set(names))
         for ways, delays in _ordered([drivers[name].ways for name in names]):
-            paths = [self._path(drivers[name], way) for name, way in zip(names, ways, strict=True)]
-            if None in [path and 0 for path in paths]:
+            timed: dict[str, Path] = {}
+            for name, way, delay in zip(names, ways, delays, strict=True):
+                path = self._path(drivers[name], way)
+                if path is not None:
+                    timed[name] = [drivers[name].here.robot.q] * delay + path
+            if len(timed) < len(names):
                 continue
-            timed = {
-                name: [drivers[name].here.robot.q] * delay + list(path or ())
-                for name, path, delay in zip(names, paths, delays, strict=True)
-            }
             if self._apart(drivers, timed, standing):
                 return timed
             tries += 1
@@ -174,7 +175,7 @@ def _held(here: Surroundings, q: Array) -> tuple[int, Array] | None:
 
 def _ordered(ways: Sequence[Sequence[_Way]]) -> list[tuple[tuple[_Way, ...], tuple[int, ...]]]:
     """Ways with delays, of which at least one is zero, by the last arrival and then by all arrivals together."""
-    found = []
+    found: list[tuple[int, int, int, tuple[_Way, ...], tuple[int, ...]]] = []
     for chosen in product(*ways):
         for delays in product(_DELAYS, repeat=len(chosen)):
             if min(delays) == 0:
