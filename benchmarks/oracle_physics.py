@@ -39,9 +39,9 @@ class Played:
     near_misses: int
 
 
-def play(task: str, robots: int, seed: int, *, starts: str, replans: int) -> Played:
+def play(task: str, robots: int, seed: int, *, layout: str | None, starts: str, replans: int) -> Played:
     """Run the oracle's plan of one seed."""
-    env = remac_env.parallel_env(task, robots=robots, starts=starts)
+    env = remac_env.parallel_env(task, robots=robots, starts=starts, layout=layout)
     _, infos = env.reset(seed=seed)
     began, failures, left = process_time(), [], replans
     plan = solve(env.start.scene, env.world, env.goal)
@@ -67,6 +67,7 @@ def play(task: str, robots: int, seed: int, *, starts: str, replans: int) -> Pla
 def main(
     seeds: Annotated[str, typer.Option(help="first:end")] = "0:50",
     tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
+    layout: Annotated[str | None, typer.Option(help="A layout's name; by default each seed picks.")] = None,
     starts: Annotated[str, typer.Option(help="paper or mixed")] = "paper",
     replans: Annotated[int, typer.Option(help="Plans anew after a failed round, at most this often.")] = 2,
     processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
@@ -77,20 +78,21 @@ def main(
     console = Console()
     groups: dict[tuple[str, int], list[Played]] = defaultdict(list)
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for played in pool.map(_job, [(*cell, starts, replans) for cell in cells]):
+        for played in pool.map(_job, [(*cell, layout, starts, replans) for cell in cells]):
             groups[played.task, played.robots].append(played)
             for failure in played.failures:
                 console.print(f"{played.task} {played.robots} seed {played.seed} {played.end}: {failure}", markup=False)
     columns = ("task", "robots", "n", "success", "first try", "rounds", "sim s", "CPU s", "contacts", "near misses")
-    table = Table(*columns, title=f"The oracle's plans in physics, {starts} starts, seeds {seeds}")
+    where = layout or "any layout"
+    table = Table(*columns, title=f"The oracle's plans in physics, {where}, {starts} starts, seeds {seeds}")
     for (task, robots), group in groups.items():
         table.add_row(task, str(robots), *_row(group))
     console.print(table)
 
 
-def _job(job: tuple[str, int, int, str, int]) -> Played:
-    task, robots, seed, starts, replans = job
-    return play(task, robots, seed, starts=starts, replans=replans)
+def _job(job: tuple[str, int, int, str | None, str, int]) -> Played:
+    task, robots, seed, layout, starts, replans = job
+    return play(task, robots, seed, layout=layout, starts=starts, replans=replans)
 
 
 def _row(group: list[Played]) -> Iterator[str]:

@@ -24,6 +24,11 @@ class KitchenFileError(RemacError, ValueError):
         """Name the file, the key in it, what is wrong, and the valid values if there is a list of them."""
         choices = valid if isinstance(valid, str) else ", ".join(str(value) for value in valid)
         super().__init__(f"{file}: {key}: {problem}" + (f"; valid: {choices}" if choices else ""))
+        self._given = (str(file), key, problem, choices)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # An exception's own way of being copied knows only the message.
+        return KitchenFileError, self._given
 
 
 class ActionError(RemacError, TypeError):

@@ -9,7 +9,8 @@ import mujoco
 
 from remac_env.kitchen.canvas import SWITCHED, Canvas
 from remac_env.kitchen.fixtures import Window
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.fixtures.room import Face
+from remac_env.kitchen.layout import Layout, Wall
 from remac_env.kitchen.style import Style, load
 
 if TYPE_CHECKING:
@@ -57,9 +58,11 @@ def build_spec(
     if looks:
         _set_looks(spec, style)
     canvas = Canvas(spec, looks=looks, panel=style.panel, pull=style.pull)
-    layout.room.build(canvas, [(f.x, f.z) for f in layout.fixtures.values() if isinstance(f, Window)])
-    for fixture in layout.fixtures.values():
-        fixture.build(canvas)
+    layout.room.build(canvas, {wall.side: _face(layout, wall) for wall in layout.walls.values() if wall.side})
+    for wall in layout.walls.values():
+        canvas.stand(f"wall/{wall.name}", wall.frame)
+        for fixture in layout.at_wall(wall.name):
+            fixture.build(canvas)
     canvas.finish()
     if objects:
         from remac_env.kitchen.objects import add_object
@@ -72,6 +75,11 @@ def build_spec(
         for index, name in enumerate(robots):
             add_robot(spec, name, accent=ACCENTS[index % len(ACCENTS)], looks=looks)
     return spec
+
+
+def _face(layout: Layout, wall: Wall) -> Face:
+    """How a side of the room is drawn: with the tiles of its wall and the openings of its windows."""
+    return Face(wall.tiles, tuple((f.x, f.z) for f in layout.at_wall(wall.name) if isinstance(f, Window)))
 
 
 def show_switches(model: mujoco.MjModel, on: frozenset[str]) -> None:

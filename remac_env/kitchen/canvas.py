@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import cos, sin
 from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 
+from remac_env.kitchen.frame import Frame
 from remac_env.kitchen.meshes import Mesh, add_mesh, merge
 from remac_env.kitchen.pieces import bar, board
 
@@ -37,9 +39,10 @@ class _Coat(NamedTuple):
 class Canvas:
     """Takes bodies, colliders and drawn shapes; `finish` must be called last.
 
-    Lengths are metres, angles radians, world frame with z up. Drawn shapes weigh nothing and touch nothing, so bodies,
-    joints and motion are the same with and without them. With `looks` off every drawn shape is left out. Boxes and bars
-    of one body and material become one mesh, because pictures cost by the number of geoms.
+    Lengths are metres, angles radians, z up; the frame is the world's until `stand` gives another. Drawn shapes weigh
+    nothing and touch nothing, so bodies, joints and motion are the same with and without them. With `looks` off every
+    drawn shape is left out. Boxes and bars of one body and material become one mesh: pictures cost by the number of
+    geoms.
     """
 
     def __init__(self, spec: mujoco.MjSpec, *, looks: bool, panel: str = "shaker", pull: str = "bar") -> None:
@@ -49,20 +52,26 @@ class Canvas:
         """
         self.looks, self.panel, self.pull = looks, panel, pull
         self._spec = spec
+        self._ground = spec.worldbody
         self._bodies: dict[str, Any] = {}
         self._coats: dict[_Coat, list[Mesh]] = {}
         self._shared: set[str] = set()
         self._switched: dict[str, int] = {}
 
+    def stand(self, name: str, frame: Frame) -> None:
+        """Add a body that stands still; bodies and lights from here on are given in its frame."""
+        turn = [cos(0.5 * frame.heading), 0.0, 0.0, sin(0.5 * frame.heading)]
+        self._ground = self._spec.worldbody.add_body(name=name, pos=[frame.x, frame.y, 0.0], quat=turn)
+
     def body(self, name: str, position: Vector = (0.0, 0.0, 0.0)) -> Part:
-        """Add a body to the world; without a joint it stands still."""
-        self._bodies[name] = self._spec.worldbody.add_body(name=name, pos=list(position))
+        """Add a body to the frame in force; without a joint it stands still."""
+        self._bodies[name] = self._ground.add_body(name=name, pos=list(position))
         return Part(self, name, self._bodies[name])
 
     def light(self, name: str, position: Vector, direction: Vector, color: Vector, *, cutoff: float) -> None:
         """Add a spot light without shadow, cutoff in degrees; nothing without looks."""
         if self.looks:
-            self._spec.worldbody.add_light(
+            self._ground.add_light(
                 name=name,
                 type=mujoco.mjtLightType.mjLIGHT_SPOT,
                 pos=list(position),
@@ -108,7 +117,7 @@ class Canvas:
 
 
 class Part:
-    """One body of a fixture. Positions are in its own frame, whose axes are the world's."""
+    """One body of a fixture. Positions are in its own frame, whose axes are those of the frame it stands in."""
 
     def __init__(self, canvas: Canvas, name: str, body: Any) -> None:
         """Wrap an MjSpec body."""
@@ -134,7 +143,7 @@ class Part:
     # Colliders. Options: mass (kg), friction, name.
 
     def solid_box(self, low: Vector, high: Vector, **options: Any) -> None:
-        """Add a box collider from its low to its high corner."""
+        """Add a box collider between two corners."""
         middle, half = (np.asarray(low) + high) / 2, (np.asarray(high) - low) / 2
         self._solid(type=mujoco.mjtGeom.mjGEOM_BOX, pos=middle, size=half, **options)
 
@@ -300,5 +309,4 @@ def _sheet_turn(facing: Vector) -> list[float]:
 
 
 def _point(vector: Vector) -> tuple[float, float, float]:
-    x, y, z = vector
-    return x, y, z
+    return vector[0], vector[1], vector[2]

@@ -77,9 +77,12 @@ def _pose_object(
 ) -> None:
     category = categories[start.categories[noun]]
     offset = start.offsets[noun] if place == start.world.objects[noun].place else Offset(yaw=start.offsets[noun].yaw)
+    yaw = offset.yaw
     if place.relation == "slot":
-        x, y, z = layout.slots[place.where].center
-        position = np.array([x + offset.dx, y + offset.dy, z + category.rest_height])
+        slot = layout.slots[place.where]
+        frame, (x, y, z) = layout.frame(slot.fixture), slot.center
+        position = np.array(frame.space((x + offset.dx, y + offset.dy, z + category.rest_height)))
+        yaw += frame.heading
     elif place.relation == "vessel":
         vessel = categories[start.categories[place.where]]
         position = data.joint(place.where).qpos[:3] + [offset.dx, offset.dy, category.height_inside(vessel)]
@@ -88,4 +91,4 @@ def _pose_object(
     else:
         position = np.array([0.35 * order - 1.0, -1.2, category.rest_height])
     data.joint(noun).qpos[:3] = position
-    data.joint(noun).qpos[3:7] = [np.cos(offset.yaw / 2), 0.0, 0.0, np.sin(offset.yaw / 2)]
+    data.joint(noun).qpos[3:7] = [np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from remac_env.backends.physics.simulation import RobotHandle, Simulation
+from remac_env.backends.physics.simulation import RobotHandle, View
 from remac_env.robots.ik import Kinematics
 from remac_env.robots.rotation import Array
 
@@ -48,10 +48,19 @@ class Attached:
     rotation: Array
 
 
-class Scratch:
-    """Answers whether a configuration of one robot is free of forbidden contact."""
+@dataclass(frozen=True)
+class Fence:
+    """An upright plane in the world: its normal, of length 1, and how far along it one may go (m)."""
 
-    def __init__(self, simulation: Simulation, robot: RobotHandle, kinematics: Kinematics) -> None:
+    x: float
+    y: float
+    limit: float
+
+
+class Scratch:
+    """Answers whether a configuration of one robot, told in the robot's frame, is free of forbidden contact."""
+
+    def __init__(self, simulation: View, robot: RobotHandle, kinematics: Kinematics) -> None:
         self.simulation, self.robot, self.kinematics = simulation, robot, kinematics
         model = simulation.model
         self.model = copy.copy(model)
@@ -78,7 +87,7 @@ class Scratch:
         self.model.opt.enableflags = 0
         self.classes = self._classes.copy()
         self.held: Attached | None = None
-        self.fence: tuple[float, float] | None = None  # x (m) between which robot and held thing must stay
+        self.fences: tuple[Fence, ...] = ()  # robot and held thing must stay on this side of them
         self._spans = _geom_spans(model)
         self._fenced = np.flatnonzero(own[of])
         self._start = self.data.qpos.copy()
@@ -148,19 +157,8 @@ class Scratch:
         """True when configuration ``q`` (11,) has no forbidden contact; ``joints`` sets other qpos entries first."""
         self.checks += 1
         data = self.data
-        data.qpos[self.robot.qpos] = q
-        if joints:
-            for address, value in joints.items():
-                data.qpos[address] = value
-        if self.held is not None:
-            a = self.held.address
-            position, rotation = self.kinematics.forward(q)
-            data.qpos[a : a + 3] = position + rotation @ self.held.position
-            quat = np.empty(4)
-            mujoco.mju_mat2Quat(quat, (rotation @ self.held.rotation).ravel())
-            data.qpos[a + 3 : a + 7] = quat
-        mujoco.mj_kinematics(self.model, data)
-        if self.fence is not None and self._beyond(self.fence):
+        self.pose(q, joints)
+        if any(self._beyond(fence) for fence in self.fences):
             self.touching = (self.robot.name, "the room of another robot")
             return False
         try:
@@ -183,8 +181,25 @@ class Scratch:
         self.touching = (one, other)
         return False
 
+    def pose(self, q: Array, joints: Mapping[int, float] | None = None) -> None:
+        """Put the robot and what it holds into configuration ``q`` (11,), without looking at contacts."""
+        data = self.data
+        q = self.robot.in_world(q)
+        data.qpos[self.robot.qpos] = q
+        if joints:
+            for address, value in joints.items():
+                data.qpos[address] = value
+        if self.held is not None:
+            a = self.held.address
+            position, rotation = self.kinematics.forward(q)
+            data.qpos[a : a + 3] = position + rotation @ self.held.position
+            quat = np.empty(4)
+            mujoco.mju_mat2Quat(quat, (rotation @ self.held.rotation).ravel())
+            data.qpos[a + 3 : a + 7] = quat
+        mujoco.mj_kinematics(self.model, data)
+
     def extent(self) -> tuple[Array, Array]:
-        """Low and high corners (n, 3) around the geoms of the robot and of what it holds, as last checked."""
+        """Low and high corners (n, 3), in the world, around the geoms of robot and held thing, as last checked."""
         ids = self._fenced
         turns = np.abs(self.data.geom_xmat[ids].reshape(-1, 3, 3))
         reach = np.einsum("nij,nj->ni", turns, self._spans[ids, :3]) + self._spans[ids, 3:]
@@ -211,12 +226,13 @@ class Scratch:
         self.data = mujoco.MjData(self.model)
         self.data.qpos[:] = qpos
 
-    def _beyond(self, fence: tuple[float, float]) -> bool:
+    def _beyond(self, fence: Fence) -> bool:
         """True when a geom of the robot or of what it holds reaches over the fence."""
         ids = self._fenced
-        middle = self.data.geom_xpos[ids, 0]
-        reach = (np.abs(self.data.geom_xmat[ids, :3]) * self._spans[ids, :3]).sum(axis=1) + self._spans[ids, 3]
-        return bool((middle - reach).min() < fence[0] or (middle + reach).max() > fence[1])
+        out = np.array([fence.x, fence.y, 0.0])
+        turned = np.abs(np.einsum("nij,i->nj", self.data.geom_xmat[ids].reshape(-1, 3, 3), out))
+        reach = (turned * self._spans[ids, :3]).sum(axis=1) + self._spans[ids, 3]
+        return bool((self.data.geom_xpos[ids] @ out + reach).max() > fence.limit)
 
     def _set_meeting(self, body: str, bits: int) -> None:
         self.model.geom_conaffinity[self.simulation.geoms(body)] = bits

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from remac_env.backends.physics import dispatch
-from remac_env.backends.physics.collision import Scratch
+from remac_env.backends.physics.collision import Fence, Scratch
 from remac_env.backends.physics.motion import Mover, StuckError
-from remac_env.backends.physics.navigate import base_pose, parking
+from remac_env.backends.physics.navigate import parking
 from remac_env.backends.physics.paths import Planner
 from remac_env.backends.physics.separation import Separation
-from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
+from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation, View
 from remac_env.backends.physics.skill import Hand, SkillFailure, Steps, Surroundings, go_home, handled
-from remac_env.backends.physics.traffic import Convoy, Errand, Rooms
+from remac_env.backends.physics.traffic import Convoy, Errand
 from remac_env.kitchen.layout import Layout, Station
+from remac_env.kitchen.layout_checks import work_floor
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.ik import Kinematics
 from remac_env.rounds import NAVIGATION
@@ -64,15 +65,16 @@ class Crew:
         self._simulation, self._layout, self._start = simulation, layout, start
         self.separation = Separation(simulation)
         self._busy: set[str] = set()
-        self._waiting: dict[str, float] = {}
+        self._waiting: dict[str, tuple[float, float]] = {}
         kinematics = Kinematics()
         self.robots: dict[str, Surroundings] = {}
         for name, robot in simulation.robots.items():
-            scratch = Scratch(simulation, robot, kinematics)
+            view = View(simulation, robot)
+            scratch = Scratch(view, robot, kinematics)
             planner = Planner(scratch, np.random.default_rng(0))
             x, y, yaw = (float(value) for value in robot.q[:3])
             self.robots[name] = Surroundings(
-                simulation, robot, layout, things, kinematics, scratch, planner, Mover(robot, kinematics), Hand(),
+                view, robot, layout, things, kinematics, scratch, planner, Mover(robot, kinematics), Hand(),
                 Station(ASIDE, x, y, yaw),
             )
 
@@ -83,13 +85,13 @@ class Crew:
         self._set_fences(now)
         self._disturb(now)
         goals = {name: self._arrival(now.number, place) for name, place in self._goals(now).items()}
-        errands = {name: Errand(self.robots[name], base_pose(goal)) for name, goal in goals.items()}
-        working = tuple(
-            here.station.x
+        errands = {name: Errand(self.robots[name], goal) for name, goal in goals.items()}
+        working = [
+            work_floor(self._layout.facing(here.place), here.place)
             for name, here in self.robots.items()
-            if name not in now.driving and here.station.name in self._layout.stations
-        )
-        convoy = Convoy(self.separation, errands, Rooms(working))
+            if name not in now.driving and here.place.wall
+        ]
+        convoy = Convoy(self.separation, errands, working)
         found: dict[str, Attempt] = {}
         for robot, subtask in now.subtasks.items():
             if robot in now.driving:
@@ -109,19 +111,14 @@ class Crew:
     def _set_fences(self, now: Round) -> None:
         """Fences between robots that work at neighbouring stations, or next to where another drives."""
         for name, here in self.robots.items():
-            here.scratch.fence = None
+            here.scratch.fences = ()
             if name in now.driving:
                 continue
-            low, high = -np.inf, np.inf
-            for other in now.active - {name}:
-                there = self.robots[other].station
+            for other in sorted(now.active - {name}):
+                there = self.robots[other].place
                 for end in (there, self._layout.stations.get(now.stations[other], there)):
-                    gap = end.x - here.station.x
-                    if end.y < here.station.y - 0.5 or abs(gap) > _NEIGHBOUR or gap == 0.0:
-                        continue
-                    middle = here.station.x + 0.5 * gap
-                    low, high = (max(low, middle), high) if gap < 0 else (low, min(high, middle))
-            here.scratch.fence = (low, high) if np.isfinite(low) or np.isfinite(high) else None
+                    if end.wall and 0.0 < here.place.distance(end) <= _NEIGHBOUR:
+                        here.scratch.fences += (_between(here.place, end),)
 
     def _disturb(self, now: Round) -> None:
         """Draw the errors in the poses that controllers see."""
@@ -129,7 +126,7 @@ class Crew:
         if not noise:
             return
         for here in self.robots.values():
-            place = [round(float(value), 3) for value in here.robot.q[:2]]
+            place = [round(float(value), 3) for value in here.robot.standing[:2]]
             chance = generator(self._start.seed, "perception", now.number, *place)
             seen = (*here.things, *handled(self._layout))
             here.shifts = {name: np.append(chance.normal(0.0, noise, 2), 0.0) for name in seen}
@@ -138,15 +135,15 @@ class Crew:
         """Where driving robots go; those that step aside and find no free parking place are left out."""
         going = sorted(now.driving)
         to_stations = {r: self._layout.stations[now.stations[r]] for r in going if now.stations[r] != ASIDE}
-        away = {r: self.robots[r].robot.q[:3] for r in going if now.stations[r] == ASIDE}
-        taken = {name: here.robot.q[:3] for name, here in self.robots.items() if name not in now.driving}
+        away = {r: self.robots[r].robot.standing for r in going if now.stations[r] == ASIDE}
+        taken = {name: here.robot.standing for name, here in self.robots.items() if name not in now.driving}
         return to_stations | parking(self._layout, away, taken)
 
     def _arrival(self, number: int, place: Station) -> Station:
         """Where a drive to a place really ends: a little off, so that skills start from stances never seen before."""
         chance = generator(self._start.seed, "arrival", number, place.name)
         dx, dy, turn = (float(value) for value in chance.uniform(-1.0, 1.0, 3) * _ARRIVAL)
-        return Station(place.name, place.x + dx, place.y + dy, place.yaw + turn)
+        return replace(place, x=place.x + dx, y=place.y + dy, yaw=place.yaw + turn)
 
     # -- attempts ---------------------------------------------------------------------------------------------------
 
@@ -154,7 +151,6 @@ class Crew:
         if goal is None:
             raise SkillFailure("blocked", "no parking place is free")
         yield from convoy.steps(robot)
-        self.robots[robot].station = goal
 
     def _skill(self, robot: str, subtask: Subtask, now: Round) -> Attempt:
         """Run a skill within its time; after a failure come home if that can be done.
@@ -164,10 +160,10 @@ class Crew:
         here, began = self.robots[robot], self._simulation.ticks
         here.planner.random = generator(self._start.seed, "search", now.number, subtask.text)
         outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
-        fenced = here.scratch.fence is not None and outcome.reason in ("blocked", "unreachable")
+        fenced = bool(here.scratch.fences) and outcome.reason in ("blocked", "unreachable")
         if fenced and self._simulation.ticks - began <= _THOUGHT:
             yield from self._turn(robot)
-            here.scratch.fence = None
+            here.scratch.fences = ()
             outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
         if not outcome.success and outcome.reason != "door_closed":
             here.robot.q = here.robot.measured
@@ -179,7 +175,8 @@ class Crew:
 
     def _turn(self, robot: str) -> Steps:
         """Wait until every other robot is done; of robots that all wait the leftmost goes first."""
-        self._waiting[robot] = self.robots[robot].station.x
+        place = self.robots[robot].place
+        self._waiting[robot] = (place.x, place.y)
         for _ in range(int(2 * SKILL_TIME / CONTROL_PERIOD)):
             others = self._busy - {robot}
             first = min(self._waiting, key=lambda name: self._waiting[name])
@@ -204,6 +201,13 @@ class Crew:
             yield
         steps.close()
         return failure("timeout", f"not done after {seconds:.0f} s")
+
+
+def _between(here: Station, there: Station) -> Fence:
+    """The fence half way between two stations, seen from the first."""
+    way = here.distance(there)
+    x, y = (there.x - here.x) / way, (there.y - here.y) / way
+    return Fence(x, y, x * here.x + y * here.y + 0.5 * way)
 
 
 def _nothing() -> Attempt:

@@ -11,11 +11,6 @@ from remac_env.kitchen.layout import Layout, Station
 from remac_env.robots.rotation import Array
 
 
-def base_pose(station: Station) -> Array:
-    """(x, y, yaw) of a station."""
-    return np.array([station.x, station.y, station.yaw])
-
-
 def parking(layout: Layout, robots: Mapping[str, Array], taken: Mapping[str, Array]) -> dict[str, Station]:
     """A parking place for every robot in ``robots`` (base poses), none where a robot of ``taken`` stands or goes.
 

@@ -106,7 +106,7 @@ def _turns(thing: Category, deep: bool) -> tuple[float, ...]:
 
 def _covered(here: Surroundings, point: Array) -> bool:
     """True when a fixture hangs less than 0.6 m above the point, or just behind it."""
-    for fixture in here.layout.fixtures.values():
+    for fixture in here.layout.at_wall(here.station.wall):
         for block in fixture.blocks:
             inside = block.low[0] - 0.1 < point[0] < block.high[0] + 0.1 and block.low[1] - 0.15 < point[1]
             if inside and point[2] + 0.1 < block.low[2] < point[2] + 0.6:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import mujoco
 import numpy as np
@@ -59,13 +59,35 @@ class Separation:
             self._data.qpos[address : address + 7] = pose
         return self._measure()
 
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """All robots."""
+        return tuple(self._bodies)
+
+    def circles(self, robots: Collection[str]) -> Array:
+        """Circles (n, 3) around the parts of some robots, seen from above: x, y and radius, as last refreshed."""
+        mujoco.mj_kinematics(self._model, self._data)
+        bodies = [b for name in robots for b in (*self._bodies[name], *self._held_bodies(name))]
+        solid = np.isin(self._model.geom_bodyid, bodies) & (self._model.geom_group == 3)
+        return np.column_stack([self._data.geom_xpos[solid, :2], self._model.geom_rbound[solid]])
+
+    def _held_bodies(self, robot: str) -> list[int]:
+        return [self._model.body(self._held[robot]).id] if robot in self._held else []
+
     def refresh(self) -> None:
         """Copy the world's configuration, before a series of :meth:`of_configurations`."""
         self._data.qpos[:] = self._simulation.data.qpos
 
     def _measure(self) -> float:
         mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_collision(self._model, self._data)
+        try:
+            mujoco.mj_collision(self._model, self._data)
+        except mujoco.FatalError:
+            # Deeply overlapping boxes can yield more contacts than MuJoCo allows for.
+            qpos = self._data.qpos.copy()
+            self._data = mujoco.MjData(self._model)
+            self._data.qpos[:] = qpos
+            return 0.0
         return float(self._data.contact.dist.min()) if self._data.ncon else np.inf
 
     def _set_masks(self) -> None:
@@ -74,8 +96,7 @@ class Separation:
             masks[:] = 0
         full = (1 << len(self._bodies)) - 1
         for number, (robot, bodies) in enumerate(self._bodies.items()):
-            held = self._held.get(robot)
-            for body in [*bodies, *([model.body(held).id] if held else [])]:
+            for body in [*bodies, *self._held_bodies(robot)]:
                 geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] == body and model.geom_group[g] == 3]
                 model.geom_contype[geoms] = model.body_contype[body] = 1 << number
                 model.geom_conaffinity[geoms] = model.body_conaffinity[body] = full & ~(1 << number)

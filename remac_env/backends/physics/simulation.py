@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from remac_env.errors import PhysicsError
+from remac_env.kitchen.frame import WORLD, Frame
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array
 
@@ -16,7 +17,10 @@ CONTROL_PERIOD = 0.05  # s
 
 
 class RobotHandle:
-    """Addresses of one robot in the model, its commanded configuration ``q`` (11,) and finger opening ``grip`` (m)."""
+    """Addresses of one robot in the model, its commanded configuration ``q`` (11,) and finger opening ``grip`` (m).
+
+    Configurations and poses are told in the robot's ``frame``, that of the wall it faces; see :meth:`enter`.
+    """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, name: str) -> None:
         self.name = name
@@ -30,28 +34,54 @@ class RobotHandle:
         self._activations = np.array([s.actadr[0] for s in servos])
         self._finger_controls = np.array([model.actuator(f"{name}/{part}").id for part in panda.FINGERS])
         self._site = model.site(f"{name}/grip").id
+        self.frame = WORLD
         self.q = panda.tucked(0.0, 0.0, 0.0)
         self.grip = panda.FINGER_OPEN
 
     def put(self, q: Array, grip: float = panda.FINGER_OPEN) -> None:
         """Pose the robot at once (at reset only)."""
         self.q, self.grip = np.array(q, float), float(grip)
-        self._data.qpos[self.qpos] = self.q
+        self._data.qpos[self.qpos] = self.in_world(self.q)
         self._data.qpos[self.finger_qpos] = grip
-        self._data.act[self._activations] = self.q
+        self._data.act[self._activations] = self.in_world(self.q)
 
     def apply(self) -> None:
         """Write the servo commands that bring the setpoints to ``q`` within one control period."""
         if not (np.isfinite(self.q).all() and np.isfinite(self.grip)):
             raise PhysicsError(f"{self.name}: command is not finite: {self.q}")
         activations = self._data.act[self._activations]
-        self._data.ctrl[self._controls] = (self.q - activations) / CONTROL_PERIOD
+        self._data.ctrl[self._controls] = (self.in_world(self.q) - activations) / CONTROL_PERIOD
         self._data.ctrl[self._finger_controls] = self.grip
 
     @property
     def measured(self) -> Array:
         """The configuration (11,) in which the robot is."""
-        return self._data.qpos[self.qpos].copy()
+        return self.in_frame(self._data.qpos[self.qpos])
+
+    @property
+    def standing(self) -> Array:
+        """The base pose (3,) in which the robot is, in the world."""
+        return self._data.qpos[self.qpos[:3]].copy()
+
+    def enter(self, frame: Frame) -> None:
+        """Tell configurations and poses in another frame from now on."""
+        q = self.in_world(self.q)
+        self.frame = frame
+        self.q = self.in_frame(q)
+
+    def in_world(self, q: Array) -> Array:
+        """A configuration of the robot's frame, in the world."""
+        told = np.array(q, float)
+        told[:2] = self.frame.point(told[0], told[1])
+        told[2] += self.frame.heading
+        return told
+
+    def in_frame(self, q: Array) -> Array:
+        """A configuration of the world, in the robot's frame."""
+        told = np.array(q, float)
+        told[:2] = self.frame.local(told[0], told[1])
+        told[2] -= self.frame.heading
+        return told
 
     @property
     def opening(self) -> float:
@@ -60,11 +90,11 @@ class RobotHandle:
 
     def grip_pose(self) -> tuple[Array, Array]:
         """Measured position (3,) and rotation (3, 3) of the grip site."""
-        return self._data.site_xpos[self._site].copy(), self._data.site_xmat[self._site].reshape(3, 3).copy()
+        return pose_in(self.frame, self._data.site_xpos[self._site], self._data.site_xmat[self._site].reshape(3, 3))
 
     @property
     def heading(self) -> Array:
-        """Unit vector (3,) in which the commanded base looks."""
+        """Unit vector (3,) in which the commanded base looks, in the robot's frame."""
         return np.array([np.cos(self.q[2]), np.sin(self.q[2]), 0.0])
 
 
@@ -115,3 +145,22 @@ class Simulation:
     def moving(self) -> float:
         """Largest speed of any joint in the model (m/s or rad/s)."""
         return float(np.abs(self.data.qvel).max())
+
+
+class View:
+    """The simulation as one robot sees it: poses are told in the robot's frame, all else as it is."""
+
+    def __init__(self, simulation: Simulation, robot: RobotHandle) -> None:
+        self._simulation, self._robot = simulation, robot
+        self.model, self.data, self.robots = simulation.model, simulation.data, simulation.robots
+        self.geoms, self.joint = simulation.geoms, simulation.joint
+
+    def pose(self, body: str) -> tuple[Array, Array]:
+        """Position (3,) and rotation (3, 3) of a body, in the robot's frame."""
+        return pose_in(self._robot.frame, *self._simulation.pose(body))
+
+
+def pose_in(frame: Frame, position: Array, rotation: Array) -> tuple[Array, Array]:
+    """A pose of the world, in a frame."""
+    x, y = frame.local(float(position[0]), float(position[1]))
+    return np.array([x, y, position[2]]), frame.rotation.T @ rotation

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from remac_env.backends.physics.collision import IGNORED, Scratch
 from remac_env.backends.physics.motion import Mover
 from remac_env.backends.physics.paths import Planner
-from remac_env.backends.physics.simulation import RobotHandle, Simulation
+from remac_env.backends.physics.simulation import RobotHandle, View
 from remac_env.kitchen.fixtures import Fixture
+from remac_env.kitchen.frame import WORLD
 from remac_env.kitchen.layout import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
@@ -22,6 +23,7 @@ from remac_env.subtasks import Reason
 
 Steps = Generator[None, None, None]
 
+_FACING = 0.5 * math.pi  # rad, heading of a robot that faces its wall, in the wall's frame
 STATION_REACH = 0.34  # m, how far aside of its station a robot may stand within a skill
 FRONT_LIMIT = -0.20  # y of the arm axis nearest to the counters (their fronts are at 0, the base reaches 0.15 ahead)
 DOOR_OPEN = 0.90  # rad
@@ -53,9 +55,12 @@ class Hand:
 
 @dataclass
 class Surroundings:
-    """One robot with everything its skills need. ``random`` is renewed for every skill."""
+    """One robot with everything its skills need, all of it told in the frame of the wall that the robot faces.
 
-    simulation: Simulation
+    A skill that is right at one wall is right at every wall: poses are read, and configurations given, in this frame.
+    """
+
+    simulation: View
     robot: RobotHandle
     layout: Layout
     things: Mapping[str, Category]
@@ -66,6 +71,24 @@ class Surroundings:
     hand: Hand
     station: Station
     shifts: dict[str, Array] = field(default_factory=dict)  # errors (3,) of things, handles and knobs as seen
+
+    def enter(self, station: Station) -> None:
+        """Take ``station`` (world frame) for the robot's own; from now on all is told in the frame of its wall."""
+        frame = self.layout.facing(station)
+        if station.wall:
+            turns = round((self.robot.in_world(self.robot.q)[2] - _FACING) / _FACING)
+            frame = replace(frame, quarters=turns)
+        self.robot.enter(frame)
+        self.station = station.seen_from(frame)
+
+    def leave(self) -> None:
+        """Tell everything in the frame of the room, as drives do."""
+        self.robot.enter(WORLD)
+
+    @property
+    def place(self) -> Station:
+        """The robot's station in the world."""
+        return self.layout.stations.get(self.station.name, self.station)
 
     @property
     def home(self) -> Array:

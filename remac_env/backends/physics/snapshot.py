@@ -63,7 +63,7 @@ def read_world(
 
 def station_of(robot: RobotHandle, layout: Layout) -> str:
     """The station at which a robot stands, else ``aside``."""
-    x, y, yaw = robot.measured[:3]
+    x, y, yaw = robot.standing
     for name, station in layout.stations.items():
         near = math.hypot(x - station.x, y - station.y) <= STATION_DISTANCE
         if near and math.cos(yaw - station.yaw) >= STATION_COSINE:
@@ -118,12 +118,14 @@ def _vessel_around(
 
 def slot_under(layout: Layout, point: Array) -> str | None:
     """The slot on which a thing with its lowest point at ``point`` (3,) lies, or None."""
-    found = [(distance, name) for name, slot in layout.slots.items() if (distance := _miss(slot, point)) is not None]
+    found = [(d, name) for name, slot in layout.slots.items() if (d := _miss(layout, slot, point)) is not None]
     return min(found)[1] if found else None
 
 
-def _miss(slot: Slot, point: Array) -> float | None:
+def _miss(layout: Layout, slot: Slot, point: Array) -> float | None:
     """Distance (m) of a point from a slot's middle, None where it is not in the slot."""
+    x, y = layout.frame(slot.fixture).local(float(point[0]), float(point[1]))
+    point = np.array([x, y, point[2]])
     away = np.abs(point[:2] - slot.center[:2])
     up = point[2] - slot.center[2]
     distance = float(np.hypot(*away))

@@ -15,6 +15,7 @@ from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array
 from remac_env.start import Start
+from remac_env.state import base_place
 
 _AIR = 0.0005  # m under a thing, so that it starts without penetration
 
@@ -49,8 +50,9 @@ def _object_pose(layout: Layout, things: Mapping[str, Category], start: Start, n
     if place.relation == "vessel":
         ground = _object_pose(layout, things, start, place.where)[0] + [0.0, 0.0, things[place.where].inside_height]
     else:
-        ground = np.array(layout.slots[place.where].center)
-    return ground + shift, offset.yaw
+        ground = np.array(layout.middle(place.where))
+    frame = layout.frame(layout.slots[base_place(start.world, name).where].fixture)
+    return ground + frame.rotation @ shift, offset.yaw + frame.heading
 
 
 def _set_joint(simulation: Simulation, name: str, value: float) -> None:

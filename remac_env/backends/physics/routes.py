@@ -1,0 +1,148 @@
+"""Ways of one base over the floor: out of a station, along and around, and in to the next one; and what they sweep."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from remac_env.backends.physics.paths import Path
+from remac_env.backends.physics.simulation import CONTROL_PERIOD
+from remac_env.backends.physics.skill import Surroundings
+from remac_env.kitchen.fixtures.base import Block
+from remac_env.kitchen.frame import Frame
+from remac_env.kitchen.layout import Layout, Station
+from remac_env.kitchen.layout_checks import BASE_RADIUS, floor
+from remac_env.robots import panda
+from remac_env.robots.rotation import Array
+
+LANES = (-1.15, -1.3, -1.5, -1.7, -1.9, -2.1, -2.3, -2.5, -2.7, -2.9)  # y of the arm axis before a wall, m
+_CROSSINGS = (-1.15, -1.4, -1.8, -2.3)  # the same for the two walls of a drive from one to another
+_ROOMY = BASE_RADIUS + 0.10  # m around the axis on ways that turn corners
+_GROWTH = BASE_RADIUS  # m by which obstacles on the floor grow for such ways
+
+
+def candidates(here: Surroundings, goal: Station, obstacles: Iterable[Block]) -> Iterator[Path]:
+    """Corners (11,) of ways from where the robot is to ``goal``, world frame, in no particular order."""
+    layout, q = here.layout, here.robot.q
+    end = q.copy()
+    end[:3] = goal.x, goal.y, q[2] + math.remainder(goal.yaw - q[2], 2.0 * math.pi)
+    start = here.place
+    if start.wall and goal.wall and start.wall != goal.wall:
+        frames = layout.facing(start), layout.facing(goal)
+        for first, second in product(_CROSSINGS, _CROSSINGS):
+            yield [_moved(q, frames[0], q, first), _moved(end, frames[1], end, second), end]
+    else:
+        frame = layout.facing(goal if goal.wall else start) if goal.wall or start.wall else _any_frame(layout)
+        for lane in LANES:
+            yield [_moved(q, frame, q, lane), _moved(end, frame, end, lane), end]
+        if not start.wall:
+            yield [end]
+    around = _around(here, goal, end, obstacles)
+    if around is not None:
+        yield around
+
+
+def _any_frame(layout: Layout) -> Frame:
+    return next(iter(layout.walls.values())).frame
+
+
+def _moved(q: Array, frame: Frame, place: Array, lane: float) -> Array:
+    """``q`` with its base where ``place`` has it along the wall of ``frame``, but in a lane."""
+    x, _ = frame.local(float(place[0]), float(place[1]))
+    moved = q.copy()
+    moved[:2] = frame.point(x, lane)
+    return moved
+
+
+def _around(here: Surroundings, goal: Station, end: Array, obstacles: Iterable[Block]) -> Path | None:
+    """A way around corners, which turns while it goes: out of the station, over free floor, and in."""
+    space = floor(here.layout, _ROOMY)
+    for block in obstacles:
+        low, high = block.low, block.high
+        space = space.without((low[0] - _GROWTH, low[1] - _GROWTH), (high[0] + _GROWTH, high[1] + _GROWTH))
+    q, start = here.robot.q, here.place
+    out = _moved(q, here.layout.facing(start), q, _CROSSINGS[0]) if start.wall else q
+    before = _moved(end, here.layout.facing(goal), end, _CROSSINGS[0]) if goal.wall else end
+    places = space.way((out[0], out[1]), (before[0], before[1]))
+    if places is None:
+        return None
+    lengths = np.hypot(*np.diff(np.array(places), axis=0).T)
+    shares = np.cumsum(lengths) / max(float(lengths.sum()), 1e-9)
+    corners = [out]
+    for place, share in zip(places[1:], shares, strict=True):
+        corner = q.copy()
+        corner[:2], corner[2] = place, q[2] + share * (end[2] - q[2])
+        corners.append(corner)
+    return [*corners, end]
+
+
+def periods(q: Array, corners: Iterable[Array]) -> int:
+    """How long a way takes, in control periods."""
+    count, start = 0, q
+    for corner in corners:
+        longest = float(np.max(np.abs(corner - start) / panda.SPEED))
+        if longest >= 1e-6:
+            count += max(2, math.ceil(longest * 1.5 / CONTROL_PERIOD))
+        start = corner
+    return max(1, count)
+
+
+def sampled(q: Array, corners: Iterable[Array]) -> Path:
+    """One configuration per control period through the corners, as :meth:`Mover.go` would move."""
+    path: Path = []
+    start = q
+    for corner in corners:
+        longest = float(np.max(np.abs(corner - start) / panda.SPEED))
+        if longest < 1e-6:
+            continue
+        count = max(2, math.ceil(longest * 1.5 / CONTROL_PERIOD))
+        for k in range(1, count + 1):
+            u = k / count
+            path.append(start + u * u * (3 - 2 * u) * (corner - start))
+        start = corner
+    return path or [q]
+
+
+@dataclass(frozen=True)
+class Outline:
+    """A robot with its arm held still, seen from above: boxes (n, 2) around its parts in the frame of its base."""
+
+    low: Array
+    high: Array
+
+    @staticmethod
+    def of(here: Surroundings) -> Outline:
+        """The outline of a robot as it is, with what it holds."""
+        q = here.robot.q.copy()
+        q[:3] = 0.0
+        here.scratch.pose(q)
+        low, high = here.scratch.extent()
+        return Outline(low[:, :2], high[:, :2])
+
+    def corners(self, bases: Array) -> Array:
+        """Corners (t, 4 n, 2) of the boxes, in the world, for base poses (t, 3)."""
+        both = np.stack([self.low, self.high])
+        points = np.concatenate([np.column_stack([both[i, :, 0], both[j, :, 1]]) for i in (0, 1) for j in (0, 1)])
+        return _placed(points, bases)
+
+    def circles(self, bases: Array) -> tuple[Array, Array]:
+        """Middles (t, n, 2), in the world, and radii (n,) of circles around the boxes, for base poses (t, 3)."""
+        return _placed(0.5 * (self.low + self.high), bases), 0.5 * np.linalg.norm(self.high - self.low, axis=1)
+
+    def meets(self, bases: Array, block: Block) -> bool:
+        """Whether a part reaches over a block, seen from above, at any of these base poses (t, 3)."""
+        corners = self.corners(bases).reshape(len(bases), 4, -1, 2)
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        over = (high > np.array(block.low[:2])) & (low < np.array(block.high[:2]))
+        return bool(over.all(axis=2).any())
+
+
+def _placed(points: Array, bases: Array) -> Array:
+    """Points (n, 2) of a base, in the world, for base poses (t, 3): (t, n, 2)."""
+    c, s = np.cos(bases[:, 2]), np.sin(bases[:, 2])
+    turn = np.stack([np.stack([c, -s], axis=1), np.stack([s, c], axis=1)], axis=1)
+    return np.einsum("tij,nj->tni", turn, points) + bases[:, None, :2]
