@@ -64,6 +64,11 @@ class Separation:
         """All robots."""
         return tuple(self._bodies)
 
+    @property
+    def held(self) -> Mapping[str, str]:
+        """Robot -> body of what it holds, as last told."""
+        return self._held
+
     def circles(self, robots: Collection[str]) -> Array:
         """Circles (n, 3) around the parts of some robots, seen from above: x, y and radius, as last refreshed."""
         mujoco.mj_kinematics(self._model, self._data)

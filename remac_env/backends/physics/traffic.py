@@ -13,6 +13,7 @@ from itertools import product
 import mujoco
 import numpy as np
 
+from remac_env.backends.physics.collision import IGNORED
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.routes import Outline, candidates, periods, sampled
 from remac_env.backends.physics.separation import NEAR_MISS, Separation
@@ -103,6 +104,9 @@ class Convoy:
         """All ways of one robot, not yet checked."""
         here = errand.here
         here.begin()
+        for robot, body in self._separation.held.items():
+            if robot != here.robot.name:
+                here.scratch.mark(here.simulation.geoms(body), IGNORED)  # it goes where that robot goes
         ways = [_Way(way, periods(here.robot.q, way)) for way in candidates(here, errand.goal, self._rooms)]
         return _Driver(here, sorted(ways, key=lambda way: way.periods), Outline.of(here))
 
