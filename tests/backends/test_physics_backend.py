@@ -196,8 +196,8 @@ def test_turning_the_stove_off_turns_every_burner_off() -> None:
 
 def test_robots_change_places_while_one_holds_something() -> None:
     backend = PhysicsBackend()
-    backend.reset(make_start(CARROT, robots=("robot_0", "robot_1")))
-    run(backend, ("navigate to", "vegetable"), ("pick up", "vegetable"), ("navigate to", "stove"))
+    backend.reset(make_start({"bottle": ("bottle", Place("slot", "counter.1"))}, robots=("robot_0", "robot_1")))
+    run(backend, ("navigate to", "bottle"), ("pick up", "bottle"), ("navigate to", "stove"))
     change = {"robot_0": Subtask("navigate aside"), "robot_1": Subtask("navigate to", "stove")}
     outcomes = backend.run_round(change).outcomes
     assert {name: outcome.reason for name, outcome in outcomes.items()} == {"robot_0": None, "robot_1": None}
