@@ -43,7 +43,7 @@ class HttpPlanner:
                 raise OptionError(f"{name} {value!r} is not valid; valid: a positive number")
         self._url, self._seconds, self._most = url, float(seconds), int(most_bytes)
         self._shown = f"{address.scheme}://{address.hostname}{address.path}"
-        self._loopback = address.hostname in LOOPBACK
+        self._loopback, self._secure = address.hostname in LOOPBACK, address.scheme == "https"
         self._iteration = 0
 
     def begin_episode(self, seed: int, iteration: int) -> None:
@@ -85,7 +85,8 @@ class HttpPlanner:
         content = bytearray()
         headers = {"content-type": "application/json", "accept-encoding": "identity"}
         async with (
-            httpx.AsyncClient(timeout=self._seconds, trust_env=not self._loopback) as client,
+            # Certificates are loaded only where they are needed: that takes longer than all the rest.
+            httpx.AsyncClient(timeout=self._seconds, trust_env=not self._loopback, verify=self._secure) as client,
             client.stream("POST", self._url, content=body, headers=headers) as response,
         ):
             if response.status_code != 200:
