@@ -25,6 +25,8 @@ from rich.table import Table
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.errors import SamplingError
+from remac_env.kitchen import layout as layouts
+from remac_env.kitchen import style as styles
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rounds import first_false
 from remac_env.seeding import generator
@@ -53,14 +55,27 @@ class Trial:
     outcome: Outcome | None
 
 
-def run_chain(chain: Mapping[str, Any], seed: int, *, starts: str, perception_noise: float) -> list[Trial]:
+@dataclass(frozen=True)
+class _Job:
+    """One chain on one seed."""
+
+    chain: Mapping[str, Any]
+    seed: int
+    style: str | None
+    layout: str | None
+    perception_noise: float
+
+
+def run_chain(
+    chain: Mapping[str, Any], seed: int, *, style: str | None, layout: str | None, perception_noise: float
+) -> list[Trial]:
     """Run one chain on one seed; the first tries of its steps."""
     worlds = TaskWorlds(_spec(chain))
     start, _ = worlds.start(
-        seed, style=None, layout=None, starts=starts, robots=(ROBOT,), perception_noise=perception_noise
+        seed, style=style, layout=layout, starts="paper", robots=(ROBOT,), perception_noise=perception_noise
     )
     start = _spread(start, worlds)
-    backend = PhysicsBackend()
+    backend = PhysicsBackend(worlds)
     world, trials = backend.reset(start), []
     for text in chain["steps"]:
         subtask = worlds.vocabulary.subtask(worlds.vocabulary.encode(text))
@@ -83,15 +98,19 @@ def main(
     perception_noise: Annotated[
         float, typer.Option(help="m, added to the poses that controllers see.")
     ] = 0.0,
+    style: Annotated[str | None, typer.Option(help="A style's name; by default each seed picks.")] = None,
+    layout: Annotated[str | None, typer.Option(help="A layout's name; by default each seed picks.")] = None,
     processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
 ) -> None:
     """Print a table of first-try success for every skill."""
     chains = [chain for chain in tomllib.loads(CHAINS.read_text("utf-8"))["chain"] if only in chain["name"]]
-    jobs = [(chain, first_seed + index, perception_noise) for chain in chains for index in range(trials)]
+    jobs = [
+        _Job(chain, first_seed + index, style, layout, perception_noise) for chain in chains for index in range(trials)
+    ]
     console = Console()
     found: list[Trial] = []
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for part in pool.map(_job, jobs):
+        for part in pool.map(_play, jobs):
             found += part
     console.print(_table(found))
     for trial in found:
@@ -101,9 +120,10 @@ def main(
             console.print(f"seed {trial.seed}: {trial.label}: {trial.outcome.reason}: {trial.outcome.detail}")
 
 
-def _job(job: tuple[Mapping[str, Any], int, float]) -> list[Trial]:
-    chain, seed, noise = job
-    return run_chain(chain, seed, starts="paper", perception_noise=noise)
+def _play(job: _Job) -> list[Trial]:
+    return run_chain(
+        job.chain, job.seed, style=job.style, layout=job.layout, perception_noise=job.perception_noise
+    )
 
 
 def _spec(chain: Mapping[str, Any]) -> TaskSpec:
@@ -111,12 +131,13 @@ def _spec(chain: Mapping[str, Any]) -> TaskSpec:
     nouns = list(chain["things"])
     roles = tuple(Role(noun, (noun,), at=fixture) for noun, fixture in chain["things"].items())
     goal = Released(nouns[0])
-    return TaskSpec("SkillChain", ("", "", ""), _Never(goal.name), roles, fixtures=())
+    cells = {"styles": styles.names(), "layouts": layouts.names()}
+    return TaskSpec("SkillChain", ("", "", ""), _Never(goal.name), roles, fixtures=(), **cells)
 
 
 def _spread(start: Start, worlds: TaskWorlds) -> Start:
     """The start with things on worktops anywhere within SPREAD of the middle of their slots, none too near another."""
-    layout, rng = worlds.layout(start.layout), generator(start.seed, "skills", "spread")
+    layout, rng = worlds.layout(start.layout, start.style), generator(start.seed, "skills", "spread")
     slots = {noun: layout.slots[state.place.where] for noun, state in start.world.objects.items()}
     open_ones = [noun for noun, slot in slots.items() if slot.kind != "cavity"]
     radius = {noun: max(worlds.categories[start.categories[noun]].size[:2]) for noun in open_ones}

@@ -12,8 +12,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from remac_env.conditions import destination, stations_of
+from remac_env.marks import SEASONED, WASHED, washed
 from remac_env.rounds import NAVIGATION, attempt, first_false, merge
-from remac_env.state import WASHED, Place, Scene, WorldState, contents, inside, occupant, supports, washed
+from remac_env.state import Place, Scene, WorldState, contents, inside, occupant, supports
 from remac_env.subtasks import WAIT, Subtask
 from remac_env.tasks.goals import DoorIs, Goal, Inside, Marked, SwitchedOn
 
@@ -158,7 +159,7 @@ def relevant_commands(scene: Scene, world: WorldState, goal: Goal) -> list[Subta
         commands += [Subtask("place to", name)] if facts.slots else []
         commands += [Subtask("open door", name), Subtask("close door", name)] if facts.door else []
         commands += [Subtask("turn on", name), Subtask("turn off", name)] if facts.switches else []
-    return commands + [Subtask("season", name) for name in _to_mark(goal, "seasoned")]
+    return commands + [Subtask("season", name) for name in _to_mark(goal, SEASONED)]
 
 
 def _to_mark(goal: Goal, mark: str) -> list[str]:
@@ -169,7 +170,7 @@ def _to_mark(goal: Goal, mark: str) -> list[str]:
 def _relevant_nouns(scene: Scene, world: WorldState, goal: Goal) -> tuple[list[str], list[str]]:
     objects = [name for name in goal.names() if name in scene.objects]
     fixtures = [name for name in goal.names() if name in scene.fixtures]
-    if _to_mark(goal, "seasoned"):
+    if _to_mark(goal, SEASONED):
         objects += [name for name, facts in scene.objects.items() if facts.seasons]
     if _to_mark(goal, WASHED):
         fixtures += [name for tap, facts in scene.fixtures.items() if facts.wets for name in (tap, *facts.wets)]

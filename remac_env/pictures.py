@@ -100,7 +100,7 @@ class Pictures:
         if self._shown is None or self._shown.key != stage_key(start):
             if self._shown is not None:
                 self._shown.close()
-            self._shown = Stage(start, self._worlds.layout(start.layout), self._worlds.categories)
+            self._shown = Stage(start, self._worlds.layout(start.layout, start.style), self._worlds.categories)
         if moment.positions is None:
             self._shown.show_world(start, moment.world)
         else:

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from remac_env.conditions import destination
-from remac_env.state import ASIDE, Scene, WorldState, washed
+from remac_env.marks import washed
+from remac_env.state import ASIDE, Scene, WorldState
 from remac_env.subtasks import Outcome, Reason, Requirement, Subtask, drop, failure
 
 NAVIGATION = ("navigate to", "navigate aside")

@@ -26,9 +26,6 @@ CLOSED_MAX = 0.05
 OPEN_MIN = 0.90
 """A door at least this far open is open, rad (released threshold)."""
 
-WASHED = "washed"
-"""The mark of a thing on which water has run."""
-
 Relation = Literal["slot", "vessel", "held", "floor"]
 Door = Literal["closed", "ajar", "open"]
 
@@ -104,8 +101,7 @@ class FixtureFacts:
     """A thing that stays where it is.
 
     `switches` are what `turn on` and `turn off` act on; a fixture that has one switch per slot (a stove) lists its
-    slots. `shut_to_run`: it can only be switched on with its door closed. `wets`: the fixtures into which its water
-    runs while it is on.
+    slots. `shut_to_run`: it can only be switched on with its door closed. `wets`: where its water runs.
     """
 
     name: str
@@ -176,7 +172,7 @@ class Scene:
     def _fixtures_at(self) -> dict[str, tuple[str, ...]]:
         at: dict[str, list[str]] = {name: [] for name in self.stations}
         for name, facts in self.fixtures.items():
-            for station in dict.fromkeys([self.slots[slot].station for slot in facts.slots] or [facts.station]):
+            for station in {self.slots[slot].station for slot in facts.slots} or {facts.station}:
                 at[station].append(name)
         return {station: tuple(names) for station, names in at.items()}
 
@@ -295,18 +291,6 @@ def occupant(world: WorldState, slot: str) -> str | None:
     """The object that stands in `slot` itself, or None."""
     place = Place("slot", slot)
     return next((name for name, item in world.objects.items() if item.place == place), None)
-
-
-def washed(scene: Scene, world: WorldState) -> WorldState:
-    """The world with the mark `washed` on whatever washable thing stands under running water."""
-    for tap, basins in scene.taps:
-        if not world.fixtures[tap].on:
-            continue
-        for thing in scene.washables:
-            marks = world.objects[thing].marks
-            if WASHED not in marks and any(inside(scene, world, thing, basin) for basin in basins):
-                world = world.with_object(thing, marks=marks | {WASHED})
-    return world
 
 
 def door_state(angle: float) -> Door:

@@ -13,6 +13,7 @@ from functools import lru_cache
 from typing import Literal
 
 from remac_env.conditions import Condition, condition, destination, landing, switch_for
+from remac_env.marks import SEASONED
 from remac_env.state import ASIDE, FLOOR, Place, Scene, WorldState
 
 Mark = Literal["refuse", "attempt", "advise"]
@@ -239,7 +240,7 @@ def _close(scene: Scene, world: WorldState, robot: str, target: str) -> WorldSta
 
 
 def _season(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
-    return world.with_object(target, marks=world.objects[target].marks | {"seasoned"})
+    return world.with_object(target, marks=world.objects[target].marks | {SEASONED})
 
 
 def drop(world: WorldState, robot: str) -> WorldState:
@@ -278,7 +279,7 @@ _TABLE: tuple[Skill, ...] = (
     Skill("turn on", "turn on {}", "switch", 7.0, _for_turn_on, _set_on, _after("switched_on")),
     Skill("turn off", "turn off {}", "switch", 7.0, _for_turn_off, _set_off, _after("all_off")),
     Skill("season", "season {}", "food", 8.0, _for_season, _season,
-          lambda r, t, h: (condition("marked", t, "seasoned"),)),
+          lambda r, t, h: (condition("marked", t, SEASONED),)),
 )  # fmt: skip
 
 SKILLS: dict[str, Skill] = {skill.name: skill for skill in _TABLE}

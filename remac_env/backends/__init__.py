@@ -20,4 +20,4 @@ def make_backend(options: Options, worlds: TaskWorlds) -> Backend:
     load_mujoco()
     from remac_env.backends.physics.backend import PhysicsBackend
 
-    return PhysicsBackend()
+    return PhysicsBackend(worlds)

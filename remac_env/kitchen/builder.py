@@ -57,7 +57,7 @@ def build_spec(
     style = load(DEFAULT_STYLE) if style is None else style
     if looks:
         _set_looks(spec, style)
-    canvas = Canvas(spec, looks=looks, panel=style.panel, pull=style.pull)
+    canvas = Canvas(spec, looks=looks, make=(style.panel, style.pull))
     layout.room.build(canvas, {wall.side: _face(layout, wall) for wall in layout.walls.values() if wall.side})
     for wall in layout.walls.values():
         canvas.stand(f"wall/{wall.name}", wall.frame)

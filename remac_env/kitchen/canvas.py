@@ -14,6 +14,8 @@ from remac_env.kitchen.meshes import Mesh, add_mesh, merge
 from remac_env.kitchen.pieces import bar, board
 
 Vector = Sequence[float]
+Make = tuple[str, str]
+"""How doors and drawers are made: a name of style.PANELS, and one of style.PULLS."""
 
 COLLIDER_GROUP = 3
 DRAWN_GROUP = 1
@@ -45,12 +47,9 @@ class Canvas:
     geoms.
     """
 
-    def __init__(self, spec: mujoco.MjSpec, *, looks: bool, panel: str = "shaker", pull: str = "bar") -> None:
-        """Build into `spec`; with `looks`, its materials must already be there, named by role.
-
-        panel, pull: how doors and drawers are made (style.PANELS, style.PULLS).
-        """
-        self.looks, self.panel, self.pull = looks, panel, pull
+    def __init__(self, spec: mujoco.MjSpec, *, looks: bool, make: Make = ("shaker", "bar")) -> None:
+        """Build into `spec`; with `looks`, its materials must already be there, named by role."""
+        self.looks, self.make = looks, make
         self._spec = spec
         self._ground = spec.worldbody
         self._bodies: dict[str, Any] = {}
@@ -131,14 +130,9 @@ class Part:
         return self._canvas.looks
 
     @property
-    def panel(self) -> str:
-        """How doors and drawers are made, a name of style.PANELS."""
-        return self._canvas.panel
-
-    @property
-    def pull(self) -> str:
-        """What doors and drawers are drawn open by, a name of style.PULLS."""
-        return self._canvas.pull
+    def make(self) -> Make:
+        """How doors and drawers are made."""
+        return self._canvas.make
 
     # Colliders. Options: mass (kg), friction, name.
 
@@ -258,14 +252,7 @@ class Part:
             )
 
     def _rod(
-        self,
-        start: Vector,
-        end: Vector,
-        radius: float,
-        material: str,
-        switch: str | None,
-        *,
-        round_ends: bool,
+        self, start: Vector, end: Vector, radius: float, material: str, switch: str | None, *, round_ends: bool
     ) -> None:
         if self.looks:
             mesh = bar(_point(start), _point(end), radius, round_ends)
@@ -278,15 +265,9 @@ class Part:
         )
 
     def _joint(
-        self,
-        kind: Any,
-        name: str,
-        axis: Vector,
-        limits: tuple[float, float],
-        damping: float,
-        friction: float,
+        self, kind: Any, name: str, axis: Vector, limits: tuple[float, float], damping: float, friction: float,
         armature: float,
-    ) -> Any:
+    ) -> Any:  # fmt: skip
         return self._body.add_joint(
             type=kind,
             name=name,

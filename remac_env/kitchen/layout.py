@@ -15,6 +15,7 @@ from pathlib import Path
 
 from remac_env.errors import KitchenFileError, check_choice
 from remac_env.kitchen.fixtures import KINDS, Fixture, Room, Slot
+from remac_env.kitchen.fixtures import models as fixture_models
 from remac_env.kitchen.fixtures.base import Point
 from remac_env.kitchen.fixtures.room import Opening
 from remac_env.kitchen.fixtures.table import Table
@@ -60,9 +61,9 @@ class Station:
         return replace(self, x=x, y=y, yaw=self.yaw - frame.heading)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layout:
-    """A floor plan. All mappings are read-only and keep the order of the file."""
+    """A floor plan, equal to itself alone. All mappings are read-only and keep the order of the file."""
 
     name: str
     version: int
@@ -109,23 +110,30 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
+Models = Mapping[str, str]
+"""Kind of fixture -> the make that a style has of it; the default make where a kind is missing."""
+
+NO_MODELS: Models = FrozenMap({})
+
+
 @cache
-def load(name: str) -> Layout:
+def load(name: str, models: Models = NO_MODELS) -> Layout:
     """Return a layout by name; raises UnknownNameError, or KitchenFileError where its file is malformed."""
     check_choice("layout", name, names())
-    return read(FOLDER / f"{name}.toml")
+    return read(FOLDER / f"{name}.toml", models)
 
 
-def read(path: Path) -> Layout:
+@cache
+def read(path: Path, models: Models = NO_MODELS) -> Layout:
     """Read a layout file from anywhere; the layout is named like the file. Raises KitchenFileError."""
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise KitchenFileError(path.name, "file", f"cannot be read ({error})") from error
-    return parse(text, name=path.stem, file=path.name)
+    return parse(text, name=path.stem, file=path.name, models=models)
 
 
-def parse(text: str, *, name: str, file: str) -> Layout:
+def parse(text: str, *, name: str, file: str, models: Models = NO_MODELS) -> Layout:
     """Build a layout from TOML text; `file` is what errors call it. Raises KitchenFileError."""
     from remac_env.kitchen.layout_checks import check
 
@@ -138,7 +146,7 @@ def parse(text: str, *, name: str, file: str) -> Layout:
     if not walls:
         raise table.error("walls", "a kitchen needs at least one")
     stations = {key: _station(key, entry, walls) for key, entry in table.tables("stations").items()}
-    fixtures = {key: _fixture(key, entry, walls) for key, entry in table.tables("fixtures").items()}
+    fixtures = {key: _fixture(key, entry, walls, models) for key, entry in table.tables("fixtures").items()}
     layout = Layout(
         name=name,
         version=version,
@@ -186,9 +194,16 @@ def _aside(name: str, table: Table) -> Station:
     return station
 
 
-def _fixture(name: str, table: Table, walls: Mapping[str, Wall]) -> Fixture:
+def _fixture(name: str, table: Table, walls: Mapping[str, Wall], models: Models) -> Fixture:
     kind = table.text("kind", choices=sorted(KINDS))
     wall = table.text("wall", choices=walls, default=next(iter(walls)))
-    fixture = KINDS[kind].parse(name, table)
+    makes = fixture_models.names(kind)
+    if makes:
+        model = table.text("model", choices=makes, default=models.get(kind, makes[0]))
+        measures = fixture_models.measures(kind, model)
+        fixture = KINDS[kind].parse(name, table, measures)
+        measures.close()
+    else:
+        fixture = KINDS[kind].parse(name, table, table)
     table.close()
     return replace(fixture, wall=wall)

@@ -12,9 +12,10 @@ from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.mixed import vary
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.scene import build_scene, resting_fixtures
+from remac_env.marks import washed
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
-from remac_env.state import FrozenMap, ObjectState, Place, RobotState, Scene, WorldState, washed
+from remac_env.state import FrozenMap, ObjectState, Place, RobotState, Scene, WorldState
 from remac_env.tasks.spec import Role, TaskSpec
 
 STARTS = ("paper", "mixed")

@@ -16,7 +16,9 @@ from types import MappingProxyType
 from typing import Any
 
 from remac_env.errors import KitchenFileError, check_choice
+from remac_env.kitchen.fixtures import models
 from remac_env.kitchen.textures import PATTERNS, Color
+from remac_env.state import FrozenMap
 
 _FOLDER = Path(__file__).parent / "styles"
 _COMMON = Path(__file__).parent / "finishes.toml"
@@ -53,8 +55,8 @@ class Finish:
 class Style:
     """A look: a finish for every role, the colour of the lamps (red, green, blue in 0..1), and the make of the fronts.
 
-    panel: a name of PANELS, how doors and drawers are made; pull: a name of PULLS, how they are drawn open. Doors that
-    robots open keep their bar.
+    panel: a name of PANELS, how doors and drawers are made; pull: a name of PULLS, how they are drawn open. models:
+    kind of fixture -> its make, a name of fixtures/models.toml; the default make where a kind is missing.
     """
 
     name: str
@@ -63,6 +65,7 @@ class Style:
     finishes: Mapping[str, Finish]
     panel: str = PANELS[0]
     pull: str = PULLS[0]
+    models: Mapping[str, str] = FrozenMap({})
 
     def __getitem__(self, role: str) -> Finish:
         """The finish of a role; UnknownNameError lists the roles."""
@@ -92,14 +95,26 @@ def read(path: Path) -> Style:
     table = _table(path)
     title, lamp = table.pop("title", path.stem), table.pop("lamp", "#ffffff")
     panel, pull = _one_of(path, table, "panel", PANELS), _one_of(path, table, "pull", PULLS)
+    makes = _models(path, table.pop("models", {}))
     if not isinstance(title, str):
         raise KitchenFileError(path, "title", f"expected a text, got {title!r}")
     finishes = dict(_common())
     for role, given in table.items():
         if role not in finishes:
-            raise KitchenFileError(path, role, "is not a role", ["title", "lamp", "panel", "pull", *finishes])
+            raise KitchenFileError(path, role, "is not a role", ["title", "lamp", "panel", "pull", "models", *finishes])
         finishes[role] = _finish(path, role, given, finishes[role])
-    return Style(path.stem, title, hex_color(path, "lamp", lamp), MappingProxyType(finishes), panel, pull)
+    return Style(path.stem, title, hex_color(path, "lamp", lamp), MappingProxyType(finishes), panel, pull, makes)
+
+
+def _models(path: Path, given: object) -> Mapping[str, str]:
+    if not isinstance(given, dict):
+        raise KitchenFileError(path, "models", f"expected a table, got {given!r}", models.kinds())
+    for kind, name in given.items():
+        if kind not in models.kinds():
+            raise KitchenFileError(path, f"models.{kind}", "is no kind of fixture with several makes", models.kinds())
+        if name not in models.names(kind):
+            raise KitchenFileError(path, f"models.{kind}", f"got {name!r}", models.names(kind))
+    return FrozenMap({str(kind): str(name) for kind, name in given.items()})
 
 
 def _one_of(path: Path, table: dict[str, Any], key: str, valid: tuple[str, ...]) -> str:

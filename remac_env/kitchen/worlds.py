@@ -1,4 +1,4 @@
-"""A task's kitchens: its layouts, categories, vocabulary, and the start of each episode."""
+"""Where kitchens come from: layouts, categories and vocabulary of the package and of a task, and each start."""
 
 from __future__ import annotations
 
@@ -19,7 +19,20 @@ from remac_env.tasks.spec import TaskSpec
 from remac_env.vocabulary import Vocabulary, built_in
 
 
-class TaskWorlds:
+class Worlds:
+    """The layouts and categories of the package."""
+
+    @property
+    def categories(self) -> Mapping[str, Category]:
+        """The catalogue."""
+        return catalogue.load()
+
+    def layout(self, name: str, style: str) -> Layout:
+        """A layout with the makes of fixtures that a style has; raises UnknownNameError."""
+        return layouts.load(name, styles.load(style).models)
+
+
+class TaskWorlds(Worlds):
     """Everything about a task that is the same in all its episodes, read on demand."""
 
     def __init__(self, spec: TaskSpec) -> None:
@@ -43,11 +56,11 @@ class TaskWorlds:
         }
         return {**catalogue.load(), **own}
 
-    def layout(self, name: str) -> Layout:
-        """A layout of the package or of the task."""
+    def layout(self, name: str, style: str) -> Layout:
+        """A layout of the package or of the task, with the makes of fixtures that a style has."""
         if name in self.spec.layout_files:
-            return layouts.read(Path(self.spec.layout_files[name]))
-        return layouts.load(name)
+            return layouts.read(Path(self.spec.layout_files[name]), styles.load(style).models)
+        return super().layout(name, style)
 
     def check_cell(self, style: str | None, layout: str | None) -> None:
         """Raise UnknownNameError for a style or layout that does not exist; None means that the seed picks."""
@@ -70,11 +83,12 @@ class TaskWorlds:
         self.check_cell(style, layout)
         cell = generator(seed, "cell", self.spec.name)
         picks = [str(cell.choice(names)) for names in (self.spec.styles, self.spec.layouts)]
+        style = style or picks[0]
         return sample(
             self.spec,
-            self.layout(layout or picks[1]),
+            self.layout(layout or picks[1], style),
             self.categories,
-            style=style or picks[0],
+            style=style,
             starts=starts,
             seed=seed,
             robots=robots,

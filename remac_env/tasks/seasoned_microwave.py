@@ -5,11 +5,12 @@ Hidden: the microwave door is closed. Scored by its four phases.
 
 from __future__ import annotations
 
+from remac_env.marks import SEASONED
 from remac_env.tasks.goals import All, DoorIs, Inside, Marked, Released
 from remac_env.tasks.spec import Role, TaskSpec
 
 _IN = All(Inside("{food}", "microwave"), Released("{food}"))
-_SEASONED = Marked("{food}", "seasoned")
+_SEASONED = Marked("{food}", SEASONED)
 
 SPEC = TaskSpec(
     name="SeasonedMicrowave",

@@ -18,14 +18,14 @@ from remac_env.backends.physics.simulation import CONTROL_PERIOD, SUBSTEPS, Simu
 from remac_env.backends.physics.snapshot import read_world
 from remac_env.backends.physics.stage import pose_start
 from remac_env.errors import LifecycleError
-from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.layout import Layout
-from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.catalogue import Category
+from remac_env.kitchen.worlds import Worlds
+from remac_env.marks import washed
 from remac_env.rounds import settle_claims
 from remac_env.start import Start
-from remac_env.state import CLOSED_MAX, WorldState, washed
+from remac_env.state import CLOSED_MAX, WorldState
 from remac_env.subtasks import Outcome, Subtask, failure
 
 _REST_SPEED = 0.02  # m/s or rad/s below which the kitchen is at rest
@@ -33,20 +33,25 @@ _REST_LEAST, _REST_MOST = 6, 60  # control periods
 
 
 class PhysicsBackend:
-    """A kitchen in MuJoCo. ``model`` and ``data`` are for rendering only."""
+    """A kitchen in MuJoCo. ``model`` and ``data`` are for rendering only.
 
-    def __init__(self) -> None:
+    ``worlds``: where layouts and categories are found; those of the package where None.
+    """
+
+    def __init__(self, worlds: Worlds | None = None) -> None:
+        self._worlds = worlds or Worlds()
         self.watch: Callable[[], None] | None = None
         self._episode: _Episode | None = None
         self._played: list[dict[str, Subtask]] = []
 
     def __getstate__(self) -> dict[str, Any]:
         """What a copy is made from: the start and the rounds played. `watch` stays behind."""
-        return {"start": None if self._episode is None else self._episode.start, "played": list(self._played)}
+        start = None if self._episode is None else self._episode.start
+        return {"worlds": self._worlds, "start": start, "played": list(self._played)}
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
         """Play the rounds again: copies of MjData are inexact while parts of the kitchen sleep, replays are exact."""
-        self.__init__()  # type: ignore[misc]
+        self.__init__(state["worlds"])  # type: ignore[misc]
         if state["start"] is not None:
             self.reset(state["start"])
             for subtasks in state["played"]:
@@ -54,7 +59,7 @@ class PhysicsBackend:
 
     def reset(self, start: Start) -> WorldState:
         """Put the kitchen into this start; what follows depends on nothing that went before."""
-        self._episode, self._played = _Episode(start), []
+        self._episode, self._played = _Episode(start, self._worlds), []
         return self._episode.world
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
@@ -95,12 +100,12 @@ class PhysicsBackend:
 class _Episode:
     """One start and what has become of it."""
 
-    def __init__(self, start: Start) -> None:
+    def __init__(self, start: Start, worlds: Worlds) -> None:
         self.start = start
-        self._layout: Layout = layouts.load(start.layout)
-        self._things: dict[str, Category] = {noun: catalogue.get(name) for noun, name in start.categories.items()}
+        self._layout: Layout = worlds.layout(start.layout, start.style)
+        self._things: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
         robots = tuple(start.scene.robots)
-        self.simulation = Simulation(_model(start.layout, robots, tuple(start.categories.items())), robots)
+        self.simulation = Simulation(_model(self._layout, robots, tuple(self._things.items())), robots)
         self._marks = {name: state.marks for name, state in start.world.objects.items()}
         on = frozenset().union(*(state.on for state in start.world.fixtures.values()))
         # Knobs and levers show whether they are on; what a push button started has to be remembered.
@@ -192,6 +197,6 @@ class _Episode:
 
 
 @lru_cache(maxsize=8)
-def _model(layout: str, robots: tuple[str, ...], categories: tuple[tuple[str, str], ...]) -> mujoco.MjModel:
+def _model(layout: Layout, robots: tuple[str, ...], things: tuple[tuple[str, Category], ...]) -> mujoco.MjModel:
     """Compiled colliders; a model is never written to, so episodes share it."""
-    return build_model(layouts.load(layout), robots=robots, objects=dict(categories), looks=False)
+    return build_model(layout, robots=robots, objects=dict(things), looks=False)

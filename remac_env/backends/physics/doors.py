@@ -1,4 +1,4 @@
-"""Open and close a door hinged on its left: the hand holds the bar and goes along the arc, arm and base together."""
+"""Open and close a hinged door: the hand holds the handle and goes along the arc, arm and base together."""
 
 from __future__ import annotations
 
@@ -32,17 +32,22 @@ _DISTANCES, _SIDES, _TURNS = (0.58, 0.5, 0.66, 0.74), (-0.05, 0.1, -0.2, 0.25, 0
 
 @dataclass(frozen=True)
 class _Door:
-    """A door's geometry in the world: hinge line, and the bar in the door's frame."""
+    """A door's geometry: hinge line, handle in the door's frame; sign: 1 where it is hinged on the left, else -1."""
 
     name: str
     hinge: Array
     bar: Array
+    sign: float
     address: int
     geoms: tuple[int, ...]
 
     def at(self, angle: float) -> Array:
-        """Position of the bar's middle."""
-        return self.hinge + about_z(-angle) @ self.bar
+        """Position of the handle's middle."""
+        return self.hinge + self.turn(angle) @ self.bar
+
+    def turn(self, angle: float) -> Array:
+        """Rotation (3, 3) of the door when it has been opened by an angle, rad."""
+        return about_z(-self.sign * angle)
 
 
 @dataclass(frozen=True)
@@ -59,7 +64,8 @@ def _door(here: Surroundings, name: str) -> _Door:
     bar = model.site(f"{name}/handle").pos
     address = int(model.joint(f"{name}/door").qposadr[0])
     hinge = np.array(body.pos) + here.shift(f"{name}/handle")
-    return _Door(name, hinge, np.array(bar), address, tuple(here.simulation.geoms(f"{name}/door")))
+    sign = -float(model.joint(f"{name}/door").axis[2])
+    return _Door(name, hinge, np.array(bar), sign, address, tuple(here.simulation.geoms(f"{name}/door")))
 
 
 def open_door(here: Surroundings, name: str) -> Steps:
@@ -97,7 +103,8 @@ def _swing(here: Surroundings, name: str, target: float) -> Steps:
         scratch.fingers(robot.grip)
         return True if free else None
 
-    found = plan_reach(here, stances(here, door.at(start), _DISTANCES, _SIDES, _TURNS), grasps, after)
+    sides, turns = ([door.sign * value for value in values] for values in (_SIDES, _TURNS))
+    found = plan_reach(here, stances(here, door.at(start), _DISTANCES, sides, turns), grasps, after)
     yield from go_to_grasp(here, found)
     yield from here.mover.fingers(0.0, 10)
     if robot.opening < 0.008:
@@ -132,7 +139,7 @@ def _grasps(door: _Door, angle: float, *, closing: bool) -> list[_DoorGrasp]:
     found: list[_DoorGrasp] = []
     for pitch in pitches:
         for follows in _CLOSING_FOLLOWS if closing else _OPENING_FOLLOWS:
-            turn = about_z(-follows * angle if closing else -angle)
+            turn = door.turn(follows * angle if closing else angle)
             for side in (1.0, -1.0):
                 approach = turn @ np.array([0.0, math.cos(pitch), math.sin(pitch)])
                 hand = grip_frame(approach, turn @ np.array([side, 0.0, 0.0]))
@@ -152,7 +159,7 @@ def _arc_is_free(
     scratch.fingers(_BAR_GRIP)
     for k in range(1, count + 1):
         angle = start + (beyond - start) * k / count
-        at = about_z(-grasp.follows * (angle - start)) @ grasp.rotation
+        at = door.turn(grasp.follows * (angle - start)) @ grasp.rotation
         step = planner.kinematics.track(
             q, door.at(angle), at, weights=grasp.weights, iterations=6, largest=1.7 * STEP_LIMIT
         )
@@ -181,7 +188,7 @@ def _follow_arc(here: Surroundings, door: _Door, grasp: _DoorGrasp, start: float
         now = simulation.joint(f"{door.name}/door")
         limit = min(sign * now + _LEAD, sign * (target + sign * 0.10))
         angle = sign * min(sign * angle + _SPEED * CONTROL_PERIOD, limit)
-        at = about_z(-grasp.follows * (angle - start)) @ grasp.rotation
+        at = door.turn(grasp.follows * (angle - start)) @ grasp.rotation
         step = planner.kinematics.track(robot.q, door.at(angle), at, weights=grasp.weights, largest=STEP_LIMIT)
         yield from here.mover.step(step.q)
         reached = sign * now >= sign * target - (0.005 if sign < 0 else 0.0)

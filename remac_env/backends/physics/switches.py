@@ -39,15 +39,20 @@ def turn_knob(here: Surroundings, joint: str, *, on: bool) -> Steps:
     """Turn a knob (joint, body and site of one name) on or off."""
     model = here.simulation.model
     at = np.array(model.body(joint).pos) + np.array(model.site(joint).pos) + here.shift(joint)
-    start = here.simulation.joint(joint)
+    start, above = here.simulation.joint(joint), abs(float(model.joint(joint).axis[2])) > 0.5
+
+    def turn_by(angle: float) -> Array:
+        """Rotation of the knob: clockwise as seen from the robot, or from above."""
+        return about_z(-angle) if above else about_y(angle)
+
     grasps = []
     for pitch in (0.0, 0.3, -0.3):
         for side in (1.0, -1.0):
-            approach = [0.0, math.cos(pitch), -math.sin(pitch)]
-            hand = grip_frame(approach, about_y(start) @ [side, 0.0, 0.0])
+            approach = [0.0, math.sin(pitch), -math.cos(pitch)] if above else [0.0, math.cos(pitch), -math.sin(pitch)]
+            hand = grip_frame(approach, turn_by(start) @ [side, 0.0, 0.0])
             grasps.append(Grasp(at, hand, at - hand[:, 2] * 0.12))
     target, beyond = (KNOB_ON, 0.15) if on else (0.0, -0.10)
-    turn = _Turn(joint, joint, lambda _: at, about_y, target, beyond, 1.2, 0.035, 0.0)
+    turn = _Turn(joint, joint, lambda _: at, turn_by, target, beyond, 1.2, 0.035, 0.0)
     stands = stances(here, at, (0.66, 0.74, 0.58, 0.82), (0.0, 0.12, -0.12, 0.25, -0.25))
     yield from _turn_hinge(here, turn, grasps, stands)
 

@@ -1,0 +1,23 @@
+"""What happens to things and cannot be seen from where they are."""
+
+from __future__ import annotations
+
+from remac_env.state import Scene, WorldState, inside
+
+WASHED = "washed"
+"""The mark of a thing on which water has run."""
+
+SEASONED = "seasoned"
+"""The mark of a thing over which a shaker was shaken."""
+
+
+def washed(scene: Scene, world: WorldState) -> WorldState:
+    """The world with the mark `washed` on whatever washable thing stands under running water."""
+    for tap, basins in scene.taps:
+        if not world.fixtures[tap].on:
+            continue
+        for thing in scene.washables:
+            marks = world.objects[thing].marks
+            if WASHED not in marks and any(inside(scene, world, thing, basin) for basin in basins):
+                world = world.with_object(thing, marks=marks | {WASHED})
+    return world
