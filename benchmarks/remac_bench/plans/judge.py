@@ -67,13 +67,13 @@ def judge(scene: Scene, world: WorldState, goal: Goal, plan: Plan | PlanError, o
     """
     if isinstance(plan, PlanError):
         kind = "unknown_thing" if plan.entry is not None else "parse"
-        fault = Fault(
+        unread = Fault(
             type=kind, sentence=plan.problem, robot=plan.robot, index=plan.index, subtask=plan.entry
         )
-        return Judgement(plan=None, valid=False, optimal=False, rounds=None, optimum=optimum, error=fault)
+        return Judgement(plan=None, valid=False, optimal=False, rounds=None, optimum=optimum, error=unread)
     plan = _without_done(plan)
     course = _follow(scene, world, goal, plan)
-    fault = course.fault
+    fault: Fault | None = course.fault
     if course.works:
         fault = _lengthy(scene, world, goal, plan, course, optimum)
     elif fault is None:
