@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import os
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
+
+from remac_agents.memory_file import MemoryFile
+from remac_env.errors import OptionError
 
 MAX_LESSONS = 40
 MAX_CHARACTERS = 6000
@@ -36,38 +38,58 @@ class Run:
         """True when some pre-condition was found false, so that the plan was changed on the way."""
         return any(not entry.get("verdict", True) for entry in self.pre_check_results)
 
+    def as_json(self) -> dict[str, Any]:
+        """The eight fields as values that json.dumps takes."""
+        return asdict(self)
+
 
 class Memory:
-    """Runs in the order in which they ended, in a JSON-lines file or in this process alone."""
+    """Runs in the order in which they ended, in a JSON-lines file or in this process alone.
 
-    def __init__(self, path: str | Path | None = None) -> None:
-        """Args: path: a file to read, if it exists, and to append to."""
-        self._path = None if path is None else Path(path)
-        self._runs: list[Run] = []
-        if self._path is not None and self._path.exists():
-            text = self._path.read_text("utf-8", errors="replace")
-            self._runs = [run for line in text.splitlines() if (run := _read(line)) is not None]
+    Processes may share a file: each sees what the others have appended when it next asks.
+    """
+
+    def __init__(self, path: str | Path | None = None, *, keep: int | None = None) -> None:
+        """See the class.
+
+        Args:
+            path: a file to read, if it exists, and to append to.
+            keep: how many of the newest runs of a task are still told; None forgets nothing. The file keeps all:
+                `prune_file` shortens it.
+
+        Raises:
+            OptionError: if `keep` is not a whole number from 1.
+        """
+        if keep is not None and (isinstance(keep, bool) or not isinstance(keep, int) or keep < 1):
+            raise OptionError(f"keep {keep!r} is not valid; valid: a whole number from 1, or None")
+        self._keep = keep
+        self._file = None if path is None else MemoryFile(Path(path))
+        self._own: list[Run] = []
 
     def __len__(self) -> int:
-        return len(self._runs)
+        return len(self.all_runs())
 
     def append(self, run: Run) -> None:
         """Add a run and write it out at once."""
-        self._runs.append(run)
-        if self._path is None:
-            return
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        line = json.dumps(asdict(run), ensure_ascii=False)
-        with self._path.open("ab+") as file:
-            # A line that was torn when a process died must not swallow this one.
-            start = "\n" if _ends_torn(file) else ""
-            file.write(f"{start}{line}\n".encode())
-            file.flush()
-            os.fsync(file.fileno())
+        if self._file is None:
+            self._own.append(run)
+        else:
+            self._file.append(run.as_json())
+
+    def all_runs(self) -> tuple[Run, ...]:
+        """Every run that can be read, oldest first; `keep` does not matter here."""
+        if self._file is None:
+            return tuple(self._own)
+        return tuple(run for entry in self._file.entries() if (run := _read(entry)) is not None)
+
+    def tasks(self) -> tuple[str, ...]:
+        """The tasks that runs are about, each once, oldest first."""
+        return tuple(dict.fromkeys(run.task_description for run in self.all_runs()))
 
     def runs(self, task: str) -> tuple[Run, ...]:
-        """The runs of a task, oldest first."""
-        return tuple(run for run in self._runs if run.task_description == task)
+        """The runs of a task that are not forgotten, oldest first."""
+        runs = tuple(run for run in self.all_runs() if run.task_description == task)
+        return runs if self._keep is None else runs[-self._keep :]
 
     def lessons(
         self, task: str, *, most: int = MAX_LESSONS, characters: int = MAX_CHARACTERS
@@ -77,10 +99,9 @@ class Memory:
         newest = list(dict.fromkeys(reversed(told)))[:most]
         kept: list[str] = []
         for text in newest:
-            characters -= len(text)
-            if characters < 0:
-                break
-            kept.append(text)
+            if len(text) <= characters:  # one that is too long must not push the others out
+                kept.append(text)
+                characters -= len(text)
         return tuple(reversed(kept))
 
     def proven_plan(self, task: str) -> Mapping[str, list[str]] | None:
@@ -97,29 +118,47 @@ class Memory:
         return proven
 
 
-def _ends_torn(file: Any) -> bool:
-    if file.seek(0, os.SEEK_END) == 0:
-        return False
-    file.seek(-1, os.SEEK_END)
-    return bool(file.read(1) != b"\n")
+def prune_file(path: str | Path, *, keep: int, task: str | None = None) -> int:
+    """Shorten a memory file to the newest `keep` runs of each task (or of one), and say how many runs went.
+
+    Lines that are no runs go too. The file is replaced in one step: a kill leaves the old one or the new one.
+    """
+    told: Counter[str] = Counter()
+
+    def stays(entry: Mapping[str, Any]) -> bool:
+        run = _read(entry)
+        if run is None:
+            return False
+        told[run.task_description] += 1
+        return task not in (None, run.task_description) or told[run.task_description] <= keep
+
+    return MemoryFile(Path(path)).rewrite(stays)
 
 
-def _read(line: str) -> Run | None:
-    """A run from its line, or None for a torn or foreign one."""
-    try:
-        entry = json.loads(line)
-    except json.JSONDecodeError:
+def _read(entry: Mapping[str, Any]) -> Run | None:
+    """A run from its line, or None for a foreign one."""
+    names = [field.name for field in fields(Run)]
+    if any(name not in entry or not _FITS[name](entry[name]) for name in names):
         return None
-    if not isinstance(entry, dict) or not _complete(entry, (field.name for field in fields(Run))):
-        return None
-    return Run(**{field.name: entry[field.name] for field in fields(Run)})
+    return Run(**{name: entry[name] for name in names})
 
 
-def _complete(entry: Mapping[str, Any], names: Iterable[str]) -> bool:
-    kinds: dict[str, type] = {
-        "initial_plan": dict,
-        "reflection": list,
-        "pre_check_results": list,
-        "success": bool,
-    }
-    return all(name in entry and isinstance(entry[name], kinds.get(name, object)) for name in names)
+def _is_texts(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(text, str) for text in value)
+
+
+def _is_tables(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(entry, dict) for entry in value)
+
+
+_FITS: dict[str, Callable[[Any], bool]] = {
+    "task_description": lambda value: isinstance(value, str),
+    "task_goal": lambda value: isinstance(value, str),
+    "initial_plan": lambda value: isinstance(value, dict) and all(_is_texts(row) for row in value.values()),
+    "action_list": _is_texts,
+    "pre_check_results": _is_tables,
+    "post_check_results": _is_tables,
+    "success": lambda value: isinstance(value, bool),
+    "reflection": _is_texts,
+}
+"""Field -> whether a value found in a file can be it."""

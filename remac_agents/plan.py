@@ -22,9 +22,16 @@ MAX_CHARACTERS = 400_000
 
 @dataclass(frozen=True)
 class PlanError:
-    """Why a reply is no plan, in words that its planner can use to do better."""
+    """Why a reply is no plan, in words that its planner can use to do better.
+
+    `entry`, with its `robot` and `index` in the row from 0, is what stands in a plan and is no command of this
+    kitchen; all three are None for a reply that cannot be read as a plan.
+    """
 
     problem: str
+    robot: str | None = None
+    index: int | None = None
+    entry: str | None = None
 
 
 @dataclass(frozen=True)
@@ -201,7 +208,8 @@ def _from_rows(rows: Mapping[str, Any], commands: Commands) -> Plan | PlanError:
         for entry in entries:
             subtask = _read_step(entry, commands)
             if subtask is None:
-                return PlanError(commands.unknown(entry))
+                told = entry[:80] if isinstance(entry, str) else repr(entry)[:80]
+                return PlanError(commands.unknown(entry), robot=robot, index=len(read[robot]), entry=told)
             read[robot].append(subtask)
     return Plan.of(read)
 

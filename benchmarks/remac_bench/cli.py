@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from remac_bench.commands import bench, demo, doctor, oracle, tasks
+from remac_bench.commands import bench, demo, doctor, experiment, memory, oracle, plan, tasks
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -14,9 +14,12 @@ app = typer.Typer(
 )
 app.command()(demo.demo)
 app.command()(oracle.oracle)
+app.command()(plan.plan)
+app.command()(experiment.experiment)
 app.command()(tasks.tasks)
 app.command()(doctor.doctor)
 app.add_typer(bench.app, name="bench")
+app.add_typer(memory.app, name="memory")
 
 
 def main() -> None:

@@ -1,0 +1,64 @@
+"""`remac experiment`: the paper's plan-only experiments with any planners."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from remac_bench.console import clean_errors, console
+from remac_bench.errors import UsageError
+from remac_bench.flags import Extensions
+
+Names = Annotated[str, typer.Argument(help="reflection, wording or validity.")]
+Planners = Annotated[
+    list[str] | None, typer.Option("--planner", help="As for `remac plan`; may be repeated. By default all offline.")
+]
+OFFLINE = ("literal", "oracle", "random", "noop")
+
+
+@clean_errors
+def experiment(
+    name: Names,
+    planner: Planners = None,
+    tasks: Annotated[str | None, typer.Option(help="Names with commas between them; by default the table's.")] = None,
+    count: Annotated[int, typer.Option("--n", min=1, help="Starts a task: seeds 0, 1, ...")] = 20,
+    robots: Annotated[str, typer.Option(help="1, 2 or 1,2.")] = "1",
+    starts: Annotated[str, typer.Option(help="paper, mixed or paper,mixed.")] = "paper",
+    file: Annotated[Path | None, typer.Option("--json", help="Also write every trial and the cells.")] = None,
+    extensions: Extensions = None,
+) -> None:
+    """Ask planners for plans only, and judge them by the skill table: seconds, no physics."""
+    import remac_env
+    from remac_agents.catalogue import make_role
+    from remac_bench import agents
+    from remac_bench.experiments.tables import as_json, tables
+    from remac_bench.experiments.trials import EXPERIMENTS
+    from remac_bench.extensions import find_local_modules, load_extensions
+    from remac_bench.jobs import parse_names
+    from remac_env.errors import check_choice
+    from remac_env.kitchen.starts import STARTS
+    from remac_env.tasks import get
+
+    find_local_modules()
+    load_extensions(extensions or ())
+    check_choice("experiment", name, EXPERIMENTS)
+    kinds = parse_names(starts, "starts")
+    for kind in kinds:
+        check_choice("starts", kind, STARTS)
+    crews = parse_names(robots, "robots")
+    if not set(crews) <= {"1", "2"}:
+        raise UsageError(f"robots {robots!r} is not valid; valid: 1, 2, or 1,2")
+    known = remac_env.tasks()
+    chosen = parse_names(tasks, "tasks") if tasks else [task for task in known if get(task).in_table]
+    for task in chosen:
+        check_choice("task", task, known)
+    planners = {text: make_role("planner", agents.role(text)) for text in planner or OFFLINE}
+    made = EXPERIMENTS[name](planners, chosen, count=count, robots=[int(crew) for crew in crews], starts=kinds)
+    trials = list(made)
+    for part in tables(name, trials):
+        console().print(part, crop=False)
+    if file is not None:
+        file.write_text(json.dumps(as_json(name, trials), indent=1) + "\n", "utf-8")

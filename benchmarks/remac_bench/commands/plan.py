@@ -1,0 +1,50 @@
+"""`remac plan`: one plan of a planner, and whether it is any good."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+import typer
+
+from remac_bench.console import clean_errors
+from remac_bench.flags import Extensions, Layout, Naming, Planner, Starts, Style, Wording
+
+
+@clean_errors
+def plan(
+    task: Annotated[str, typer.Option(help="Name of a task.")],
+    planner: Planner = None,
+    robots: Annotated[int, typer.Option(help="1 or 2.")] = 1,
+    seed: Annotated[int, typer.Option(help="The episode's seed.")] = 0,
+    starts: Starts = "paper",
+    wording: Wording = 3,
+    style: Style = None,
+    layout: Layout = None,
+    naming: Naming = "role",
+    taught: Annotated[
+        bool, typer.Option("--reflections", help="Tell it a first iteration's plan and reflections.")
+    ] = False,
+    extensions: Extensions = None,
+) -> None:
+    """Ask a planner for one plan and print it as JSON: valid, optimal, rounds, optimum and its first error."""
+    from remac_agents.catalogue import make_role
+    from remac_bench import agents
+    from remac_bench.extensions import find_local_modules, load_extensions
+    from remac_bench.plans.ask import Cell, judged, teach
+
+    find_local_modules()
+    load_extensions(extensions or ())
+    cell = Cell(
+        task=task,
+        robots=robots,
+        seed=seed,
+        starts=starts,
+        wording=wording,
+        style=style,
+        layout=layout,
+        naming=naming,
+    )
+    filled = make_role("planner", agents.role(planner or "literal"))
+    found = judged(cell, filled, teach(cell) if taught else None)
+    typer.echo(json.dumps(found.as_json()))

@@ -1,0 +1,1 @@
+"""The paper's plan-only experiments: seconds each, no physics."""

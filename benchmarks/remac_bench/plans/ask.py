@@ -1,0 +1,121 @@
+"""Asks a planner for one plan at the start of an episode, as a method would, and nothing more."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import remac_agents
+from remac_agents import Bounds, Memory, Plan, PlanError
+from remac_agents.agent import Agent
+from remac_agents.episode import Episode, Turns
+from remac_agents.methods import Method
+from remac_agents.plan import read_plan
+from remac_bench.plans.judge import Judgement, judge
+from remac_env.oracle import solve
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """Where a plan is asked for: keywords of `remac_env.parallel_env` without the backend, and a seed."""
+
+    task: str
+    robots: int = 1
+    seed: int = 0
+    starts: str = "paper"
+    wording: int = 3
+    style: str | None = None
+    layout: str | None = None
+    naming: str = "role"
+    text: str = "plain"
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What the kitchen is made with."""
+        skipped = ("task", "seed")
+        return {name: getattr(self, name) for name in self.__dataclass_fields__ if name not in skipped}
+
+
+@dataclass(frozen=True)
+class Taught:
+    """What an earlier iteration left behind: its first plan and its reflections."""
+
+    plan: Mapping[str, tuple[str, ...]]
+    reflections: tuple[str, ...]
+
+
+def kitchen(cell: Cell) -> Any:
+    """The cell's kitchen on the symbolic backend.
+
+    Raises:
+        UnknownNameError, OptionError: for names and numbers that are not valid.
+    """
+    import remac_env
+
+    return remac_env.parallel_env(cell.task, backend="symbolic", **cell.options)
+
+
+@lru_cache(maxsize=4096)
+def optimum(cell: Cell) -> int | None:
+    """Rounds of the shortest plan of a cell's start; its wording does not matter."""
+    if cell.wording != 3 or cell.text != "plain":
+        return optimum(replace(cell, wording=3, text="plain"))
+    env = kitchen(cell)
+    env.reset(seed=cell.seed)
+    found = solve(env.start.scene, env.world, env.goal)
+    return None if found is None else found.length
+
+
+def judged(cell: Cell, planner: object, taught: Taught | None = None) -> Judgement:
+    """Ask the planner for a plan for all robots of the cell, and judge it.
+
+    Args:
+        planner: a ready planner (`remac_agents.catalogue.make_role`).
+        taught: what it is told of an earlier iteration.
+    """
+    env = kitchen(cell)
+    plan = ask(env, planner, cell.seed, taught)
+    return judge(env.start.scene, env.world, env.goal, plan, optimum(cell))
+
+
+def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> Plan | PlanError:
+    """The planner's answer at the start of the episode; it is asked once."""
+    answers: list[Plan | PlanError] = []
+
+    def run(episode: Episode) -> Turns:
+        request = episode.plan_request(tuple(episode.briefing.robots))
+        if taught is not None:
+            request = replace(request, previous_plan=taught.plan, reflections=taught.reflections)
+        reply = episode.roles.planner.plan(request)
+        answers.append(read_plan(reply, episode.commands, request.robots, episode.briefing.lead))
+        yield from ()
+
+    roles = remac_agents.make("BASE", planner=planner).roles
+    agent = Agent(Method(name="PLAN", run=run), roles, memory=Memory(), bounds=Bounds())
+    observations, infos = env.reset(seed=seed)
+    agent.reset(observations, infos)
+    agent.act(observations, infos)
+    return answers[0]
+
+
+@lru_cache(maxsize=4096)
+def teach(cell: Cell) -> Taught:
+    """Play the first iteration with condition checks and rule-based roles, and keep what it wrote down.
+
+    The lead works alone, whether there is a second robot or not: reflection comes before sharing.
+    """
+    env = kitchen(cell)
+    agent = remac_agents.make("RE")
+    observations, infos = env.reset(seed=cell.seed)
+    agent.reset(observations, infos)
+    while env.agents:
+        observations, _, _, _, infos = env.step(agent.act(observations, infos))
+    agent.close_episode(observations, infos)
+    (run,) = agent.memory.runs(cell.task)
+    return Taught(_rows(run.initial_plan), agent.memory.lessons(cell.task))
+
+
+def _rows(plan: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
+    return {robot: tuple(row) for robot, row in plan.items()}
