@@ -143,7 +143,7 @@ def _row(key: tuple[str, str, str], group: Sequence[Record], single: dict[Spot, 
         infrastructure=len(broken),
         progress=mean(record.progress for record in scored),
         unpriced=sum(record.usage.unpriced for record in group if record.job in finished),
-        **{name: None for name in _LATER},
+        **dict.fromkeys(_LATER),
     )
     costs = _costs([record for record in group if record.job in finished], len(finished))
     return replace(row, **_completion(scored), **_lengths(scored, won), **_against_best(scored, won, single), **costs)

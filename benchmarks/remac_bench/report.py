@@ -25,14 +25,17 @@ from remac_bench.store import FILE, Store
 COMPACT = ("task", "agent", "n", "tsr", "interval", "scr", "seconds", "ipl", "fpl", "crashed", "infrastructure")
 """Columns of the results that stand in the main table; the others come with `--all`."""
 
-ALARMS = ("crashed", "infrastructure")
+ALARMS = ("crashed", "infrastructure", "crash", "unclear", "unknown", "retries")
 """Columns that a terminal shows only where one of their numbers is not 0."""
 
 FIRST = ("results", "ranking", "blame")
 """Sheets that are shown without `--all`, by the beginning of their key."""
 
-ACROSS = 9
-"""Columns of numbers side by side in a terminal; a wider sheet is shown in parts."""
+ACROSS = 118
+"""Characters side by side in a terminal; a wider sheet is shown in parts."""
+
+_GAP = 3
+"""Characters between two columns."""
 
 LEGEND = (
     "TSR: goal holds at the end, with Wilson's 95% interval. SCR: rounds done of the final plans. "
@@ -57,9 +60,7 @@ def read_records(folder: str | Path) -> list[Record]:
         raise UsageError(f"there is no folder {str(path)!r}; give the --out of a `remac bench run`")
     records = Store(path).read()
     if not records:
-        raise UsageError(
-            f"no records in {str(path)!r} ({FILE} is missing or empty); run `remac bench run --out` first"
-        )
+        raise UsageError(f"no records in {str(path)!r} ({FILE} is missing or empty); run `remac bench run --out` first")
     return records
 
 
@@ -163,12 +164,27 @@ def _loud(sheet: Sheet, columns: Sequence[Column]) -> tuple[Column, ...]:
 
 def _parts(sheet: Sheet) -> list[tuple[Column, ...]]:
     """The columns in parts that fit a terminal, each with the words in front; columns without a cell are left out."""
-    used = [column for column in sheet.columns if any(column.key in row for row in sheet.rows)]
-    words = [column for column in used if not column.numeric]
-    numbers = [column for column in used if column.numeric]
-    if len(used) <= ACROSS + len(words):
-        return [tuple(used)]
-    return [(*words, *numbers[at : at + ACROSS]) for at in range(0, len(numbers), ACROSS)]
+    used = _loud(sheet, [column for column in sheet.columns if any(column.key in row for row in sheet.rows)])
+    front = [column for column in used if not column.numeric]
+    room = ACROSS - sum(_width(sheet, column) for column in front)
+    parts: list[list[Column]] = [[]]
+    left = room
+    for column in used:
+        if not column.numeric:
+            continue
+        left -= _width(sheet, column)
+        if left < 0 and parts[-1]:
+            parts.append([])
+            left = room - _width(sheet, column)
+        parts[-1].append(column)
+    if len(parts) == 1:
+        return [used]
+    return [(*front, *part) for part in parts]
+
+
+def _width(sheet: Sheet, column: Column) -> int:
+    texts = (plain(row.get(column.key, _DASH).text) for row in sheet.rows)
+    return _GAP + max(len(column.title), *(len(text) for text in texts), 1)
 
 
 def _table(sheet: Sheet, columns: Sequence[Column], *, title: bool = True) -> Table:
@@ -184,10 +200,10 @@ def _table(sheet: Sheet, columns: Sequence[Column], *, title: bool = True) -> Ta
         least = max(len(column.title), *(len(row[index]) for row in texts), 1)
         side: JustifyMethod = "right" if column.numeric else "left"
         table.add_column(column.title, justify=side, no_wrap=True, min_width=least)
-    before = None
-    for cells, row in zip(texts, sheet.rows, strict=True):
-        group = row.get("task", _DASH).text
-        if before not in (None, group):
+    firsts, before = [row[0] for row in texts], None
+    for cells in texts:
+        group = cells[0]
+        if before not in (None, group) and len(set(firsts)) < len(firsts):
             table.add_section()
         before = group
         table.add_row(*(escape(text) for text in cells))

@@ -66,23 +66,33 @@ def find_faults(record: Record, replay: Replay) -> Faults:
 
 
 def lost_rounds(record: Record, replay: Replay, faults: Faults) -> dict[Kind, set[int]]:
-    """Rounds that brought nothing, each counted once: failed skills, false alarms, then what plans did in vain.
+    """Rounds that brought nothing, each counted once: failed skills, false alarms, mistakes, and ways in circles.
 
-    The planner's are the rounds of its mistakes, and those between two moments in which the world was the same.
+    The rounds between two moments in which the world was the same count for the last fault before them, or for the
+    planner where there was none.
     """
-    skill = {fault.round for fault in faults.skill}
+    lost: dict[Kind, set[int]] = {"skill": {fault.round for fault in faults.skill}, "checker": set(), "planner": set()}
     vouched = {fault.round for fault in faults.checker if fault.round < len(replay.rounds)}
-    checker = (set(detours(record)) | (vouched - skill)) - skill
-    planner = {fault.round for fault in faults.planner}
-    way = [(replay.start, -1)]
+    lost["checker"] = (set(detours(record)) | vouched) - lost["skill"]
+    lost["planner"] = {fault.round for fault in faults.planner} - lost["checker"] - lost["skill"]
+    causes = sorted([*faults.skill, *faults.checker, *faults.planner], key=lambda fault: fault.round)
+    for index in sorted(_circles(replay) - set().union(*lost.values())):
+        before = [fault.kind for fault in causes if fault.round <= index]
+        lost[before[-1] if before else "planner"].add(index)
+    return lost
+
+
+def _circles(replay: Replay) -> set[int]:
+    """The rounds after which the world was as it had been before, and those on the way round."""
+    way, lost = [(replay.start, -1)], set()
     for index, turn in enumerate(replay.rounds):
         seen = next((place for place, (world, _) in enumerate(way) if world == turn.after), None)
-        if seen is not None:
-            planner |= {at for _, at in way[seen + 1 :]} | {index}
-            way = way[: seen + 1]
-        else:
+        if seen is None:
             way.append((turn.after, index))
-    return {"skill": skill, "checker": checker, "planner": planner - checker - skill}
+            continue
+        lost |= {at for _, at in way[seen + 1 :]} | {index}
+        way = way[: seen + 1]
+    return lost
 
 
 def _key(fault: Fault) -> tuple[int, str, str]:

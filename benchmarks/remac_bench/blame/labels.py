@@ -12,7 +12,8 @@ from remac_bench.blame.faults import Fault, Faults, find_faults, lost_rounds
 from remac_bench.blame.replay import Joint, Replay, play_again, rescue, rounds_of
 from remac_bench.judging.episodes import cap_rounds, distinct, setting
 from remac_bench.records import Record
-from remac_env.subtasks import DONE
+from remac_env.rounds import first_false, transition
+from remac_env.subtasks import DONE, WAIT
 
 Label = Literal["planner", "checker", "skill", "budget", "crash", "unclear"]
 LABELS: tuple[Label, ...] = Label.__args__  # type: ignore[attr-defined]
@@ -72,9 +73,7 @@ def blame(record: Record, *, rescuing: bool = True) -> Blame:
         return _labelled(record, "unclear", at, "played again, the episode goes another way than its record")
     label, fault = _decide(record, replay)
     rescued = rescue(record, fault.round) if rescuing and label != "budget" else None
-    return _labelled(
-        record, label, fault.round, fault.what, robot=fault.robot, subtask=fault.subtask, rescued=rescued
-    )
+    return _labelled(record, label, fault.round, fault.what, robot=fault.robot, subtask=fault.subtask, rescued=rescued)
 
 
 def _decide(record: Record, replay: Replay) -> tuple[Label, Fault]:
@@ -94,8 +93,8 @@ def _of_lost(record: Record, replay: Replay, faults: Faults, needed: int) -> tup
     lost = lost_rounds(record, replay, faults)
     count = {kind: len(rounds) for kind, rounds in lost.items()}
     if sum(count.values()) < needed:
-        at = len(record.outcomes)
-        return "budget", _at(at, f"the plan in force reaches the goal {needed} rounds later; {sum(count.values())} lost")
+        what = f"the plan in force reaches the goal {needed} rounds later, and {sum(count.values())} were lost"
+        return "budget", _at(len(record.outcomes), what)
     kind = max(count, key=lambda name: (count[name], -min(lost[name], default=0)))
     named = {"skill": faults.skill, "checker": faults.checker, "planner": faults.planner}[kind]
     what = f"{count[kind]} of {len(record.outcomes)} rounds were lost; the plan in force needed {needed} more"
@@ -112,10 +111,22 @@ def _of_faults(record: Record, replay: Replay, faults: Faults) -> tuple[Label, F
     planned = _planned(record, replay)
     if planned and lasting and (not checker or lasting[0].round < checker[0].round):
         return "skill", lasting[0]
-    own = _first_mistake(record, replay, faults)
-    if checker and (planned or checker[0].round <= own.round):
+    first = not faults.planner or (bool(checker) and checker[0].round <= faults.planner[0].round)
+    if checker and (planned or (first and not _wrong_unseen(record, replay))):
         return "checker", checker[0]
-    return "planner", own
+    return "planner", _first_mistake(record, replay, faults)
+
+
+def _wrong_unseen(record: Record, replay: Replay) -> bool:
+    """Whether every step of the first plan goes well by the table: no check of conditions could have mended it."""
+    world = replay.start
+    for joint in rounds_of(record.initial_plan, replay.scene):
+        if any(first_false(replay.scene, world, robot, subtask, "advise") for robot, subtask in joint.items()):
+            return False
+        world, outcomes = transition(replay.scene, world, {r: joint.get(r, WAIT) for r in replay.scene.robots})
+        if not all(outcome.success for outcome in outcomes.values()):
+            return False
+    return True
 
 
 def _planned(record: Record, replay: Replay) -> bool:

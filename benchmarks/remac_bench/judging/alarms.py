@@ -72,12 +72,20 @@ def detours(record: Record) -> dict[int, int]:
 
 
 def derailments(record: Record) -> list[CheckEntry]:
-    """False alarms before a subtask that kept the robot from running it in that round, in order."""
-    return [
+    """False alarms before a subtask that kept the robot from running it in that round, in order.
+
+    One beside which another condition was truly false counts only where the subtask is never run from then on: what
+    is truly missing is brought about first, and then the subtask is run.
+    """
+    alone = _unprovoked(record.pre_checks)
+    every = [check for check in record.pre_checks if is_false_alarm(check) and not check.asked]
+    kept_from = [
         check
-        for check in sorted(_unprovoked(record.pre_checks), key=lambda check: check.round)
-        if check.round >= len(record.outcomes) or not _runs(record, check.round, check)
+        for check in every
+        if not any(_runs(record, k, check) for k in range(check.round, len(record.outcomes)))
+        or (check in alone and not _runs(record, check.round, check))
     ]
+    return sorted(kept_from, key=lambda check: check.round)
 
 
 def detour_tokens(record: Record) -> int:

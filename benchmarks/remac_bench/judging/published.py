@@ -139,9 +139,7 @@ def _figure_cells(name: str, row: Row | None, value: float | None) -> Cells:
     paper = percent(value, note=PAPER, digits=1)
     if row is None:
         return only_known({"agent": word(name, note="the paper's alone"), "paper_tsr": paper})
-    return only_known(
-        {"agent": word(name), "n": count(row.n), "tsr": rate(row.successes, row.n), "paper_tsr": paper}
-    )
+    return only_known({"agent": word(name), "n": count(row.n), "tsr": rate(row.successes, row.n), "paper_tsr": paper})
 
 
 def _facts(row: Row) -> dict[str, str]:

@@ -184,9 +184,7 @@ def ranking_sheets(records: Sequence[Record], *, folder: str) -> list[Sheet]:
     return sheets
 
 
-def _rank_sheet(
-    where: str, scored: Sequence[Record], pairs: Sequence[Comparison], *, key: str, folder: str
-) -> Sheet:
+def _rank_sheet(where: str, scored: Sequence[Record], pairs: Sequence[Comparison], *, key: str, folder: str) -> Sheet:
     groups: dict[str, list[Record]] = {}
     for record in scored:
         groups.setdefault(record.agent, []).append(record)

@@ -100,9 +100,7 @@ def cells(row: Row) -> Cells:
         name: number(getattr(row, name))
         for name in ("seconds", "seconds_all", "ipl", "ipl_all", "fpl", "fpl_all", "rounds", "rounds_all", "calls")
     }
-    ratios = {
-        name: number(getattr(row, name), 2) for name in ("optimum", "optimum_all", "speedup", "best_speedup")
-    }
+    ratios = {name: number(getattr(row, name), 2) for name in ("optimum", "optimum_all", "speedup", "best_speedup")}
     return only_known(
         {
             "task": word(row.task, note=f"{row.tasks} tasks" if row.task == ALL_TASKS else ""),

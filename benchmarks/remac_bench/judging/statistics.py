@@ -69,9 +69,7 @@ def holm(values: Sequence[float]) -> list[float]:
     return adjusted
 
 
-def cluster_bootstrap(
-    differences: Sequence[float], counts: Sequence[int], *, name: str
-) -> tuple[float, float] | None:
+def cluster_bootstrap(differences: Sequence[float], counts: Sequence[int], *, name: str) -> tuple[float, float] | None:
     """95% percentile interval of a mean difference whose episodes come in clusters.
 
     Whole clusters are drawn with replacement (Field and Welsh 2007): episodes of one cell are alike.
