@@ -187,9 +187,33 @@ def test_a_learner_without_a_control_of_its_budget_is_named() -> None:
 
 
 def test_suites_are_settings_of_their_own() -> None:
-    assert setting(record(options={"suite": "paper"})).startswith("suite paper, symbolic")
-    assert setting(record(options={"suite": {"name": "paper", "version": 2}})).startswith("suite paper 2, ")
-    assert setting(record()) == "symbolic, paper starts"
+    class OfASuite(Record):
+        suite: str | None = None
+        suite_version: int | None = None
+
+    plain = record()
+    assert setting(plain) == "symbolic, paper starts"
+    named = OfASuite(**plain.model_dump(by_alias=True) | {"suite": "paper", "suite_version": 2})
+    assert setting(named) == "suite paper 2, symbolic, paper starts"
+
+
+def test_phases_stand_beside_the_papers() -> None:
+    class OfPhases(Record):
+        phases: dict[str, bool] = {}
+
+    def played(job: str, *reached: bool) -> Record:
+        facts = record(job=job, task="SeasonedMicrowave", success=all(reached)).model_dump(by_alias=True)
+        return OfPhases(**facts | {"phases": dict(zip(("open", "put", "season", "close"), reached, strict=True))})
+
+    records = [played("a", True, True, True, True), played("b", True, True, False, False)]
+    table = sheet(judging.board(records), "table-3")
+    assert [column.title for column in table.columns] == ["Method", "n", "open", "put", "season", "close", "Time s"]
+    assert texts(table, "agent", "n", "phase-1", "phase-2", "phase-3", "phase-4", "seconds") == [
+        ("CC", "2", "100%", "100%", "50%", "50%", "0.0"),
+        ("CC, the paper's", "20", "35%", "25%", "15%", "10%", "128.5"),
+    ]
+    assert {cell.note for key, cell in table.rows[1].items() if key != "agent"} == {"the paper's number"}
+    assert not [s.key for s in judging.board([record()]).sheets if s.key == "table-3"]
 
 
 # -- ranking ----------------------------------------
@@ -323,7 +347,9 @@ def test_doses_stand_beside_responses() -> None:
             for r in entry("CC", won)
         ]
 
-    board = judging.board([*of("noisy,false_alarm=0.3,miss=0", 3, "+---"), *of("truth", 0, "++++")])
+    erring = [r.model_copy(update={"rounds": 9}) for r in of("noisy,false_alarm=0.3,miss=0", 3, "+---")]
+    board = judging.board([*erring, *of("truth", 0, "++++")])
+    assert texts(sheet(board, "dose"), "more_rounds") == [("0.00",), ("9.00",)]
     assert texts(sheet(board, "dose"), "agent", "checker", "false_alarms", "misses", "n", "tsr") == [
         ("CC", "truth", "0%", "-", "4", "100%"),
         ("CC", "noisy,false_alarm=0.3,miss=0", "30%", "-", "4", "25%"),

@@ -112,10 +112,10 @@ def rescue(record: Record, index: int) -> bool:
         return bool(env.goal.holds(env.start.scene, env.world))
 
 
-def rounds_of(plan: Mapping[str, Sequence[str]], env_scene: Scene) -> list[Joint]:
+def rounds_of(plan: Mapping[str, Sequence[str]], scene: Scene) -> list[Joint]:
     """A record's plan as rounds; texts that are no subtasks wait."""
     length = max((len(row) for row in plan.values()), default=0)
-    rows = {robot: [_subtask(text) for text in row] for robot, row in plan.items() if robot in env_scene.robots}
+    rows = {robot: [_subtask(text) for text in row] for robot, row in plan.items() if robot in scene.robots}
     return [{robot: row[index] if index < len(row) else WAIT for robot, row in rows.items()} for index in range(length)]
 
 

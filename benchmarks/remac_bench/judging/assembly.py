@@ -10,7 +10,7 @@ from remac_bench.board import Board, Sheet
 from remac_bench.judging.audit import audit_sheets
 from remac_bench.judging.episodes import distinct
 from remac_bench.judging.evolution import evolution_sheets
-from remac_bench.judging.published import paper_sheets
+from remac_bench.judging.published import paper_sheets, phase_sheets
 from remac_bench.judging.ranking import ranking_sheets
 from remac_bench.judging.results import results_sheets
 from remac_bench.metrics import overall, summarise
@@ -25,6 +25,7 @@ def assemble(records: Iterable[Record], *, blames: Sequence[Blame], title: str, 
         *results_sheets(rows, over_all, folder=folder),
         *ranking_sheets(known, folder=folder),
         *paper_sheets(rows, over_all, folder=folder),
+        *phase_sheets(known, folder=folder),
         *evolution_sheets(known, folder=folder),
         *audit_sheets(known, folder=folder),
         *blame_sheets(blames, folder=folder),

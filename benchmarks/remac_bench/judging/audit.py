@@ -7,12 +7,15 @@ from collections.abc import Sequence
 from remac_bench.board import Column, Sheet
 from remac_bench.judging.alarms import detour_tokens, detours, is_false_alarm, tally
 from remac_bench.judging.cells import Cells, count, number, only_known, rate, word
-from remac_bench.judging.episodes import cap_rounds, setting
+from remac_bench.judging.episodes import cap_rounds, setting, shared_key
 from remac_bench.judging.statistics import mean
 from remac_bench.records import CheckEntry, Record
 
 DEFAULT_CHECKER = "truth"
 """What `remac_agents.make` fills the role with."""
+
+BUDGETS = ("max_calls", "max_tokens", "max_money", "max_seconds")
+"""Options of an agent that say nothing of what it is."""
 
 AUDIT_COLUMNS = (
     Column(key="agent", title="Method", numeric=False),
@@ -35,7 +38,9 @@ DOSE_COLUMNS = (
     Column(key="n", title="n", help="scored episodes"),
     Column(key="tsr", title="TSR", help="with Wilson's 95% interval"),
     Column(key="rounds", title="Rounds all", help="rounds played, failures at the cap"),
-    Column(key="lost", title="Rounds lost", help="rounds an episode that were spent on false alarms"),
+    Column(key="lost", title="Rounds lost", help="rounds an episode that were seen to be spent on false alarms"),
+    Column(key="more_rounds", title="More rounds", help="than the first row, on episodes that both solved"),
+    Column(key="more_tokens", title="More tokens", help="than the first row, on all shared episodes"),
 )
 
 
@@ -72,8 +77,8 @@ def _audit(where: str, records: Sequence[Record], *, key: str, folder: str) -> S
         key=key,
         title=f"Audit of the checkers: {where}",
         caption=(
-            "Every verdict of every iteration beside the truth, with Wilson's intervals. Rounds lost: from a false "
-            "alarm until the robot runs the subtask after all, and subtasks run again though they were done."
+            "Every verdict of every iteration beside the truth, with Wilson's intervals. Rounds lost, at least: from a "
+            "false alarm until the robot runs the subtask after all, and subtasks run again though they were done."
         ),
         command=f"remac bench report {folder} --all",
         columns=AUDIT_COLUMNS,
@@ -115,15 +120,14 @@ def _doses(where: str, records: Sequence[Record], *, key: str, folder: str) -> l
     for record in records:
         chosen = dict(record.options.get("agent", {}))
         checker = str(chosen.pop("checker", DEFAULT_CHECKER))
-        others = ", ".join(f"{name}={value}" for name, value in sorted(chosen.items()))
+        others = ", ".join(f"{name}={value}" for name, value in sorted(chosen.items()) if name not in BUDGETS)
         family = f"{record.method} ({others})" if others else record.method
         families.setdefault(family, {}).setdefault(checker, []).append(record)
-    rows = [
-        (_dose(family, checker, group), group)
-        for family, by_checker in sorted(families.items())
-        if len(by_checker) > 1
-        for checker, group in sorted(by_checker.items(), key=lambda item: _errors(item[1]))
-    ]
+    rows: list[tuple[Cells, list[Record]]] = []
+    for family, by_checker in sorted(families.items()):
+        ordered = sorted(by_checker.items(), key=lambda item: _errors(item[1]))
+        for checker, group in ordered if len(ordered) > 1 else ():
+            rows.append((_dose(family, checker, group) | _more(group, ordered[0][1]), group))
     if not rows:
         return []
     return [
@@ -154,6 +158,23 @@ def _dose(family: str, checker: str, group: Sequence[Record]) -> Cells:
             "lost": number(mean(len(detours(record)) for record in group), 2),
         }
     )
+
+
+def _more(group: Sequence[Record], least: Sequence[Record]) -> Cells:
+    """What a checker costs more than the one that errs least, on the scored episodes of both."""
+    before = {shared_key(record): record for record in least if record.scored}
+    pairs = [(r, before[shared_key(r)]) for r in group if r.scored and shared_key(r) in before]
+    solved = [(here, there) for here, there in pairs if here.success and there.success]
+    return only_known(
+        {
+            "more_rounds": number(mean(here.rounds - there.rounds for here, there in solved), 2),
+            "more_tokens": number(mean(_tokens(here) - _tokens(there) for here, there in pairs), 0),
+        }
+    )
+
+
+def _tokens(record: Record) -> int:
+    return record.usage.prompt_tokens + record.usage.completion_tokens
 
 
 def _errors(group: Sequence[Record]) -> tuple[float, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 from remac_bench.records import Record
@@ -44,11 +44,9 @@ def setting(record: Record) -> str:
 
 
 def suite_of(record: Record) -> str:
-    """The suite that the episode was played for; "" where it was none."""
-    suite = getattr(record, "suite", None) or record.options.get("suite")
-    if isinstance(suite, Mapping):
-        suite = " ".join(str(suite[key]) for key in ("name", "version") if key in suite)
-    return str(suite) if suite else ""
+    """The suite that the episode was played for, with its version; "" where it was none."""
+    parts = (getattr(record, name, None) for name in ("suite", "suite_version"))
+    return " ".join(str(part) for part in parts if part is not None)
 
 
 def cap_rounds(record: Record) -> int:

@@ -8,9 +8,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from remac_bench import agents
 from remac_bench.board import Cell, Column, Sheet
 from remac_bench.judging.cells import Cells, count, number, only_known, percent, rate, word
+from remac_bench.judging.episodes import setting
+from remac_bench.judging.statistics import mean
 from remac_bench.metrics import Row
+from remac_bench.records import Record
 
 FILE = Path(__file__).parents[1] / "published.toml"
 
@@ -44,6 +48,22 @@ FIGURE_6_COLUMNS = (
     Column(key="tsr", title="TSR", help="over all tasks, with Wilson's 95% interval"),
     Column(key="paper_tsr", title="paper", help="read off the paper's figure"),
 )
+
+
+def phase_sheets(records: Sequence[Record], *, folder: str) -> list[Sheet]:
+    """The paper's Table 3, for each setting in which its task was played and scored by phases."""
+    table = published()["table_3"]
+    kept = [r for r in records if r.scored and r.task == table["task"] and getattr(r, "phases", None)]
+    settings = sorted({setting(record) for record in kept})
+    return [
+        _table_3(
+            where,
+            [record for record in kept if setting(record) == where],
+            key="table-3" if len(settings) == 1 else f"table-3-{index}",
+            folder=folder,
+        )
+        for index, where in enumerate(settings, start=1)
+    ]
 
 
 def paper_sheets(rows: Sequence[Row], over_all: Sequence[Row], *, folder: str) -> list[Sheet]:
@@ -140,6 +160,58 @@ def _figure_cells(name: str, row: Row | None, value: float | None) -> Cells:
     if row is None:
         return only_known({"agent": word(name, note="the paper's alone"), "paper_tsr": paper})
     return only_known({"agent": word(name), "n": count(row.n), "tsr": rate(row.successes, row.n), "paper_tsr": paper})
+
+
+def _table_3(where: str, records: Sequence[Record], *, key: str, folder: str) -> Sheet:
+    table = published()["table_3"]
+    names = list(getattr(max(records, key=lambda r: len(getattr(r, "phases", {}))), "phases", {}))
+    groups: dict[str, list[Record]] = {}
+    for record in sorted(records, key=lambda r: (_place(r.method), r.agent)):
+        groups.setdefault(record.agent, []).append(record)
+    rows, facts = [], []
+    for agent, group in groups.items():
+        labels = {"task": table["task"], "method": group[0].method, "agent": agent, "setting": where}
+        won = [sum(bool(getattr(r, "phases", {}).get(name)) for r in group) for name in names]
+        cells = {f"phase-{index}": rate(count_, len(group)) for index, count_ in enumerate(won, start=1)}
+        seconds = mean(record.sim_seconds for record in group if record.success)
+        rows.append(only_known({"agent": word(agent), "n": count(len(group)), **cells, "seconds": number(seconds)}))
+        facts.append(labels)
+        paper = table.get(group[0].method)
+        if isinstance(paper, Mapping):
+            rows.append(_table_3_paper(group[0].method, paper, table["episodes"]))
+            facts.append(labels)
+    phases = (Column(key=f"phase-{index}", title=name) for index, name in enumerate(names, start=1))
+    return Sheet(
+        key=key,
+        title=f"The paper's {table['title']}; ours: {where}",
+        caption=_caption("Its episodes were played by a real robot. A phase counts once those before it were reached."),
+        command=f"remac bench report {folder} --all",
+        columns=(
+            Column(key="agent", title="Method", numeric=False),
+            Column(key="n", title="n"),
+            *phases,
+            Column(key="seconds", title="Time s", help="mean over successes"),
+        ),
+        rows=tuple(rows),
+        facts=tuple(facts),
+    )
+
+
+def _table_3_paper(method: str, paper: Mapping[str, Any], episodes: int) -> Cells:
+    rates = {f"phase-{index}": paper_cell(value) for index, value in enumerate(paper["rates"], start=1)}
+    return only_known(
+        {
+            "agent": word(f"{method}, the paper's"),
+            "n": count(episodes, note=PAPER),
+            **rates,
+            "seconds": paper_cell(paper.get("seconds"), percentage=False),
+        }
+    )
+
+
+def _place(method: str) -> int:
+    names = agents.methods_to_compare()
+    return names.index(method) if method in names else len(names)
 
 
 def _facts(row: Row) -> dict[str, str]:
