@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -91,7 +92,7 @@ def board_tables(board: Board, *, everything: bool = False) -> list[RenderableTy
         made += [_table(sheet, part, title=not index) for index, part in enumerate(parts)]
         if sheet.caption:
             made.append(f"[dim]{escape(plain(sheet.caption))}[/dim]\n")
-    return [*made, f"[dim]{LEGEND}[/dim]"]
+    return [*made, *([f"[dim]{LEGEND}[/dim]"] if _has_results(board) else [])]
 
 
 def board_markdown(board: Board, *, everything: bool = False) -> str:
@@ -101,7 +102,7 @@ def board_markdown(board: Board, *, everything: bool = False) -> str:
         narrow = sheet.key.startswith("results") and not everything
         lines += _markdown(sheet, compact(sheet) if narrow else sheet.columns)
         lines += [] if narrow or not sheet.caption else [_text(sheet.caption), ""]
-    return "\n".join([*lines, LEGEND, ""])
+    return "\n".join([*lines, *([LEGEND, ""] if _has_results(board) else [])])
 
 
 def write_csv(board: Board, target: str | Path) -> list[Path]:
@@ -150,6 +151,10 @@ def compact(sheet: Sheet) -> tuple[Column, ...]:
     return tuple(column for column in sheet.columns if column.key in COMPACT)
 
 
+def _has_results(board: Board) -> bool:
+    return any(sheet.key.startswith("results") for sheet in board.sheets)
+
+
 def _with_overall(records: Sequence[Record]) -> list[Row]:
     rows = [*summarise(records), *overall(records)]
     settings = sorted({row.setting for row in rows})
@@ -163,22 +168,17 @@ def _loud(sheet: Sheet, columns: Sequence[Column]) -> tuple[Column, ...]:
 
 
 def _parts(sheet: Sheet) -> list[tuple[Column, ...]]:
-    """The columns in parts that fit a terminal, each with the words in front; columns without a cell are left out."""
+    """The columns in parts that fit a terminal, each with the first words; columns without a cell are left out."""
     used = _loud(sheet, [column for column in sheet.columns if any(column.key in row for row in sheet.rows)])
-    front = [column for column in used if not column.numeric]
-    room = ACROSS - sum(_width(sheet, column) for column in front)
+    front = tuple(itertools.takewhile(lambda column: not column.numeric, used))
+    room = left = ACROSS - sum(_width(sheet, column) for column in front)
     parts: list[list[Column]] = [[]]
-    left = room
-    for column in used:
-        if not column.numeric:
-            continue
+    for column in used[len(front) :]:
         left -= _width(sheet, column)
         if left < 0 and parts[-1]:
             parts.append([])
             left = room - _width(sheet, column)
         parts[-1].append(column)
-    if len(parts) == 1:
-        return [used]
     return [(*front, *part) for part in parts]
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from bench_helpers import record
-from planted import failures, planted
+from planted_failures import KINDS, failures, planted, planted_in_physics
 from remac_bench.blame.labels import Blame, blame, blame_all
 from remac_bench.blame.replay import play_again, rescue
 from remac_bench.blame.sheet import blame_sheets, read_blames, write_blames
@@ -22,7 +22,7 @@ ENOUGH, RIGHT = 40, 0.95
 """Planted failures of a kind at least, and the share of them that has to be labelled right."""
 
 
-@pytest.mark.parametrize("kind", ["planner", "checker", "skill", "budget"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_planted_failures_are_labelled_right(kind: str) -> None:
     records = planted(kind, range(8))
     labels = Counter(blame(failed, rescuing=False).label for failed in records)
@@ -31,24 +31,11 @@ def test_planted_failures_are_labelled_right(kind: str) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("kind", ["planner", "checker", "budget", "skill"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_planted_failures_in_physics_are_labelled_right(kind: str) -> None:
-    found = planted_in_physics(kind)
+    found = planted_in_physics(kind, range(2))
     assert len(found) >= 2
     assert {blame(failed, rescuing=False).label for failed in found} == {kind}
-
-
-def planted_in_physics(kind: str) -> list[Record]:
-    physics = {"backend": "physics"}
-    tasks = ("OpenCabinetPnP", "HeatOnStove")
-    if kind == "planner":
-        return failures("BASE", range(2), tasks=tasks, kitchen=physics)
-    if kind == "checker":
-        return failures("CC", range(2), tasks=tasks, kitchen=physics, checker="noisy,false_alarm=0,miss=1")
-    if kind == "budget":
-        return failures("CC", range(1), tasks=tasks, kitchen={**physics, "max_rounds": 5})
-    noise = {**physics, "perception_noise": 0.04}
-    return failures("BASE", range(3), tasks=tasks, kitchen=noise, planner="oracle")
 
 
 def first_failure(**options: object) -> Record:

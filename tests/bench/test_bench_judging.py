@@ -232,10 +232,11 @@ def test_ranks_follow_from_paired_comparisons() -> None:
     assert ranks(list(pairs.values()), ["RE", "CC", "BASE"]) == {"RE": 1, "CC": 1, "BASE": 3}
     board = judging.board(records)
     assert texts(sheet(board, "ranking"), "rank", "agent", "better") == [
-        ("1", "RE", "-"),
-        ("1", "CC", "-"),
-        ("3", "BASE", "CC, RE"),
+        ("1", "RE", "0"),
+        ("1", "CC", "0"),
+        ("3", "BASE", "2"),
     ]
+    assert sheet(board, "ranking").rows[2]["better"].note == "CC, RE"
     assert "separated" in {row["verdict"].text for row in sheet(board, "pairs").rows}
 
 

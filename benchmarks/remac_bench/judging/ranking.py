@@ -136,11 +136,11 @@ def _equal_budget(one: Record, other: Record) -> bool:
 
 
 RANK_COLUMNS = (
-    Column(key="rank", title="Rank", help="1 + number of entries that are significantly better"),
     Column(key="agent", title="Method", numeric=False),
+    Column(key="rank", title="Rank", help="1 + number of entries that are significantly better"),
     Column(key="n", title="n", help="scored episodes"),
     Column(key="tsr", title="TSR", help="over all tasks, with Wilson's 95% interval"),
-    Column(key="better", title="Better", numeric=False, help="entries that are significantly better"),
+    Column(key="better", title="Better", help="how many entries are significantly better; the note names them"),
 )
 PAIR_COLUMNS = (
     Column(key="first", title="Better", numeric=False),
@@ -201,7 +201,7 @@ def _rank_sheet(where: str, scored: Sequence[Record], pairs: Sequence[Comparison
                     "agent": word(name),
                     "n": count(len(groups[name])),
                     "tsr": rate(won, len(groups[name])),
-                    "better": word(", ".join(better)) if better else DASH,
+                    "better": count(len(better), note=", ".join(better)),
                 }
             )
         )
