@@ -70,6 +70,10 @@ def test_records_that_were_tampered_with_cannot_be_blamed() -> None:
     rounds[1] = {"robot_0": OutcomeEntry(subtask="pick up vegetable", status="failure", reason="slipped")}
     assert blame(failed.model_copy(update={"outcomes": rounds})).label == "unclear"
     assert blame(failed.model_copy(update={"digest": "0" * 12})).label == "unclear"
+    rounds[1] = {"robot_0": OutcomeEntry(subtask="pick up elephant", status="success")}
+    assert blame(failed.model_copy(update={"outcomes": rounds})).label == "unclear"
+    plan = {"robot_0": ["pick up elephant", "fly"], "robot_7": ["wait"]}
+    assert blame(failed.model_copy(update={"initial_plan": plan, "final_plan": plan})).label == "planner"
     assert not play_again(failed.model_copy(update={"seed": 1})).faithful
     assert play_again(failed).faithful
 

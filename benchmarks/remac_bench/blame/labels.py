@@ -120,7 +120,7 @@ def _of_faults(record: Record, replay: Replay, faults: Faults) -> tuple[Label, F
 def _wrong_unseen(record: Record, replay: Replay) -> bool:
     """Whether every step of the first plan goes well by the table: no check of conditions could have mended it."""
     world = replay.start
-    for joint in rounds_of(record.initial_plan, replay.scene):
+    for joint in rounds_of(record.initial_plan, replay):
         if any(first_false(replay.scene, world, robot, subtask, "advise") for robot, subtask in joint.items()):
             return False
         world, outcomes = transition(replay.scene, world, {r: joint.get(r, WAIT) for r in replay.scene.robots})
@@ -132,7 +132,7 @@ def _wrong_unseen(record: Record, replay: Replay) -> bool:
 def _planned(record: Record, replay: Replay) -> bool:
     """Whether the first plan, the final one or the subtasks as they were run reach the goal if no skill fails."""
     played = [turn.joint for turn in replay.rounds]
-    plans = [rounds_of(record.initial_plan, replay.scene), rounds_of(record.final_plan, replay.scene), played]
+    plans = [rounds_of(record.initial_plan, replay), rounds_of(record.final_plan, replay), played]
     return any(replay.carry_out(plan, replay.start) is not None for plan in plans)
 
 
@@ -158,7 +158,7 @@ def _rest(record: Record, replay: Replay) -> int | None:
 
     What remains is an end of that plan; of all ends that lead to the goal the shortest counts.
     """
-    plan: list[Joint] = rounds_of(record.final_plan, replay.scene)
+    plan: list[Joint] = rounds_of(record.final_plan, replay)
     needs = (replay.carry_out(plan[start:], replay.end) for start in range(len(plan)))
     return min((rounds for rounds in needs if rounds is not None), default=None)
 

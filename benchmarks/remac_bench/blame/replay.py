@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from remac_agents.plan import Commands
 from remac_bench.judging.episodes import RESTING
 from remac_bench.records import OutcomeEntry, Record
 from remac_env.errors import UnknownNameError
@@ -40,9 +41,17 @@ class Round:
 
 @dataclass(frozen=True, kw_only=True)
 class Replay:
-    """An episode that was played again. `faithful`: it began and went as the record says."""
+    """An episode that was played again.
+
+    Attributes:
+        scene, goal, start: what the kitchen was, what was wanted, and the world at the start.
+        commands: the subtasks that this kitchen knows.
+        faithful: it began and went as the record says.
+        rounds: what was played; where it is not faithful, only up to the difference.
+    """
 
     scene: Scene
+    commands: Mapping[str, Subtask]
     goal: Goal
     start: WorldState
     rounds: tuple[Round, ...]
@@ -78,9 +87,10 @@ def play_again(record: Record) -> Replay:
     """
     with _kitchen(record) as env:
         begun = record.digest in (None, env.start.digest)
-        rounds, faithful = _re_execute(env, record.outcomes)
+        rounds, faithful = _re_execute(env, record.outcomes if begun else ())
         return Replay(
             scene=env.start.scene,
+            commands=_commands(env),
             goal=env.goal,
             start=rounds[0].before if rounds else env.world,
             rounds=tuple(rounds),
@@ -112,17 +122,18 @@ def rescue(record: Record, index: int) -> bool:
         return bool(env.goal.holds(env.start.scene, env.world))
 
 
-def rounds_of(plan: Mapping[str, Sequence[str]], scene: Scene) -> list[Joint]:
-    """A record's plan as rounds; texts that are no subtasks wait."""
+def rounds_of(plan: Mapping[str, Sequence[str]], replay: Replay) -> list[Joint]:
+    """A record's plan as rounds; texts that this kitchen does not know wait."""
     length = max((len(row) for row in plan.values()), default=0)
-    rows = {robot: [_subtask(text) for text in row] for robot, row in plan.items() if robot in scene.robots}
-    return [{robot: row[index] if index < len(row) else WAIT for robot, row in rows.items()} for index in range(length)]
+    rows = {robot: row for robot, row in plan.items() if robot in replay.scene.robots}
+    return [
+        {robot: replay.commands.get(row[at], WAIT) if at < len(row) else WAIT for robot, row in rows.items()}
+        for at in range(length)
+    ]
 
 
-def _subtask(text: str) -> Subtask:
-    from remac_agents.plan import Commands
-
-    return Commands([text]).get(text, WAIT)
+def _commands(env: Any) -> Mapping[str, Subtask]:
+    return Commands(env.vocabulary.commands(env.start.scene))
 
 
 @contextmanager
@@ -142,11 +153,12 @@ def _kitchen(record: Record) -> Iterator[Any]:
 
 def _re_execute(env: Any, played: Sequence[Mapping[str, OutcomeEntry]]) -> tuple[list[Round], bool]:
     rounds: list[Round] = []
+    commands = _commands(env)
     for outcomes in played:
         if set(outcomes) != set(env.agents):
             return rounds, False
         tokens = {robot: _token(env, entry.subtask) for robot, entry in outcomes.items()}
-        joint = {robot: _subtask(entry.subtask) for robot, entry in outcomes.items()}
+        joint = {robot: commands.get(entry.subtask, WAIT) for robot, entry in outcomes.items()}
         before = env.world
         table, expected = transition(env.start.scene, before, joint)
         _, _, _, _, infos = env.step(tokens)

@@ -33,20 +33,20 @@ TABLE_1_COLUMNS = (
     Column(key="agent", title="Method", numeric=False),
     Column(key="n", title="n"),
     Column(key="tsr", title="TSR"),
-    Column(key="paper_tsr", title="paper", help="the paper's TSR, of 10 episodes"),
+    Column(key="paper_tsr", title="paper's TSR", help="the paper's TSR, of 10 episodes"),
     Column(key="scr", title="SCR"),
-    Column(key="paper_scr", title="paper", help="the paper's SCR"),
+    Column(key="paper_scr", title="paper's SCR", help="the paper's SCR"),
     Column(key="ipl", title="IPL", help="by the paper's words: the first plan"),
     Column(key="fpl", title="FPL", help="what the paper's IPL column counts: the plan in force at the end"),
-    Column(key="paper_length", title="paper", help="the paper's IPL column"),
+    Column(key="paper_length", title="paper's IPL", help="the paper's IPL column"),
     Column(key="seconds", title="Time s"),
-    Column(key="paper_seconds", title="paper", help="the paper's seconds, which it does not define"),
+    Column(key="paper_seconds", title="paper's s", help="the paper's seconds, which it does not define"),
 )
 FIGURE_6_COLUMNS = (
     Column(key="agent", title="Method", numeric=False),
     Column(key="n", title="n"),
     Column(key="tsr", title="TSR", help="over all tasks, with Wilson's 95% interval"),
-    Column(key="paper_tsr", title="paper", help="read off the paper's figure"),
+    Column(key="paper_tsr", title="paper's TSR", help="read off the paper's figure"),
 )
 
 
@@ -89,7 +89,7 @@ def _is_like_the_papers(where: str) -> bool:
 
 def _caption(note: str = "") -> str:
     paper = published()
-    return " ".join(part for part in (f"Columns `paper`: {paper['source']}.", paper["differs"], note) if part)
+    return " ".join(part for part in (f"The paper: {paper['source']}.", paper["differs"], note) if part)
 
 
 def _table_1(where: str, rows: Sequence[Row], tail: str, folder: str) -> list[Sheet]:

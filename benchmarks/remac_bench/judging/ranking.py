@@ -143,8 +143,8 @@ RANK_COLUMNS = (
     Column(key="better", title="Better", help="how many entries are significantly better; the note names them"),
 )
 PAIR_COLUMNS = (
-    Column(key="first", title="Better", numeric=False),
-    Column(key="second", title="than", numeric=False),
+    Column(key="first", title="Entry", numeric=False),
+    Column(key="second", title="against", numeric=False),
     Column(key="n", title="n", help="shared episodes"),
     Column(key="cells", title="Cells", help="cells that they lie in"),
     Column(key="alone", title="alone", help="episodes that only one of the two solved: the first's, the second's"),
