@@ -19,7 +19,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from remac_bench.metrics import wilson
+from remac_bench.judging.statistics import wilson
 from rich.console import Console
 from rich.table import Table
 

@@ -91,6 +91,32 @@ def methods() -> list[str]:
     return list(remac_agents.methods())
 
 
+def methods_to_compare() -> list[str]:
+    """The same, with the controls of an equal budget right behind the methods that learn."""
+    from remac_agents.methods import METHODS
+
+    names = list(METHODS)
+    learners = [names.index(name) for name, method in METHODS.items() if method.remembers]
+    last = max(learners, default=-1) + 1
+    controls = [name for name in names if is_control(name)]
+    others = [name for name in names if name not in controls]
+    return [*others[:last], *controls, *others[last:]]
+
+
+def is_control(method: str) -> bool:
+    """Whether a method has further tries and learns nothing from them."""
+    from remac_agents.methods import METHODS
+
+    return method in METHODS and METHODS[method].iterates and not METHODS[method].remembers
+
+
+def is_learner(method: str) -> bool:
+    """Whether a method has further tries and learns from them."""
+    from remac_agents.methods import METHODS
+
+    return method in METHODS and METHODS[method].iterates and METHODS[method].remembers
+
+
 def default_robots(method: str) -> int:
     """How many robots a method is made for."""
     from remac_agents.methods import METHODS

@@ -1,45 +1,85 @@
-"""The paper's metrics, computed from scored records alone (design, section 4)."""
+"""The paper's metrics, computed from records alone (docs/judging.md says what each is, with its formula)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+from remac_bench.judging.episodes import cap_rounds, cap_seconds, cell, distinct, idle_share, setting
+from remac_bench.judging.statistics import mean, wilson
 from remac_bench.records import Record
-from remac_env.options import Options
 
-Z_95 = 1.959964
-"""Two-sided 95% quantile of the standard normal distribution."""
+ALL_TASKS = "all tasks"
+"""Stands in place of a task's name in a row over all of them."""
+
+Spot = tuple[object, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """One agent on one task in one setting. None stands where nothing was measured.
+    """One agent on one task (or on all) in one setting. None stands where nothing was measured.
+
+    Attributes ending in `_all` are free of survivor bias: a failure counts with the cap, not at all as a success.
 
     Attributes:
+        setting, task, agent, method, robots: what was played, and by whom.
+        tries: episodes that a job has, the scored one included: the agent's budget.
+        tasks, cells: how many different ones there are among the scored episodes.
         n, successes: scored episodes, and those in which the goal held at the end.
         low, high: Wilson's 95% interval of the task success rate.
         scr: subtask completion rate: rounds done of the plans in force at the end, over their lengths;
             successes and failures pooled, as the paper's fractions are (70/110).
-        seconds, ipl, fpl: means over successes: simulated seconds, lengths of the first and the final plan.
+        scr_all: mean over all scored episodes of that fraction, 0 where an episode left no plan.
+        progress: mean fraction of the goal's parts that hold at the end, over all scored episodes.
+        seconds, ipl, fpl, rounds: means over successes: simulated seconds, lengths of the first and the final plan,
+            rounds played.
+        optimum: rounds played over those of the shortest plan for as many robots, mean over successes.
+        speedup: rounds of the shortest plan for one robot over rounds played, mean over the successes of a team.
+        best_speedup: the same for the team's own shortest plan.
+        idle: share of the robots' time in which they wait. contacts, near_misses: control steps an episode.
+        calls, tokens, money, wall: of a job with all its iterations: calls and tokens of language models, US dollars,
+            seconds of the clock on the wall. unpriced: calls whose price is not known, in all.
         crashed: scored episodes that a crash of the agent ended; they are failures.
         infrastructure: jobs without a score because something else broke; the next call runs them again.
     """
 
+    setting: str
     task: str
     agent: str
     method: str
-    setting: str
+    robots: int
+    tries: int
+    tasks: int
+    cells: int
     n: int
     successes: int
     low: float | None
     high: float | None
     scr: float | None
+    scr_all: float | None
+    progress: float | None
     seconds: float | None
+    seconds_all: float | None
     ipl: float | None
+    ipl_all: float | None
     fpl: float | None
+    fpl_all: float | None
+    rounds: float | None
+    rounds_all: float | None
+    optimum: float | None
+    optimum_all: float | None
+    speedup: float | None
+    best_speedup: float | None
+    idle: float | None
+    contacts: float | None
+    near_misses: float | None
+    calls: float | None
+    tokens: float | None
+    money: float | None
+    wall: float | None = field(compare=False)  # no result: two runs of the same jobs have the same rows
+    unpriced: int
     crashed: int
     infrastructure: int
 
@@ -49,78 +89,141 @@ class Row:
         return self.successes / self.n if self.n else None
 
 
-def wilson(successes: int, n: int) -> tuple[float, float]:
-    """Wilson's 95% interval of a rate.
-
-    Raises:
-        ValueError: if n is not positive, or successes are not in 0..n.
-    """
-    if n <= 0 or not 0 <= successes <= n:
-        raise ValueError(f"{successes} successes of {n} are not valid; valid: 0..n of n > 0")
-    rate, squared = successes / n, Z_95**2
-    middle = (rate + squared / (2 * n)) / (1 + squared / n)
-    half = Z_95 / (1 + squared / n) * math.sqrt(rate * (1 - rate) / n + squared / (4 * n * n))
-    # At the ends the exact bound is 0 or 1; rounding must not put it a hair inside or outside.
-    return (0.0 if successes == 0 else middle - half), (1.0 if successes == n else middle + half)
-
-
 def summarise(records: Iterable[Record]) -> list[Row]:
     """One row for each task, agent and setting, in the order of tasks and methods, unknown ones last."""
+    known = distinct(records)
+    single = _single_optima(known)
     groups: dict[tuple[str, str, str], list[Record]] = {}
-    for record in records:
+    for record in known:
         groups.setdefault((record.task, record.agent, setting(record)), []).append(record)
-    rows = [_row(key, group) for key, group in groups.items()]
+    return sorted((_row(key, group, single) for key, group in groups.items()), key=_rank)
+
+
+def overall(records: Iterable[Record]) -> list[Row]:
+    """One row for each agent and setting over all its tasks, episodes pooled; none where a setting has one task."""
+    known = distinct(records)
+    single = _single_optima(known)
+    groups: dict[tuple[str, str], list[Record]] = {}
+    tasks: dict[str, set[str]] = {}
+    for record in known:
+        groups.setdefault((record.agent, setting(record)), []).append(record)
+        tasks.setdefault(setting(record), set()).add(record.task)
+    rows = [
+        _row((ALL_TASKS, agent, where), group, single)
+        for (agent, where), group in groups.items()
+        if len(tasks[where]) > 1
+    ]
     return sorted(rows, key=_rank)
 
 
-def setting(record: Record) -> str:
-    """Backend, starts and whatever else makes an episode harder or easier, but not its cell and seed."""
-    kitchen = dict(record.options.get("kitchen", {}))
-    parts = [record.backend, f"{record.starts} starts"]
-    skipped = ("backend", "starts", "style", "layout", "robots", "render_mode", "image_size")
-    defaults: dict[str, Any] = {name: f.default for name, f in Options.__dataclass_fields__.items()}
-    changed = {n: v for n, v in kitchen.items() if n not in skipped and n in defaults and v != defaults[n]}
-    return ", ".join([*parts, *(f"{name}={value}" for name, value in sorted(changed.items()))])
-
-
-def _row(key: tuple[str, str, str], group: Sequence[Record]) -> Row:
+def _row(key: tuple[str, str, str], group: Sequence[Record], single: dict[Spot, int]) -> Row:
     task, agent, where = key
     scored = [record for record in group if record.scored]
     won = [record for record in scored if record.success]
     finished = {record.job for record in scored}
     broken = {record.job for record in group if record.infrastructure_error} - finished
     low, high = wilson(len(won), len(scored)) if scored else (None, None)
-    planned = [record for record in scored if record.final_plan_length is not None]
-    length = sum(record.final_plan_length or 0 for record in planned)
-    return Row(
+    row = Row(
+        setting=where,
         task=task,
         agent=agent,
         method=group[0].method,
-        setting=where,
+        robots=max(record.robots for record in group),
+        tries=1 + max(record.iteration for record in group),
+        tasks=len({record.task for record in scored}),
+        cells=len({cell(record) for record in scored}),
         n=len(scored),
         successes=len(won),
         low=low,
         high=high,
-        scr=sum(record.subtasks_done for record in planned) / length if length else None,
-        seconds=_mean([record.sim_seconds for record in won]),
-        ipl=_mean([record.initial_plan_length for record in won]),
-        fpl=_mean([record.final_plan_length for record in won]),
+        idle=mean(idle_share(record) for record in scored),
+        contacts=mean(record.robot_contacts for record in scored),
+        near_misses=mean(record.near_misses for record in scored),
         crashed=sum(record.error is not None for record in scored),
         infrastructure=len(broken),
+        progress=mean(record.progress for record in scored),
+        unpriced=sum(record.usage.unpriced for record in group if record.job in finished),
+        **dict.fromkeys(_LATER),
     )
+    costs = _costs([record for record in group if record.job in finished], len(finished))
+    return replace(row, **_completion(scored), **_lengths(scored, won), **_against_best(scored, won, single), **costs)
 
 
-def _mean(values: Sequence[float | None]) -> float | None:
-    """The mean of what is there; the sum is exact, so that the order of the records does not matter."""
-    known = [value for value in values if value is not None]
-    return math.fsum(known) / len(known) if known else None
+_LATER: dict[str, Any] = dict.fromkeys(
+    ("scr", "scr_all", "seconds", "seconds_all", "ipl", "ipl_all", "fpl", "fpl_all", "rounds", "rounds_all")
+    + ("optimum", "optimum_all", "speedup", "best_speedup", "calls", "tokens", "money", "wall")
+)
+"""Fields of a Row that the functions below fill."""
+
+
+def _completion(scored: Sequence[Record]) -> dict[str, Any]:
+    planned = [record for record in scored if record.final_plan_length is not None]
+    length = sum(record.final_plan_length or 0 for record in planned)
+    shares = [record.subtasks_done / record.final_plan_length if record.final_plan_length else 0.0 for record in scored]
+    return {
+        "scr": sum(record.subtasks_done for record in planned) / length if length else None,
+        "scr_all": mean(shares),
+    }
+
+
+def _lengths(scored: Sequence[Record], won: Sequence[Record]) -> dict[str, Any]:
+    """Means over successes, and over all with failures at the cap; a planner without a first plan has no IPL."""
+    has_first = any(record.initial_plan_length is not None for record in scored)
+
+    def capped(name: str) -> float | None:
+        return mean(getattr(record, name) if record.success else cap_rounds(record) for record in scored)
+
+    return {
+        "seconds": mean(record.sim_seconds for record in won),
+        "seconds_all": mean(r.sim_seconds if r.success else cap_seconds(r) for r in scored),
+        "ipl": mean(record.initial_plan_length for record in won),
+        "ipl_all": capped("initial_plan_length") if has_first else None,
+        "fpl": mean(record.final_plan_length for record in won),
+        "fpl_all": capped("final_plan_length"),
+        "rounds": mean(record.rounds for record in won),
+        "rounds_all": capped("rounds"),
+    }
+
+
+def _against_best(scored: Sequence[Record], won: Sequence[Record], single: dict[Spot, int]) -> dict[str, Any]:
+    known = [record for record in scored if record.optimum_rounds]
+    teams = [record for record in won if record.robots > 1 and record.rounds and _spot(record) in single]
+    certified = [record for record in teams if record.optimum_rounds]
+    return {
+        "optimum": mean(r.rounds / (r.optimum_rounds or 1) for r in known if r.success),
+        "optimum_all": mean((r.rounds if r.success else cap_rounds(r)) / (r.optimum_rounds or 1) for r in known),
+        "speedup": mean(single[_spot(record)] / record.rounds for record in teams),
+        "best_speedup": mean(single[_spot(record)] / (record.optimum_rounds or 1) for record in certified),
+    }
+
+
+def _costs(records: Sequence[Record], jobs: int) -> dict[str, Any]:
+    """What a job took, all its iterations together: what was learnt had to be paid for."""
+    if not jobs:
+        return {}
+    tokens = sum(record.usage.prompt_tokens + record.usage.completion_tokens for record in records)
+    return {
+        "calls": sum(record.usage.calls for record in records) / jobs,
+        "tokens": tokens / jobs,
+        "money": math.fsum(record.usage.money for record in records) / jobs,
+        "wall": math.fsum(record.wall_seconds for record in records) / jobs,
+    }
+
+
+def _single_optima(records: Iterable[Record]) -> dict[Spot, int]:
+    """Episode -> rounds of the shortest plan for one robot, where a record of one robot tells it."""
+    return {_spot(r): r.optimum_rounds for r in records if r.robots == 1 and r.optimum_rounds}
+
+
+def _spot(record: Record) -> Spot:
+    return (setting(record), *cell(record), record.seed)
 
 
 def _rank(row: Row) -> tuple[Any, ...]:
     import remac_env
     from remac_bench import agents
 
-    tasks, methods = remac_env.tasks(), agents.methods()
-    task = tasks.index(row.task) if row.task in tasks else len(tasks)
+    tasks, methods = [*remac_env.tasks(), ALL_TASKS], agents.methods_to_compare()
+    task = tasks.index(row.task) if row.task in tasks else len(tasks) - 1.5
     method = methods.index(row.method) if row.method in methods else len(methods)
     return (row.setting, task, row.task, method, row.agent)

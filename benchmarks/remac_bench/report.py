@@ -1,8 +1,11 @@
-"""The table of a folder: for people in a terminal, and as Markdown."""
+"""The board of a folder in text: for people in a terminal, as Markdown and as CSV."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import csv
+import io
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rich import box
@@ -10,13 +13,30 @@ from rich.console import JustifyMethod, RenderableType
 from rich.markup import escape
 from rich.table import Table
 
+from remac_bench import judging
+from remac_bench.blame.sheet import read_blames
+from remac_bench.board import Board, Cell, Column, Sheet
+from remac_bench.console import plain
 from remac_bench.errors import UsageError
-from remac_bench.metrics import Row, summarise
+from remac_bench.judging.results import results_sheets
+from remac_bench.metrics import Row, overall, summarise
+from remac_bench.records import Record
 from remac_bench.store import FILE, Store
 
-COLUMNS = ("Task", "Method", "n", "TSR", "95%", "SCR", "Time s", "IPL", "FPL", "Crashed", "Infra")
-ALARMS = ("Crashed", "Infra")
+COMPACT = ("task", "agent", "n", "tsr", "interval", "scr", "seconds", "ipl", "fpl", "crashed", "infrastructure")
+"""Columns of the results that stand in the main table; the others come with `--all`."""
+
+ALARMS = ("crashed", "infrastructure", "crash", "unclear", "unknown", "retries")
 """Columns that a terminal shows only where one of their numbers is not 0."""
+
+FIRST = ("results", "ranking", "blame")
+"""Sheets that are shown without `--all`, by the beginning of their key."""
+
+ACROSS = 118
+"""Characters side by side in a terminal; a wider sheet is shown in parts."""
+
+_GAP = 3
+"""Characters between two columns."""
 
 LEGEND = (
     "TSR: goal holds at the end, with Wilson's 95% interval. SCR: rounds done of the final plans. "
@@ -24,9 +44,13 @@ LEGEND = (
     "Crashed: failures by an exception of the agent. Infra: not scored, run again at the next call."
 )
 
+_DASH = Cell(text="-")
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""Text that begins so is taken for a formula by spreadsheets."""
 
-def read_rows(folder: str | Path) -> list[Row]:
-    """The rows of a folder's table.
+
+def read_records(folder: str | Path) -> list[Record]:
+    """The records of a folder.
 
     Raises:
         UsageError: if the folder does not exist or holds no records.
@@ -37,78 +61,182 @@ def read_rows(folder: str | Path) -> list[Row]:
         raise UsageError(f"there is no folder {str(path)!r}; give the --out of a `remac bench run`")
     records = Store(path).read()
     if not records:
-        raise UsageError(
-            f"no records in {str(path)!r} ({FILE} is missing or empty); run `remac bench run --out` first"
-        )
-    return summarise(records)
+        raise UsageError(f"no records in {str(path)!r} ({FILE} is missing or empty); run `remac bench run --out` first")
+    return records
+
+
+def read_rows(folder: str | Path) -> list[Row]:
+    """The rows of a folder's main table; errors as those of `read_records`."""
+    return _with_overall(read_records(folder))
+
+
+def read_board(folder: str | Path) -> Board:
+    """All tables of a folder, the labels of `remac bench blame` among them; errors as those of `read_records`."""
+    return judging.board(read_records(folder), blames=read_blames(folder), folder=str(folder))
 
 
 def tables(rows: Sequence[Row]) -> list[RenderableType]:
-    """One rich table for each setting, and the legend."""
+    """The main table: one rich table for each setting, and the legend."""
+    sheets = results_sheets(rows, (), folder="DIR")
+    return [*(_table(sheet, _loud(sheet, compact(sheet))) for sheet in sheets), f"[dim]{LEGEND}[/dim]"]
+
+
+def board_tables(board: Board, *, everything: bool = False) -> list[RenderableType]:
+    """The sheets of a board in rich; unless `everything` is asked for, the first ones, and the main columns alone."""
     made: list[RenderableType] = []
-    for where in dict.fromkeys(row.setting for row in rows):
-        made.append(_table(where, [row for row in rows if row.setting == where]))
-    return [*made, f"[dim]{LEGEND}[/dim]"]
+    for sheet in shown(board, everything=everything):
+        if sheet.key.startswith("results") and not everything:
+            made.append(_table(sheet, _loud(sheet, compact(sheet))))
+            continue
+        parts = _parts(sheet)
+        made += [_table(sheet, part, title=not index) for index, part in enumerate(parts)]
+        if sheet.caption:
+            made.append(f"[dim]{escape(plain(sheet.caption))}[/dim]\n")
+    return [*made, *([f"[dim]{LEGEND}[/dim]"] if _has_results(board) else [])]
 
 
-def markdown(rows: Sequence[Row]) -> str:
+def board_markdown(board: Board, *, everything: bool = False) -> str:
     """The same as Markdown."""
     lines: list[str] = []
-    for where in dict.fromkeys(row.setting for row in rows):
-        lines += [
-            f"**{where}**",
-            "",
-            f"| {' | '.join(COLUMNS)} |",
-            "|---|---|" + "---:|" * (len(COLUMNS) - 2),
-        ]
-        lines += [f"| {' | '.join(_plain(c) for c in cells(row))} |" for row in rows if row.setting == where]
-        lines.append("")
-    return "\n".join([*lines, LEGEND, ""])
+    for sheet in shown(board, everything=everything):
+        narrow = sheet.key.startswith("results") and not everything
+        lines += _markdown(sheet, compact(sheet) if narrow else sheet.columns)
+        lines += [] if narrow or not sheet.caption else [_text(sheet.caption), ""]
+    return "\n".join([*lines, *([LEGEND, ""] if _has_results(board) else [])])
 
 
-def _table(title: str, rows: Sequence[Row]) -> Table:
-    """One setting. Columns never shrink: a number cut short would be another number."""
-    table = Table(title=escape(title), box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
-    quiet = {name for i, name in enumerate(COLUMNS) if name in ALARMS and all(cells(row)[i] == "0" for row in rows)}
-    shown = [index for index, name in enumerate(COLUMNS) if name not in quiet]
-    for index in shown:
-        least = max(len(COLUMNS[index]), *(len(cells(row)[index]) for row in rows))
-        side: JustifyMethod = "left" if COLUMNS[index] in ("Task", "Method") else "right"
-        table.add_column(COLUMNS[index], justify=side, no_wrap=True, min_width=least)
-    before = None
-    for row in rows:
-        if before not in (None, row.task):
+def write_csv(board: Board, target: str | Path) -> list[Path]:
+    """Write one file a sheet into a folder, or, for a name that ends in .csv, the results of all settings into it.
+
+    A cell with an interval has two more columns, `_low` and `_high`; rates are fractions.
+    """
+    path = Path(target)
+    if path.suffix == ".csv":
+        sheets = [sheet for sheet in board.sheets if sheet.key.startswith("results")]
+        files = {path: csv_text(sheets)}
+    else:
+        path.mkdir(parents=True, exist_ok=True)
+        files = {path / f"{sheet.key}.csv": csv_text([sheet]) for sheet in board.sheets}
+    for file, text in files.items():
+        file.write_text(text, "utf-8", newline="")
+    return list(files)
+
+
+def csv_text(sheets: Sequence[Sheet]) -> str:
+    """Sheets with the same columns as CSV, with a first column that says the setting."""
+    columns = sheets[0].columns if sheets else ()
+    ranged = {key for sheet in sheets for row in sheet.rows for key, cell in row.items() if cell.low is not None}
+    heads = [
+        head
+        for column in columns
+        for head in (column.key, *((f"{column.key}_low", f"{column.key}_high") if column.key in ranged else ()))
+    ]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["setting", *heads])
+    for sheet in sheets:
+        for index, row in enumerate(sheet.rows):
+            where = sheet.facts[index].get("setting", "") if index < len(sheet.facts) else ""
+            writer.writerow([_safe(where), *_csv_cells(row, columns, ranged)])
+    return text.getvalue()
+
+
+def shown(board: Board, *, everything: bool) -> list[Sheet]:
+    """The sheets to be shown."""
+    return [sheet for sheet in board.sheets if everything or sheet.key.split("-")[0] in FIRST]
+
+
+def compact(sheet: Sheet) -> tuple[Column, ...]:
+    """The main columns of the results."""
+    return tuple(column for column in sheet.columns if column.key in COMPACT)
+
+
+def _has_results(board: Board) -> bool:
+    return any(sheet.key.startswith("results") for sheet in board.sheets)
+
+
+def _with_overall(records: Sequence[Record]) -> list[Row]:
+    rows = [*summarise(records), *overall(records)]
+    settings = sorted({row.setting for row in rows})
+    return [row for where in settings for row in rows if row.setting == where]
+
+
+def _loud(sheet: Sheet, columns: Sequence[Column]) -> tuple[Column, ...]:
+    """Without the columns of alarms that are all silent."""
+    quiet = {key for key in ALARMS if all(row.get(key, _DASH).text in ("0", "-") for row in sheet.rows)}
+    return tuple(column for column in columns if column.key not in quiet)
+
+
+def _parts(sheet: Sheet) -> list[tuple[Column, ...]]:
+    """The columns in parts that fit a terminal, each with the first words; columns without a cell are left out."""
+    used = _loud(sheet, [column for column in sheet.columns if any(column.key in row for row in sheet.rows)])
+    front = tuple(itertools.takewhile(lambda column: not column.numeric, used))
+    room = left = ACROSS - sum(_width(sheet, column) for column in front)
+    parts: list[list[Column]] = [[]]
+    for column in used[len(front) :]:
+        left -= _width(sheet, column)
+        if left < 0 and parts[-1]:
+            parts.append([])
+            left = room - _width(sheet, column)
+        parts[-1].append(column)
+    return [(*front, *part) for part in parts]
+
+
+def _width(sheet: Sheet, column: Column) -> int:
+    texts = (plain(row.get(column.key, _DASH).text) for row in sheet.rows)
+    return _GAP + max(len(column.title), *(len(text) for text in texts), 1)
+
+
+def _table(sheet: Sheet, columns: Sequence[Column], *, title: bool = True) -> Table:
+    """One sheet. Columns never shrink: a number cut short would be another number."""
+    table = Table(
+        title=escape(plain(sheet.title)) if title else None,
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        pad_edge=False,
+    )
+    texts = [[plain(row.get(column.key, _DASH).text) for column in columns] for row in sheet.rows]
+    for index, column in enumerate(columns):
+        least = max(len(column.title), *(len(row[index]) for row in texts), 1)
+        side: JustifyMethod = "right" if column.numeric else "left"
+        table.add_column(column.title, justify=side, no_wrap=True, min_width=least)
+    firsts, before = [row[0] for row in texts], None
+    for cells in texts:
+        group = cells[0]
+        if before not in (None, group) and len(set(firsts)) < len(firsts):
             table.add_section()
-        before = row.task
-        table.add_row(*(escape(cells(row)[index]) for index in shown))
+        before = group
+        table.add_row(*(escape(text) for text in cells))
     return table
 
 
-def cells(row: Row) -> list[str]:
-    """A row as text, in the order of COLUMNS; a dash where nothing was measured."""
-    interval = "-" if row.low is None or row.high is None else f"{100 * row.low:.0f}-{100 * row.high:.0f}%"
-    return [
-        row.task,
-        row.agent,
-        str(row.n),
-        _percent(row.tsr),
-        interval,
-        _percent(row.scr),
-        _number(row.seconds),
-        _number(row.ipl),
-        _number(row.fpl),
-        str(row.crashed),
-        str(row.infrastructure),
+def _markdown(sheet: Sheet, columns: Sequence[Column]) -> list[str]:
+    lines = [
+        f"**{_text(sheet.title)}**",
+        "",
+        f"| {' | '.join(_text(column.title) for column in columns)} |",
+        "|" + "".join("---:|" if column.numeric else "---|" for column in columns),
     ]
+    for row in sheet.rows:
+        lines.append(f"| {' | '.join(_text(row.get(column.key, _DASH).text) for column in columns)} |")
+    return [*lines, ""]
 
 
-def _percent(value: float | None) -> str:
-    return "-" if value is None else f"{100 * value:.0f}%"
+def _text(text: str) -> str:
+    return plain(text).replace("|", "\\|").replace("<", "&lt;")
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1f}"
+def _csv_cells(row: Mapping[str, Cell], columns: Iterable[Column], ranged: set[str]) -> list[object]:
+    cells: list[object] = []
+    for column in columns:
+        cell = row.get(column.key)
+        known = cell is not None and cell.value is not None
+        cells.append("" if cell is None else cell.value if known else _safe(cell.text))
+        if column.key in ranged:
+            cells += ["", ""] if cell is None or cell.low is None else [cell.low, cell.high]
+    return cells
 
 
-def _plain(cell: str) -> str:
-    return cell.replace("|", "\\|").replace("\n", " ")
+def _safe(text: str) -> str:
+    text = plain(text)
+    return f"'{text}" if text.startswith(_FORMULA) else text

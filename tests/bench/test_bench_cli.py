@@ -130,7 +130,7 @@ def test_run_and_report_with_flags(tmp_path: Path) -> None:
         "max_rounds": 25,
     }
     table = remac("bench", "report", str(tmp_path), "--markdown").stdout
-    assert "**symbolic, mixed starts, max_rounds=28**" in table
+    assert "**Results: symbolic, mixed starts, max_rounds=28**" in table
     assert "| HeatOnStove | CC (checker=noisy" in table
 
 

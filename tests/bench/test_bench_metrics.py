@@ -6,7 +6,8 @@ import itertools
 
 import pytest
 from bench_helpers import record
-from remac_bench.metrics import summarise, wilson
+from remac_bench.judging.statistics import wilson
+from remac_bench.metrics import summarise
 from remac_bench.records import ErrorEntry
 
 CRASH = ErrorEntry(kind="agent", type="KeyError", message="x")

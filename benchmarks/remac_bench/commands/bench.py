@@ -1,4 +1,4 @@
-"""`remac bench run` and `remac bench report`."""
+"""`remac bench run`; with it, in one group, what `commands/judge.py` offers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from remac_bench import flags
-from remac_bench.console import clean_errors, console
+from remac_bench.commands import judge
+from remac_bench.console import clean_errors
 from remac_bench.errors import UsageError
 
 if TYPE_CHECKING:
@@ -72,22 +73,8 @@ def run(
     run_and_report(_jobs(context, tasks, methods, seeds), out, settings)
 
 
-@app.command()
-@clean_errors
-def report(
-    folder: Annotated[str, typer.Argument(help="The --out of a run.")],
-    as_markdown: Annotated[bool, typer.Option("--markdown", help="As Markdown.")] = False,
-) -> None:
-    """Print the table of a folder's records."""
-    from remac_bench.report import markdown, read_rows, tables
-
-    rows = read_rows(folder)
-    if as_markdown:
-        typer.echo(markdown(rows))
-        return
-    screen = console()
-    for part in tables(rows):
-        screen.print(part, crop=False)
+app.command()(judge.report)
+app.command()(judge.blame)
 
 
 def _jobs(context: typer.Context, tasks: str | None, methods: str, seeds: str) -> list[Job]:

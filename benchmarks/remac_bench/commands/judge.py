@@ -1,0 +1,74 @@
+"""`remac bench report` and `remac bench blame`: what the records of a folder say."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from remac_bench import flags
+from remac_bench.console import clean_errors, console
+
+Folder = Annotated[str, typer.Argument(help="The --out of a run.")]
+Markdown = Annotated[bool, typer.Option("--markdown", help="As Markdown.")]
+
+
+@clean_errors
+def report(
+    folder: Folder,
+    as_markdown: Markdown = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Every table with every column, not the main ones alone.")
+    ] = False,
+    csv: Annotated[
+        str | None, typer.Option(help="Write FILE.csv with the results, or every table into a folder.")
+    ] = None,
+) -> None:
+    """Print the tables of a folder's records."""
+    from remac_bench.report import board_markdown, board_tables, read_board, write_csv
+
+    board = read_board(folder)
+    if csv is not None:
+        for path in write_csv(board, csv):
+            typer.echo(str(path), err=True)
+        return
+    if as_markdown:
+        typer.echo(board_markdown(board, everything=everything))
+        return
+    screen = console()
+    for part in board_tables(board, everything=everything):
+        screen.print(part, crop=False)
+
+
+@clean_errors
+def blame(
+    folder: Folder,
+    as_markdown: Markdown = False,
+    rescue: Annotated[
+        bool, typer.Option(help="Also try whether the oracle's steps from the bad round on reach the goal.")
+    ] = True,
+    extensions: flags.Extensions = None,
+) -> None:
+    """Play a folder's failed episodes again, say why each failed, and write FOLDER/blame.jsonl."""
+    from rich.progress import track
+
+    from remac_bench.blame.labels import blame as label
+    from remac_bench.blame.labels import failed
+    from remac_bench.blame.sheet import blame_sheets, write_blames
+    from remac_bench.board import Board
+    from remac_bench.extensions import find_local_modules, load_extensions
+    from remac_bench.report import board_markdown, board_tables, read_records
+
+    find_local_modules()
+    load_extensions(extensions or ())
+    records = failed(read_records(folder))
+    screen = console(stderr=True)
+    blames = [label(record, rescuing=rescue) for record in track(records, "playing again", console=screen)]
+    path = write_blames(folder, blames)
+    board = Board(title="Blame", sheets=tuple(blame_sheets(blames, folder=folder)))
+    if as_markdown:
+        typer.echo(board_markdown(board, everything=True))
+    else:
+        for part in board_tables(board, everything=True):
+            console().print(part, crop=False)
+    typer.echo(f"{len(blames)} failed episodes; labels: {path}", err=True)

@@ -1,0 +1,82 @@
+"""What single records and groups of them say: caps of failures, idle time, settings, and which record counts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from remac_bench.records import Record
+from remac_env.options import Options
+from remac_env.subtasks import DONE, SKILLS, WAIT
+
+LONGEST = max(skill.seconds for skill in SKILLS.values())
+"""Nominal seconds of the longest skill, from the skill table."""
+
+RESTING = (WAIT.text, DONE.text)
+
+
+def distinct(records: Iterable[Record]) -> list[Record]:
+    """One record of each job and iteration, in an order that does not depend on theirs.
+
+    Of two, one that no infrastructure error ended; further ties are settled by their text.
+    """
+    kept: dict[tuple[str, int], Record] = {}
+    for record in records:
+        key = (record.job, record.iteration)
+        kept[key] = record if key not in kept else max(kept[key], record, key=_weight)
+    return [kept[key] for key in sorted(kept)]
+
+
+def _weight(record: Record) -> tuple[bool, str]:
+    return (not record.infrastructure_error, record.line())
+
+
+def setting(record: Record) -> str:
+    """Suite, backend, starts and whatever else makes an episode harder or easier, but not its cell and seed."""
+    kitchen = dict(record.options.get("kitchen", {}))
+    suite = suite_of(record)
+    parts = [*([f"suite {suite}"] if suite else []), record.backend, f"{record.starts} starts"]
+    skipped = ("backend", "starts", "style", "layout", "robots", "render_mode", "image_size")
+    defaults: dict[str, Any] = {name: f.default for name, f in Options.__dataclass_fields__.items()}
+    changed = {n: v for n, v in kitchen.items() if n not in skipped and n in defaults and v != defaults[n]}
+    return ", ".join([*parts, *(f"{name}={value}" for name, value in sorted(changed.items()))])
+
+
+def suite_of(record: Record) -> str:
+    """The suite that the episode was played for, with its version; "" where it was none."""
+    parts = (getattr(record, name, None) for name in ("suite", "suite_version"))
+    return " ".join(str(part) for part in parts if part is not None)
+
+
+def cap_rounds(record: Record) -> int:
+    """The rounds after which the kitchen ends the episode."""
+    return int(record.options.get("kitchen", {}).get("max_rounds", Options.max_rounds))
+
+
+def cap_seconds(record: Record) -> float:
+    """The cap in simulated seconds: every round as long as the longest skill takes by the skill table."""
+    return cap_rounds(record) * LONGEST
+
+
+def idle_share(record: Record) -> float | None:
+    """The share of the robots' simulated time in which they wait: for another, for work, or aside.
+
+    1 - (seconds of all subtasks of all robots) / (robots x seconds of the slowest in each round).
+    """
+    busy, span = 0.0, 0.0
+    for outcomes in record.outcomes:
+        times = [0.0 if entry.subtask in RESTING else entry.seconds for entry in outcomes.values()]
+        busy += math.fsum(times)
+        span += max(times, default=0.0) * len(times)
+    return 1 - busy / span if span else None
+
+
+def cell(record: Record) -> tuple[str, str, str]:
+    """Task, style and layout."""
+    return (record.task, record.style or "", record.layout or "")
+
+
+def shared_key(record: Record) -> tuple[object, ...]:
+    """What two entries have in common when they play the same episode: the cell, the starts and the seed."""
+    return (*cell(record), record.starts, record.seed)

@@ -1,0 +1,84 @@
+"""The board as text: for terminals, as Markdown and as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+from bench_helpers import record
+from remac_bench.cli import app
+from remac_bench.report import ACROSS, read_board, read_rows, tables
+from remac_bench.store import Store
+from rich.console import Console
+from typer.testing import CliRunner
+
+LONG = "CC (checker=noisy,false_alarm=0.2,miss=0.2)"
+EVIL = "=1+1\x1b[31m|<script>\n"
+
+
+def fill(folder: Path) -> None:
+    agents = [("CC", "CC"), ("CC", LONG), ("REMAC", "REMAC"), ("BASE", EVIL)]
+    Store(folder).append(
+        [
+            record(job=f"{agent}{task}{seed}", method=method, agent=agent, task=task, seed=seed, success=agent != EVIL)
+            for method, agent in agents
+            for task in ("OpenMicrowavePnP", "HeatOnStove")
+            for seed in range(8)
+        ]
+    )
+
+
+def report(folder: Path, *flags: str) -> str:
+    result = CliRunner().invoke(app, ["bench", "report", str(folder), *flags])
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def test_the_main_table_fits_a_hundred_columns(tmp_path: Path) -> None:
+    named = {"task": "OpenMicrowavePnP"}
+    Store(tmp_path).append([record(job=name, agent=name, method=name, **named) for name in ("CC", "REMAC")])
+    screen = Console(width=200, record=True, file=io.StringIO())
+    for part in tables(read_rows(tmp_path)):
+        screen.print(part)
+    lines = [line.rstrip() for line in screen.export_text().splitlines()]
+    table = [line for line in lines if line.startswith(("OpenMicrowavePnP", " OpenMicrowavePnP", " Task"))]
+    assert len(table) == 3
+    assert max(len(line) for line in table) <= 100
+
+
+def test_the_first_tables_and_all_of_them(tmp_path: Path) -> None:
+    fill(tmp_path)
+    few, everything = report(tmp_path), report(tmp_path, "--all")
+    for text in (few, everything):
+        assert "Results: symbolic, paper starts" in text
+        assert "Ranking: " in text
+        assert "all tasks" in text
+    assert "Paired comparisons" not in few
+    assert "Paired comparisons" in everything
+    assert "Rounds all" in everything
+    assert all(len(line.rstrip()) <= ACROSS + 2 for line in everything.splitlines() if "OpenMicrowave" in line)
+    assert "\x1b" not in everything
+
+
+def test_hostile_names_stay_text(tmp_path: Path) -> None:
+    fill(tmp_path)
+    markdown = report(tmp_path, "--markdown", "--all")
+    assert "\x1b" not in markdown
+    assert "<script>" not in markdown
+    assert r"=1+1 [31m\|&lt;script>" in markdown
+
+
+def test_csv_holds_the_numbers(tmp_path: Path) -> None:
+    fill(tmp_path)
+    report(tmp_path, "--csv", str(tmp_path / "one.csv"))
+    with (tmp_path / "one.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 12
+    remac = next(row for row in rows if row["agent"] == "REMAC" and row["task"] == "HeatOnStove")
+    assert (remac["setting"], remac["n"], remac["tsr"]) == ("symbolic, paper starts", "8.0", "1.0")
+    assert 0.6 < float(remac["tsr_low"]) < 0.7
+    assert {row["agent"] for row in rows if row["agent"].startswith(("=", "'"))} == {"'=1+1 [31m|<script>"}
+    report(tmp_path, "--csv", str(tmp_path / "sheets"))
+    names = {path.stem for path in (tmp_path / "sheets").iterdir()}
+    assert names == {sheet.key for sheet in read_board(tmp_path).sheets}
