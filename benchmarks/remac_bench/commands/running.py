@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import typer
-from click.core import ParameterSource
 
 from remac_bench import flags
 from remac_bench.agents import Access
@@ -118,5 +117,6 @@ def _check_frozen(context: typer.Context, suite: str) -> None:
 
 def _explicit(context: typer.Context, flag: str) -> Any:
     """The value of a flag that was given on the command line; None where it was not."""
-    given = context.get_parameter_source(flag) is ParameterSource.COMMANDLINE
-    return context.params[flag] if given else None
+    source = context.get_parameter_source(flag)
+    # By its name: typer brings a click of its own, whose enumeration is not the one of the package click.
+    return context.params[flag] if source is not None and source.name == "COMMANDLINE" else None
