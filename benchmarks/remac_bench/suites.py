@@ -121,7 +121,7 @@ def load(given: str) -> Suite:
 
 def _folder() -> Path:
     """Inside an installed package; beside it in a checkout."""
-    inside = Path(__file__).parent / "suites"
+    inside = Path(__file__).parent / "suite_files"
     return inside if inside.is_dir() else Path(__file__).parents[1] / "suites"
 
 

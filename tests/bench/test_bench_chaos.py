@@ -1,4 +1,4 @@
-"""An endpoint that fails every fourth time, and a runner that is killed again and again: the table is that of the calm."""
+"""An endpoint that fails one time in four, a runner that is killed again and again: the table is that of the calm."""
 
 from __future__ import annotations
 

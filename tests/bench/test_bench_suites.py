@@ -55,9 +55,11 @@ def test_the_full_suite_plays_every_cell_with_every_method_on_the_same_starts() 
 
     jobs = suites.load("full").jobs()
     cells = {(t, style, layout) for t in TASKS for style in get(t).styles for layout in get(t).layouts}
+    starts = {(*cell, seed) for cell in cells for seed in (0, 1)}
     for method in ("BASE", "CC", "RE", "REMAC"):
-        played = [(job.task, job.options.style, job.options.layout) for job in jobs if job.method == method]
-        assert sorted(map(str, played)) == sorted(map(str, cells))
+        played = [(j.task, j.options.style, j.options.layout, j.seed) for j in jobs if j.method == method]
+        assert len(played) == len(starts)
+        assert set(played) == starts
 
 
 def test_held_out_starts_are_in_no_other_suite() -> None:
