@@ -97,11 +97,11 @@ class Agent(Protocol):
         """What the episode leaves behind: remac_agents' EpisodeReport."""
 
 
-def make(job: Job, lines: Lines | None = None) -> Agent:
+def make(job: Job, shared: Mapping[str, Any]) -> Agent:
     """The job's agent, with a memory of its own that lives in this process.
 
     Args:
-        lines: what it shares with others; None: nothing.
+        shared: what it shares with others, from `Lines.keywords`.
 
     Raises:
         UnknownNameError, OptionError: for a method, planner, other role or model that does not exist.
@@ -111,7 +111,7 @@ def make(job: Job, lines: Lines | None = None) -> Agent:
     options: dict[str, Any] = {
         name: role(value) if name in ROLES else value for name, value in job.agent.items()
     }
-    agent: Agent = remac_agents.make(job.method, **options, **(lines or Lines()).keywords(job))
+    agent: Agent = remac_agents.make(job.method, **options, **shared)
     return agent
 
 

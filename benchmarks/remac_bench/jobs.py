@@ -190,7 +190,8 @@ def check_jobs(jobs: Sequence[Job]) -> None:
     kitchens = {(job.task, job.options) for job in jobs}
     for task, options in sorted(kitchens, key=str):
         remac_env.parallel_env(task, **asdict(options)).close()
+    lines = agents.Lines()
     for job in {(job.method, str(job.agent)): job for job in jobs}.values():
-        agents.make(job)
+        agents.make(job, lines.keywords(job))
     if any(job.iterations < 0 for job in jobs):
         raise UsageError("iterations must be 0 or more: the number of the last iteration")

@@ -61,8 +61,13 @@ def play_job(work: Work, lines: Lines | None = None) -> list[Record]:
 def _play_iterations(work: Work, env: Any, lines: Lines | None) -> list[Record]:
     job = work.job
     try:
+        with blaming("infrastructure"):
+            shared = (lines or Lines()).keywords(job)
+    except Fault as fault:
+        return [make_record(job, 0, course=Course(), report={}, fault=fault)]
+    try:
         with blaming("agent"):
-            agent = agents.make(job, lines)
+            agent = agents.make(job, shared)
     except Fault as fault:
         return [make_record(job, job.iterations, course=Course(), report={}, fault=fault)]
     records: list[Record] = []

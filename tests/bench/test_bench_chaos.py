@@ -8,14 +8,20 @@ import random
 import signal
 import socket
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from bench_helpers import read, start, timeless, wait_for
+from bench_helpers import jobs as listed
+from bench_helpers import read, start, takes_models, timeless, wait_for
+from remac_bench.agents import Access, Lines
 from remac_bench.report import read_rows
+from remac_bench.worker import Work, play_job
 
 sys.path.append(str(Path(__file__).parents[1] / "llm"))
-from chaos_server import Act, Asked, ChaosServer, refuses, says, sends  # noqa: E402
+from chaos_server import Act, Asked, ChaosServer, hangs, refuses, says, sends  # noqa: E402
+
+pytestmark = takes_models
 
 NAIVE = "navigate to vegetable, pick up vegetable, navigate to microwave, place to microwave"
 RIGHT = f"navigate to microwave, open microwave door, {NAIVE}"
@@ -105,3 +111,51 @@ def test_the_table_is_that_of_the_calm_run(tmp_path: Path, seeds: str, kills: in
     assert comparable(stormy) == comparable(calm)
     assert {record.usage.calls for record in read(calm)} == {1}
     assert all(record.exchanges[0].reply for record in read(stormy) if record.scored)
+
+
+def test_a_model_in_every_role_is_an_entry_of_a_suite_and_is_replayed_without_a_network(tmp_path: Path) -> None:
+    cassette = str(tmp_path / "cassette.jsonl")
+    with ChaosServer([answer]) as server:
+        model = ("--model", "custom:m", "--base-url", server.url, "--max-calls", "40", "--cassette", cassette)
+        arguments = ("bench", "run", "--suite", "smoke", *model)
+        first = start(*arguments, "--out", str(tmp_path / "asked"))
+        _, told = first.communicate(timeout=120)
+        assert first.returncode == 0, told
+        asked = len(server.asked)
+    assert asked > 16
+    again = start(*arguments, "--replay", "--out", str(tmp_path / "replayed"))
+    _, told = again.communicate(timeout=120)
+    assert again.returncode == 0, told
+    assert read_rows(tmp_path / "replayed") == read_rows(tmp_path / "asked")
+    assert comparable(tmp_path / "replayed") == comparable(tmp_path / "asked")
+    records = read(tmp_path / "asked")
+    assert {record.agent.partition(" ")[2] for record in records} >= {"(max_calls=40, model=custom:m)"}
+    assert sum(record.usage.calls for record in records) == asked
+    assert all(record.exchanges for record in records)
+    assert all(record.options["access"]["cassette"] == "cassette.jsonl" for record in records)
+
+    empty = start(*arguments[:-1], str(tmp_path / "empty.jsonl"), "--replay", "--out", str(tmp_path / "none"))
+    _, told = empty.communicate(timeout=120)
+    assert empty.returncode == 2
+    assert "No such file" in told
+
+
+def test_ctrl_c_does_not_wait_for_answers(tmp_path: Path) -> None:
+    with ChaosServer([hangs(120)]) as server:
+        runner = start(*command(server, tmp_path, "0:8"))
+        wait_for(lambda: len(server.asked) >= 4 or runner.poll() is not None)
+        runner.send_signal(signal.SIGINT)
+        _, told = runner.communicate(timeout=60)
+    assert runner.returncode == 130, told
+    assert "stopped: 0 of 16 jobs are recorded; the same command goes on" in told
+    assert "Traceback" not in told
+
+
+def test_a_cassette_that_cannot_be_opened_is_not_the_agents_fault(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    (job,) = listed(seeds=range(1))
+    access = Access(base_url="http://127.0.0.1:9/v1", cassette=str(tmp_path / "folder"))
+    job = replace(job, agent={"planner": "custom:m"}, access=access)
+    (record,) = play_job(Work(job=job, folder=str(tmp_path)), Lines())
+    assert record.infrastructure_error
+    assert record.error is not None and str(tmp_path) not in record.error.message

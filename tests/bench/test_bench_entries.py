@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bench_helpers import jobs, read
+from bench_helpers import jobs, read, takes_models
 from remac_bench.entries import TEXT_MAX, cut, save_pictures
 from remac_bench.redaction import redact
 from remac_bench.runner import Settings, run_jobs
@@ -103,10 +103,11 @@ def test_no_key_and_no_folder_of_this_machine(monkeypatch: pytest.MonkeyPatch, t
     assert redact(text) == told
 
 
+@takes_models
 def test_models_flags_make_one_entry_each(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[Any] = []
     monkeypatch.setattr("remac_bench.commands.running.run_and_report", lambda jobs, *_: seen.extend(jobs))
-    monkeypatch.setattr("remac_bench.jobs.agents.make", lambda job: None)
+    monkeypatch.setattr("remac_bench.jobs.agents.make", lambda job, shared: None)
     models = ("--model", "openai:o3", "--model", "deepseek:deepseek-reasoner")
     result = remac("bench", "run", "--suite", "smoke", *models, "--max-money", "2", "--checker", "truth")
     assert result.exit_code == 0, result.output
