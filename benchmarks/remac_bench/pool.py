@@ -46,7 +46,7 @@ def play(works: Sequence[Work], *, count: int, extensions: Sequence[str]) -> Ite
                     if lost is None:
                         queue.appendleft(work)
                     crew += [_hire(extensions)] if queue else []
-                for idle in [worker for worker in crew if worker.work is None and queue]:
+                for idle in [worker for worker in crew if worker.work is None][: len(queue)]:
                     _assign(idle, queue)
                 if records is not None:
                     yield work, records
