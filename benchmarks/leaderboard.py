@@ -1,4 +1,4 @@
-"""Runs a benchmark: the same as `remac bench run`, with the same flags."""
+"""`python benchmarks/leaderboard.py --suite paper --model openai:o3`: the same as `remac bench run --suite ...`."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from remac_bench.cli import app
 
 
 def main() -> None:
-    """Pass the command line on."""
-    app(["bench", "run", *sys.argv[1:]])
+    """Run the command with the flags given."""
+    app(args=["bench", "run", *sys.argv[1:]], prog_name="leaderboard.py")
 
 
 if __name__ == "__main__":

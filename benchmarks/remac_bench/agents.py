@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import inspect
 import json
+import threading
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from remac_bench.errors import UsageError
@@ -20,8 +23,62 @@ DEFAULT_ITERATIONS = 2
 ROLES = ("planner", "conditions", "checker", "adjuster", "reflector", "handover", "summariser")
 """Keywords of `remac_agents.make` that name a role."""
 
-OPTIONS = (*ROLES, "retries", "max_adjustments", "max_rounds", "lead", "helper")
+BUDGET = ("max_calls", "max_tokens", "max_money", "max_seconds")
+"""Its keywords that bound what a job may spend on language models."""
+
+OPTIONS = (*ROLES, "model", *BUDGET, "retries", "max_adjustments", "max_rounds", "lead", "helper")
 """Its keywords that a job may set. Not `memory`: every job has one of its own."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Access:
+    """How language models are reached.
+
+    Attributes:
+        base_url: of models that may be anywhere.
+        cassette: file in which exchanges are recorded, and from which those that it holds are played.
+        replay: nothing is asked for; what the cassette does not hold ends an episode unscored.
+    """
+
+    base_url: str | None = None
+    cassette: str | None = None
+    replay: bool = False
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """For the record: the cassette without its folder."""
+        name = None if self.cassette is None else Path(self.cassette).name
+        return {"base_url": self.base_url, "cassette": name, "replay": self.replay}
+
+
+class Lines:
+    """What the jobs of one process share when they ask language models: one cassette, and a limiter for each model."""
+
+    def __init__(self, *, calls: int = 1) -> None:
+        """Args: calls: how many may be under way at the same time, at first and at most."""
+        self._calls, self._lock = calls, threading.Lock()
+        self._limiters: dict[str, Any] = {}
+        self._cassettes: dict[Access, Any] = {}
+
+    def keywords(self, job: Job) -> dict[str, Any]:
+        """Keywords of `remac_agents.make` for this job; none where no model is asked.
+
+        Raises:
+            OptionError: for a cassette that cannot be read, or written.
+        """
+        models = asked_models(job.agent)
+        if not models:
+            return {}
+        from remac_agents.llm import Cassette, Limiter  # only here: no offline job needs the client
+
+        access, told = job.access, ",".join(models)
+        with self._lock:
+            if told not in self._limiters:
+                self._limiters[told] = Limiter(start=self._calls, most=self._calls)
+            if access.cassette is not None and access not in self._cassettes:
+                self._cassettes[access] = Cassette(access.cassette, mode="replay" if access.replay else "fill")
+            found = {"base_url": access.base_url, "cassette": self._cassettes.get(access), "replay": access.replay}
+            return {**found, "limiter": self._limiters[told]}
 
 
 class Agent(Protocol):
@@ -40,19 +97,40 @@ class Agent(Protocol):
         """What the episode leaves behind: remac_agents' EpisodeReport."""
 
 
-def make(job: Job) -> Agent:
+def make(job: Job, shared: Mapping[str, Any]) -> Agent:
     """The job's agent, with a memory of its own that lives in this process.
 
+    Args:
+        shared: what it shares with others, from `Lines.keywords`.
+
     Raises:
-        UnknownNameError, OptionError: for a method, planner or other role that does not exist.
+        UnknownNameError, OptionError: for a method, planner, other role or model that does not exist.
     """
     import remac_agents
 
     options: dict[str, Any] = {
         name: role(value) if name in ROLES else value for name, value in job.agent.items()
     }
-    agent: Agent = remac_agents.make(job.method, **options)
+    agent: Agent = remac_agents.make(job.method, **options, **shared)
     return agent
+
+
+def asked_models(agent: Mapping[str, Any]) -> list[str]:
+    """The language models that an agent with these options asks; none for an offline one."""
+    from remac_agents.catalogue import ROLES as KNOWN
+
+    named = [str(agent["model"])] if "model" in agent else []
+    for name in ROLES:
+        text = str(agent.get(name, "")).partition(",")[0].strip()
+        if text and text not in KNOWN[name] and _is_model(text):
+            named.append(text)
+    return sorted(set(named))
+
+
+def _is_model(text: str) -> bool:
+    from remac_agents.llm.providers import is_model
+
+    return is_model(text)
 
 
 def role(text: object) -> object:
@@ -77,11 +155,16 @@ def role(text: object) -> object:
 
 
 def changed_options(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Those keywords of `remac_agents.make` that are given (not None) and not at their defaults."""
+    """Those keywords of `remac_agents.make` that are given (not None) and not at their defaults.
+
+    With a model every role that is given counts: a role that is not is the model's.
+    """
     import remac_agents
 
     parameters = inspect.signature(remac_agents.make).parameters
-    return {n: v for n, v in given.items() if v is not None and v != parameters[n].default}
+    kept = {name: value for name, value in given.items() if value is not None}
+    free = ROLES if "model" in kept else ()
+    return {n: v for n, v in kept.items() if n in free or v != parameters[n].default}
 
 
 def methods() -> list[str]:

@@ -8,19 +8,22 @@ import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
 from remac_bench.agents import Agent
+from remac_bench.entries import MESSAGE_MAX, EndpointError, report_fields, save_pictures
 from remac_bench.jobs import Job
-from remac_bench.machine import redact, versions
+from remac_bench.machine import versions
 from remac_bench.recording import Recorder
-from remac_bench.records import CheckEntry, ErrorEntry, OutcomeEntry, Record, VideoEntry
+from remac_bench.records import ErrorEntry, OutcomeEntry, Record, VideoEntry
+from remac_bench.redaction import redact
+from remac_bench.worlds import as_values
 from remac_env.errors import ActionError, UnknownNameError
 from remac_env.oracle import solve
 
-MESSAGE_MAX = 500
 FRAMES_MAX = 12
-"""How much of an exception goes into a record: characters of its message, frames of its traceback."""
+"""Frames of an exception's traceback in a record."""
 
 Kind = Literal["agent", "infrastructure"]
 
@@ -60,6 +63,7 @@ class Course:
 
     infos: Mapping[str, Any] = field(default_factory=dict)
     outcomes: list[dict[str, OutcomeEntry]] = field(default_factory=list)
+    worlds: list[dict[str, Any]] = field(default_factory=list)
     progress: float = 0.0
     optimum: int | None = None
     joined: bool = False
@@ -88,17 +92,19 @@ def play_episode(
     except Fault as caught:
         fault = caught
     try:
-        with blaming("agent"):
-            report = report_fields(agent.report()) if course.joined else None
+        if course.joined:
+            report = _report(agent, recorder.folder)
     except Fault as caught:
         fault = fault or caught
+    if fault is None and report is not None and report.broken:
+        fault = Fault("infrastructure", EndpointError(report.broken))
     success = fault is None and course.shared.get("end") == "success"
     wall = time.perf_counter() - began
     return make_record(
         job,
         iteration,
         course=course,
-        report=report or {},
+        report=report.fields if report else {},
         fault=fault,
         wall_seconds=round(wall, 3),
         video=None
@@ -107,9 +113,27 @@ def play_episode(
     )
 
 
+@dataclass(frozen=True)
+class _Report:
+    """The fields of the agent's report, and why the episode counts for nothing, None where it counts."""
+
+    fields: Mapping[str, Any]
+    broken: str | None
+
+
+def _report(agent: Agent, folder: Path) -> _Report:
+    with blaming("agent"):
+        told = agent.report()
+        fields = report_fields(told)
+    with blaming("infrastructure"):
+        save_pictures(folder, told.pictures)
+    return _Report(fields, told.infrastructure)
+
+
 def _play(env: Any, agent: Agent, job: Job, course: Course, *, optimum: bool) -> None:
     observations, course.infos = env.reset(seed=job.seed)
     course.progress = env.progress
+    course.worlds.append(as_values(env.world))
     if optimum:
         plan = solve(env.start.scene, env.world, env.goal)
         course.optimum = None if plan is None else plan.length
@@ -123,15 +147,16 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, *, optimum: bool) ->
             observations, _, _, _, course.infos = env.step(actions)
         except ActionError as error:
             raise Fault("agent", error) from error
-        course.outcomes.append(_outcomes(env, actions, course.infos))
+        course.outcomes.append(read_outcomes(env, actions, course.infos))
         course.progress = env.progress
+        course.worlds.append(as_values(env.world))
         if job.options.render_mode == "human":
             env.render()
     with blaming("agent"):
         agent.close_episode(observations, course.infos)
 
 
-def _outcomes(env: Any, actions: Mapping[str, int], infos: Mapping[str, Any]) -> dict[str, OutcomeEntry]:
+def read_outcomes(env: Any, actions: Mapping[str, int], infos: Mapping[str, Any]) -> dict[str, OutcomeEntry]:
     return {
         robot: OutcomeEntry(subtask=_text(env, actions[robot]), **(info["outcome"] or {"status": "failure"}))
         for robot, info in infos.items()
@@ -143,28 +168,6 @@ def _text(env: Any, token: int) -> str:
         return str(env.vocabulary.decode(int(token)))
     except UnknownNameError:
         return f"token {int(token)}"
-
-
-def report_fields(report: Any) -> dict[str, Any]:
-    """The fields of a record that come from the agent's own report."""
-    return {
-        "initial_plan": {robot: list(row) for robot, row in report.initial_plan.items()},
-        "final_plan": {robot: list(row) for robot, row in report.final_plan.items()},
-        "initial_plan_length": report.initial_plan_length,
-        "final_plan_length": report.final_plan_length,
-        "subtasks_done": report.subtasks_done,
-        "pre_checks": [_check(entry) for entry in report.pre_checks],
-        "post_checks": [_check(entry) for entry in report.post_checks],
-        "adjusted": report.adjusted,
-        "retries": report.retries,
-        "reflections": list(report.reflections),
-        "truth_readers": list(report.truth_readers),
-        "planner_errors": [redact(text)[:MESSAGE_MAX] for text in report.errors],
-    }
-
-
-def _check(entry: Any) -> CheckEntry:
-    return CheckEntry(**{name: getattr(entry, name) for name in CheckEntry.model_fields})
 
 
 def make_record(
@@ -198,10 +201,12 @@ def make_record(
         success=fault is None and shared.get("end") == "success",
         end=shared.get("end"),
         progress=round(course.progress, 6),
+        phases=dict(shared.get("phases", {})),
         rounds=len(course.outcomes),
         sim_seconds=round(float(shared.get("seconds", 0.0)), 6),
         wall_seconds=wall_seconds,
         outcomes=course.outcomes,
+        worlds=course.worlds,
         robot_contacts=int(shared.get("robot_contacts", 0)),
         near_misses=int(shared.get("near_misses", 0)),
         physics_steps=int(shared.get("physics_steps", 0)),
@@ -210,5 +215,6 @@ def make_record(
         error=None if fault is None else fault.entry(),
         options=job.facts,
         versions=versions(),
+        **({} if job.suite is None else job.suite.fields),
         **report,
     )

@@ -15,3 +15,7 @@ class RecordFileError(RemacError, ValueError):
 
 class LockedError(RemacError, RuntimeError):
     """Another runner is at work in this folder."""
+
+
+class StorageError(RemacError, OSError):
+    """The records cannot be written: a full disk, a bound on the size of files, a folder that is gone."""

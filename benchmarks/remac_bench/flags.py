@@ -64,9 +64,34 @@ Iterations = Annotated[
     int | None, _agent("Number of the last iteration: 2 plays 0, 1, 2 (methods that learn, and best-of controls).")
 ]
 
-Out = Annotated[str, _run("Folder for records and videos; what it holds already is not run again.")]
+_MODELS = "Language models"
+
+
+def _models(text: str, *names: str) -> Any:
+    return typer.Option(*names, help=text, rich_help_panel=_MODELS)
+
+
+Models = Annotated[
+    list[str] | None, _models("provider:model, an entry that fills every role that speaks; may be repeated.", "--model")
+]
+BaseUrl = Annotated[str | None, _models("Address of custom:<model>, such as http://127.0.0.1:8000/v1.")]
+Cassette = Annotated[str | None, _models("File of exchanges: plays what it holds, asks for the rest and records it.")]
+Replay = Annotated[bool, _models("Ask nobody: what the cassette does not hold ends an episode unscored.", "--replay")]
+MaxCalls = Annotated[int | None, _models("Requests of a job at most.")]
+MaxTokens = Annotated[int | None, _models("Tokens of a job at most.")]
+MaxMoney = Annotated[float | None, _models("US dollars of a job at most.")]
+MaxSeconds = Annotated[float | None, _models("Seconds of a job in requests at most.")]
+
+Out = Annotated[
+    str | None, _run("Folder for records and videos; what it holds is not run again. Default: results/SUITE.")
+]
+Suite = Annotated[str | None, _run("A frozen list of jobs and agents: a name, or a FILE.toml.")]
+EngineName = Annotated[
+    str, _run("auto (threads where models are asked, else processes), processes, threads or ray.", "--engine")
+]
+Address = Annotated[str | None, _run("Of a Ray cluster; by default one on this machine.")]
 Jobs = Annotated[
-    int | None, _run("Worker processes; 0 runs in this one; by default one a core.", "--jobs", "-j")
+    int | None, _run("Jobs at the same time; 0: one by one, here. Default: one a core, 16 threads.", "--jobs", "-j")
 ]
 Video = Annotated[str, _run("none, failed, all, or first: the first seed's scored episode.")]
 Optimum = Annotated[bool, _run("Also search each episode's shortest plan.", "--optimum/--no-optimum")]
@@ -75,13 +100,21 @@ Extensions = Annotated[
 ]
 
 AGENT = {
-    **{name: name for name in agents.OPTIONS},
+    **{name: name for name in agents.OPTIONS if name != "model"},
     "max_rounds": "agent_max_rounds",
 }
-"""Keyword of `remac_agents.make` -> the flag, which differs where the kitchen has a keyword of that name."""
+"""Keyword of `remac_agents.make` -> the flag, which differs where the kitchen has a keyword of that name. `model` is
+apart: each makes an entry."""
 
 KITCHEN = {field.name: field.name for field in fields(Options) if field.name != "robots"}
 """Keyword of `parallel_env` -> the flag; `robots` is apart, its default is the method's."""
+
+
+FROZEN = (
+    *("tasks", "methods", "seeds", "robots", "iterations", "retries", "max_adjustments", "agent_max_rounds"),
+    *(flag for flag in KITCHEN.values() if flag not in ("backend", "render_mode")),
+)
+"""Flags that do not go with a suite, which says these things itself."""
 
 
 def pick(context: typer.Context, flags: Mapping[str, str]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from remac_bench import agents
+from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_env.options import Options
 from remac_env.seeding import SEED_MAX, digest
@@ -17,6 +18,21 @@ NOT_IN_KEY = ("render_mode",)
 
 _MOST_SEEDS = 1_000_000
 """Seeds in one range at most: more is a slip of the keyboard."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SuiteMark:
+    """The frozen list that a job belongs to. `given`: keywords of `remac_agents.make` that it gives to every agent."""
+
+    name: str
+    version: int
+    digest: str
+    given: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """The fields of a record that name it."""
+        return {"suite": self.name, "suite_version": self.version, "suite_digest": self.digest}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +46,8 @@ class Job:
         options: the kitchen's; `robots` among them.
         agent: keywords of `remac_agents.make` that are not at their defaults; roles as text (agents.role).
         iterations: the number of the last iteration, which is the scored one.
+        access: how language models are reached. Not part of the key: it changes who is asked, not what.
+        suite: where the job comes from. Not part of the key either: equal jobs are equal.
     """
 
     method: str
@@ -38,6 +56,8 @@ class Job:
     options: Options
     agent: Mapping[str, Any] = field(default_factory=dict)
     iterations: int = 0
+    access: Access = field(default_factory=Access)
+    suite: SuiteMark | None = None
 
     @cached_property
     def key(self) -> str:
@@ -60,7 +80,8 @@ class Job:
     @property
     def label(self) -> str:
         """The agent's name in tables: the method, in brackets where it departs from the method's defaults."""
-        facts: dict[str, object] = dict(self.agent)
+        given = {} if self.suite is None else self.suite.given
+        facts: dict[str, object] = {n: v for n, v in self.agent.items() if n not in given or given[n] != v}
         if self.options.robots != agents.default_robots(self.method):
             facts["robots"] = self.options.robots
         if self.iterations != agents.default_iterations(self.method):
@@ -71,7 +92,8 @@ class Job:
     @property
     def facts(self) -> dict[str, Any]:
         """Everything that the job was made with, for the record."""
-        return {"kitchen": asdict(self.options), "agent": dict(self.agent), "iterations": self.iterations}
+        made = {"kitchen": asdict(self.options), "agent": dict(self.agent), "iterations": self.iterations}
+        return made if self.access == Access() else {**made, "access": self.access.told}
 
 
 def changed_options(options: Options) -> dict[str, Any]:
@@ -90,6 +112,8 @@ def make_jobs(
     agent: Mapping[str, Any],
     robots: int | None = None,
     iterations: int | None = None,
+    access: Access | None = None,
+    checked: bool = True,
 ) -> list[Job]:
     """Every combination of tasks, methods and seeds.
 
@@ -97,21 +121,33 @@ def make_jobs(
         kitchen: keywords of `remac_env.parallel_env` but `robots`.
         agent: keywords of `remac_agents.make`; those that are None count as not given.
         robots, iterations: None means the method's own; methods without a memory play iteration 0 alone.
+        access: see Job.
+        checked: build one kitchen and one agent of each sort, so that bad names come out now.
 
     Raises:
         UnknownNameError, OptionError: for names and numbers that are not valid, of any of the jobs.
     """
     given = agents.changed_options(agent)
     jobs: dict[str, Job] = {}
+    access = access or Access()
     for task in tasks:
         for method in methods:
             options = Options(**kitchen, robots=agents.default_robots(method) if robots is None else robots)
             last = agents.default_iterations(method)
             last = iterations if last and iterations is not None else last
             for seed in seeds:
-                job = Job(method=method, task=task, seed=seed, options=options, agent=given, iterations=last)
+                job = Job(
+                    method=method,
+                    task=task,
+                    seed=seed,
+                    options=options,
+                    agent=given,
+                    iterations=last,
+                    access=access,
+                )
                 jobs[job.key] = job
-    _check(list(jobs.values()))
+    if checked:
+        check_jobs(list(jobs.values()))
     return list(jobs.values())
 
 
@@ -143,14 +179,19 @@ def parse_names(text: str, kind: str) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _check(jobs: Sequence[Job]) -> None:
-    """Build one kitchen and one agent of each sort, so that bad names come out before any work is done."""
+def check_jobs(jobs: Sequence[Job]) -> None:
+    """Build one kitchen and one agent of each sort, so that bad names come out before any work is done.
+
+    Raises:
+        UnknownNameError, OptionError, UsageError: for what is not valid.
+    """
     import remac_env
 
     kitchens = {(job.task, job.options) for job in jobs}
     for task, options in sorted(kitchens, key=str):
         remac_env.parallel_env(task, **asdict(options)).close()
-    for job in {job.method: job for job in jobs}.values():
-        agents.make(job)
+    lines = agents.Lines()
+    for job in {(job.method, str(job.agent)): job for job in jobs}.values():
+        agents.make(job, lines.keywords(job))
     if any(job.iterations < 0 for job in jobs):
         raise UsageError("iterations must be 0 or more: the number of the last iteration")

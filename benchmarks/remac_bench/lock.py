@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from remac_bench.errors import LockedError
+from remac_bench.errors import LockedError, StorageError
 
 FILE = "runner.lock"
 
@@ -24,17 +24,25 @@ def locked(folder: Path) -> Iterator[None]:
 
     Raises:
         LockedError: if another process holds it; the message names process and host.
+        StorageError: if the disk is full.
     """
     path = folder / FILE
     handle = _acquire(path)
     try:
-        os.ftruncate(handle, 0)
-        os.write(handle, json.dumps({"pid": os.getpid(), "host": socket.gethostname()}).encode())
+        _sign(handle, path)
         yield
     finally:
         # Removed while still held, so that nobody can lock a file that is about to go.
         path.unlink(missing_ok=True)
         os.close(handle)
+
+
+def _sign(handle: int, path: Path) -> None:
+    try:
+        os.ftruncate(handle, 0)
+        os.write(handle, json.dumps({"pid": os.getpid(), "host": socket.gethostname()}).encode())
+    except OSError as error:
+        raise StorageError(f"{path}: {error.strerror or error}; make room, and the same command goes on") from error
 
 
 def _acquire(path: Path) -> int:

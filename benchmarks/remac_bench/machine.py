@@ -20,7 +20,7 @@ KEYS: Mapping[str, str] = {
     "GEMINI_API_KEY": "language models of Google",
     "OPENROUTER_API_KEY": "language models by way of OpenRouter",
 }
-"""Environment variables that may hold a key. Values are never shown; they are cut out of error messages."""
+"""Environment variables that may hold a key. Values are never shown."""
 
 PACKAGES: Mapping[str, str] = {
     "mujoco": "the physics backend and pictures",
@@ -62,15 +62,6 @@ def _versions() -> tuple[tuple[str, str], ...]:
 def versions() -> dict[str, str]:
     """The versions on which an episode depends: remac, python, mujoco, numpy."""
     return dict(_versions())
-
-
-def redact(text: str) -> str:
-    """The text without the values of keys, should an error message quote one."""
-    for name in KEYS:
-        value = os.environ.get(name, "")
-        if len(value) >= 8:
-            text = text.replace(value, f"<{name}>")
-    return text
 
 
 def cores() -> int:

@@ -9,16 +9,12 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from remac_bench.episode import Course, Fault, make_record
+from remac_bench.losses import Losses
 from remac_bench.records import Record
-from remac_bench.worker import Work, play_job, serve
+from remac_bench.worker import Work, serve
 
 STOP_SECONDS = 5.0
 """How long a worker may take to end before it is killed."""
-
-
-class WorkerDiedError(RuntimeError):
-    """A worker process ended in the middle of a job: killed, out of memory, or a fault in native code."""
 
 
 @dataclass(eq=False)
@@ -28,25 +24,12 @@ class _Worker:
     work: Work | None = None
 
 
-def play_all(
-    works: Sequence[Work], *, workers: int, extensions: Sequence[str]
-) -> Iterator[tuple[Work, list[Record]]]:
-    """Play works and yield each with its records as it ends, in any order.
+def play(works: Sequence[Work], *, count: int, extensions: Sequence[str]) -> Iterator[tuple[Work, list[Record]]]:
+    """Play works in `count` processes and yield each with its records as it ends, in any order.
 
-    Args:
-        workers: number of processes; 0 plays in this one, for debuggers.
+    A worker that dies is replaced, and its job played again at once by itself; see `losses`.
     """
-    if workers == 0:
-        for work in works:
-            yield work, play_job(work)
-        return
-    yield from _play_in_processes(works, min(workers, len(works)), extensions)
-
-
-def _play_in_processes(
-    works: Sequence[Work], count: int, extensions: Sequence[str]
-) -> Iterator[tuple[Work, list[Record]]]:
-    queue = deque(works)
+    queue, losses = deque(works), Losses()
     crew: list[_Worker] = []
     try:
         for _ in range(count):
@@ -57,12 +40,16 @@ def _play_in_processes(
             for worker in [worker for worker in busy if worker.connection in ready]:
                 work, records = _collect(worker)
                 if records is None:
-                    records = [_lost(work, worker)]
                     crew.remove(worker)
+                    lost = losses.judge(work, _bury(worker))
+                    records = None if lost is None else [lost]
+                    if lost is None:
+                        queue.appendleft(work)
                     crew += [_hire(extensions)] if queue else []
-                for idle in [worker for worker in crew if worker.work is None and queue]:
+                for idle in [worker for worker in crew if worker.work is None][: len(queue)]:
                     _assign(idle, queue)
-                yield work, records
+                if records is not None:
+                    yield work, records
     finally:
         _dismiss(crew)
 
@@ -97,11 +84,12 @@ def _collect(worker: _Worker) -> tuple[Work, list[Record] | None]:
     return work, [Record.model_validate_json(line) for line in lines]
 
 
-def _lost(work: Work, worker: _Worker) -> Record:
+def _bury(worker: _Worker) -> int | None:
+    """The exit status of a worker that died; negative: the number of a signal."""
     worker.process.join(STOP_SECONDS)
     worker.connection.close()
-    error = WorkerDiedError(f"the worker process ended with status {worker.process.exitcode}")
-    return make_record(work.job, 0, course=Course(), report={}, fault=Fault("infrastructure", error))
+    status: int | None = worker.process.exitcode
+    return status
 
 
 def _dismiss(crew: Sequence[_Worker]) -> None:

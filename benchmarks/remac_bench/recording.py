@@ -22,7 +22,8 @@ class Recorder:
 
     def __init__(self, env: Any, folder: str | Path, name: str, mode: VideoMode, *, last: bool) -> None:
         """Args: folder: the records'; name: of the file; last: whether this is the job's last iteration."""
-        self._env, self._folder, self._mode = env, Path(folder), mode
+        self.folder = Path(folder)
+        self._env, self._mode = env, mode
         self._name = f"{VIDEOS}/{re.sub(r'[^A-Za-z0-9_.-]+', '-', name).strip('-')}.webm"
         self._wanted = mode in ("failed", "all") or (mode == "last" and last)
         self._problem: str | None = None
@@ -41,7 +42,7 @@ class Recorder:
             return None
         if self._problem is None:
             try:
-                path = self._folder / self._name
+                path = self.folder / self._name
                 path.parent.mkdir(parents=True, exist_ok=True)
                 self._method("save_recording")(path)
                 return VideoEntry(path=self._name)

@@ -100,6 +100,7 @@ class Record(Model):
         success: the goal held at the end, and the agent did not crash.
         end: success, lost, done or truncated, None where an error ended it.
         progress: the fraction of the goal's parts that hold at the end.
+        phases: phase -> whether it was reached, in order, for tasks that have phases.
         initial_plan_length, final_plan_length: in rounds; the latter of the plan in force at the end,
             retries not counted. None where the agent reports none.
         subtasks_done: rounds of the plan in force whose subtasks' post-conditions all held.
@@ -111,7 +112,10 @@ class Record(Model):
         usage, exchanges: what language models were asked, and what that took.
         planner_errors: replies of the planner that were no plans.
         optimum_rounds: length of the shortest plan, where it was asked for.
-        options: {"kitchen": ..., "agent": ...}: everything that the job was made with.
+        options: {"kitchen": ..., "agent": ...}: everything that the job was made with; "access": how language models
+            were reached.
+        suite, suite_version, suite_digest: the frozen list that the job belongs to, and the digest of its content;
+            None for a job that was put together on the command line.
     """
 
     schema_version: int = Field(default=SCHEMA, alias="schema")
@@ -131,6 +135,7 @@ class Record(Model):
     success: bool
     end: str | None = None
     progress: float = 0.0
+    phases: dict[str, bool] = Field(default_factory=dict)
     subtasks_done: int = 0
     initial_plan_length: int | None = None
     final_plan_length: int | None = None
@@ -158,6 +163,9 @@ class Record(Model):
     error: ErrorEntry | None = None
     options: dict[str, Any] = Field(default_factory=dict)
     versions: dict[str, str] = Field(default_factory=dict)
+    suite: str | None = None
+    suite_version: int | None = None
+    suite_digest: str | None = None
 
     @property
     def infrastructure_error(self) -> bool:

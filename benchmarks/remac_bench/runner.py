@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from remac_bench.errors import UsageError
+from remac_bench.engines import Engine, play_all
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import Job
 from remac_bench.lock import locked
-from remac_bench.pool import play_all
 from remac_bench.recording import VIDEO_CHOICES, VideoMode
 from remac_bench.records import Record
 from remac_bench.store import Store, finished_jobs
@@ -33,7 +32,8 @@ class Settings:
     """How jobs are run; nothing here changes a result.
 
     Attributes:
-        workers: number of processes; 0 plays in this one.
+        workers: how many at the same time; 0: in this process, one by one; None: as many as the engine likes best.
+        engine, address: where they are played; see `engines`.
         video: one of VIDEO_CHOICES; see `recording`.
         video_methods: methods that are filmed; None means all.
         optimum: search the shortest plan of every episode.
@@ -41,7 +41,9 @@ class Settings:
         fresh: forget the records and videos that the folder holds.
     """
 
-    workers: int = 1
+    workers: int | None = 1
+    engine: str = "auto"
+    address: str | None = None
     video: str = "none"
     video_methods: tuple[str, ...] | None = None
     optimum: bool = False
@@ -49,14 +51,18 @@ class Settings:
     fresh: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse an unknown kind of video and a negative number of workers.
+        """Refuse an unknown kind of video or engine, and a number of workers that is none.
 
         Raises:
             UnknownNameError, UsageError: naming what is valid.
         """
         check_choice("video", self.video, VIDEO_CHOICES)
-        if self.workers < 0:
-            raise UsageError(f"jobs {self.workers} is not valid; valid: 0 (in this process) or more")
+        _ = self.place
+
+    @property
+    def place(self) -> Engine:
+        """Where jobs are played."""
+        return Engine(name=self.engine, workers=self.workers, address=self.address)
 
 
 @dataclass(frozen=True)
@@ -85,6 +91,8 @@ def run_jobs(
     Raises:
         LockedError: if another runner is at work in the folder.
         RecordFileError: if its records cannot be read.
+        StorageError: if they cannot be written.
+        UsageError: if the folder holds the records of another suite.
     """
     listener = listener or Listener()
     load_extensions(settings.extensions)
@@ -93,13 +101,14 @@ def run_jobs(
     with locked(store.folder):
         if settings.fresh:
             store.clear()
+        store.claim(_suite(jobs))
         store.repair()
         done = finished_jobs(store.read())
         works = [work for work in _works(jobs, store.folder, settings) if work.job.key not in done]
         works.sort(key=_effort, reverse=True)
         broken: list[str] = []
         listener.begin([work.job for work in works])
-        for work, records in play_all(works, workers=settings.workers, extensions=settings.extensions):
+        for work, records in play_all(works, engine=settings.place, extensions=settings.extensions):
             store.append(records)
             broken += [_problem(record) for record in records if record.infrastructure_error]
             listener.end(work.job, records)
@@ -110,6 +119,12 @@ def pending(jobs: Sequence[Job], folder: str | Path) -> list[Job]:
     """The jobs that `run_jobs` would play."""
     done = finished_jobs(Store(folder).read())
     return [job for job in jobs if job.key not in done]
+
+
+def _suite(jobs: Sequence[Job]) -> dict[str, object] | None:
+    """The suite of these jobs, which all have the same."""
+    mark = next((job.suite for job in jobs), None)
+    return None if mark is None else mark.fields
 
 
 def _problem(record: Record) -> str:

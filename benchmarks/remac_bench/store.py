@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
-from remac_bench.errors import RecordFileError
+from remac_bench.errors import RecordFileError, StorageError, UsageError
 from remac_bench.records import SCHEMA, Record
 
 FILE = "records.jsonl"
 VIDEOS = "videos"
+PICTURES = "pictures"
+SUITE = "suite.json"
+"""Beside the records: folders of videos and of pictures that models were shown, and which suite they belong to."""
 
 
 class Store:
@@ -23,13 +29,24 @@ class Store:
         self.path = self.folder / FILE
 
     def append(self, records: Sequence[Record]) -> None:
-        """Write the records of one finished job in one piece, and wait until the disk has them."""
+        """Write the records of one finished job in one piece, and wait until the disk has them.
+
+        Raises:
+            StorageError: if they cannot be written; what was written before stays as it was.
+        """
         data = "".join(f"{record.line()}\n" for record in records).encode()
         fresh = not self.path.exists()
-        with self.path.open("ab") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
+        before = 0 if fresh else self.path.stat().st_size
+        try:
+            with self.path.open("ab") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            with suppress(OSError):  # what cannot be taken back, the next run repairs
+                os.truncate(self.path, before)
+            why = error.strerror or str(error)
+            raise StorageError(f"{self.path}: {why}; make room, and the same command goes on") from error
         if fresh:
             _sync_folder(self.folder)
 
@@ -68,10 +85,48 @@ class Store:
         return 0 if _is_record(torn) else len(torn)
 
     def clear(self) -> None:
-        """Remove the records and the videos that belong to them; other files stay."""
+        """Remove the records and the videos and pictures that belong to them; other files stay."""
         self.path.unlink(missing_ok=True)
-        for video in sorted((self.folder / VIDEOS).glob("*.webm")):
-            video.unlink()
+        (self.folder / SUITE).unlink(missing_ok=True)
+        for file in [*(self.folder / VIDEOS).glob("*.webm"), *(self.folder / PICTURES).glob("*.png")]:
+            file.unlink()
+
+    def claim(self, suite: Mapping[str, Any] | None) -> None:
+        """Note that the folder holds the records of this suite, None for no suite.
+
+        Raises:
+            UsageError: if it holds those of another one, or of another content of the same one.
+        """
+        path = self.folder / SUITE
+        if path.exists():
+            held = _read_claim(path)
+            if held != suite:
+                raise UsageError(
+                    f"{self.folder} holds records of {_suite(held)}, not of {_suite(suite)}: a suite is frozen; "
+                    "give another --out, or the suite as it was"
+                )
+        elif suite is not None:
+            if self.path.exists() and self.path.stat().st_size:
+                raise UsageError(f"{self.folder} holds records of no suite, not of {_suite(suite)}; give another --out")
+            part = path.with_suffix(".part")
+            try:
+                part.write_text(json.dumps(suite) + "\n", "utf-8")
+                part.replace(path)
+            except OSError as error:
+                raise StorageError(f"{path}: {error.strerror or error}; make room first") from error
+
+
+def _read_claim(path: Path) -> dict[str, Any]:
+    try:
+        return dict(json.loads(path.read_text("utf-8")))
+    except ValueError as error:
+        raise RecordFileError(f"{path}: names no suite ({error}); give another --out, or remove the file") from error
+
+
+def _suite(facts: Mapping[str, Any] | None) -> str:
+    if facts is None:
+        return "no suite"
+    return f"suite {facts['suite']} version {facts['suite_version']} (content {facts['suite_digest']})"
 
 
 def latest(records: Iterable[Record]) -> list[Record]:

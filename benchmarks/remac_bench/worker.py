@@ -9,6 +9,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from remac_bench import agents
+from remac_bench.agents import Lines
 from remac_bench.episode import Course, Fault, blaming, make_record, play_episode
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import Job
@@ -31,15 +32,20 @@ def serve(connection: Connection, extensions: Sequence[str]) -> None:
     # Ctrl-C goes to all processes of a terminal; it is the parent that decides when to stop.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     load_extensions(extensions)
+    lines = Lines()
     try:
         while True:
-            connection.send([record.line() for record in play_job(connection.recv())])
+            connection.send([record.line() for record in play_job(connection.recv(), lines)])
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def play_job(work: Work) -> list[Record]:
-    """All iterations. An infrastructure error ends the job, a crash of the agent only its iteration."""
+def play_job(work: Work, lines: Lines | None = None) -> list[Record]:
+    """All iterations. An infrastructure error ends the job, a crash of the agent only its iteration.
+
+    Args:
+        lines: what its language models share with other jobs of this process.
+    """
     job = work.job
     try:
         with blaming("infrastructure"):
@@ -47,16 +53,21 @@ def play_job(work: Work) -> list[Record]:
     except Fault as fault:
         return [make_record(job, 0, course=Course(), report={}, fault=fault)]
     try:
-        return _play_iterations(work, env)
+        return _play_iterations(work, env, lines)
     finally:
         env.close()
 
 
-def _play_iterations(work: Work, env: Any) -> list[Record]:
+def _play_iterations(work: Work, env: Any, lines: Lines | None) -> list[Record]:
     job = work.job
     try:
+        with blaming("infrastructure"):
+            shared = (lines or Lines()).keywords(job)
+    except Fault as fault:
+        return [make_record(job, 0, course=Course(), report={}, fault=fault)]
+    try:
         with blaming("agent"):
-            agent = agents.make(job)
+            agent = agents.make(job, shared)
     except Fault as fault:
         return [make_record(job, job.iterations, course=Course(), report={}, fault=fault)]
     records: list[Record] = []

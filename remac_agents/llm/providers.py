@@ -117,6 +117,13 @@ def resolve(name: str, *, base_url: str | None = None, file: Path | str | None =
     return Endpoint(provider, model, _address(provider, base_url))
 
 
+def is_model(name: str) -> bool:
+    """Whether a name speaks of a provider that is known, or of one of the paper's models; it may still not resolve."""
+    catalogue = load()
+    aliases = {alias.casefold() for alias in catalogue.paper}
+    return name.casefold() in aliases or name.partition(":")[0] in catalogue.providers and ":" in name
+
+
 def _renamed(model: Model, name: str, *, priced: bool) -> Model:
     values = {field.name: getattr(model, field.name) for field in fields(Model)} | {"name": name}
     if not priced:

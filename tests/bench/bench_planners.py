@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import time
+from pathlib import Path
 from typing import Any
 
 from remac_agents.planners.literal import LiteralPlanner
@@ -38,6 +40,28 @@ class EndsProcess(LiteralPlanner):
         """A literal plan, but for seed 1."""
         if request.episode["seed"] == 1:
             os._exit(9)
+        return super().plan(request)
+
+
+class EndsProcessOnce(LiteralPlanner):
+    """Ends its process on seed 1, the first time that any process asks."""
+
+    def plan(self, request: Any) -> Any:
+        """A literal plan, but for the first time on seed 1."""
+        mark = Path(os.environ["BENCH_PLANNER_FOLDER"]) / "died"
+        if request.episode["seed"] == 1 and not mark.exists():
+            mark.touch()
+            os._exit(9)
+        return super().plan(request)
+
+
+class KillsItself(LiteralPlanner):
+    """Is killed on seed 1, as the kernel does when memory runs out."""
+
+    def plan(self, request: Any) -> Any:
+        """A literal plan, but for seed 1."""
+        if request.episode["seed"] == 1:
+            os.kill(os.getpid(), signal.SIGKILL)
         return super().plan(request)
 
 

@@ -66,7 +66,14 @@ def test_tasks_lists_them() -> None:
         (("bench", "run", "--out", "x", "--iterations", "-1"), "0 or more"),
         (("bench", "run", "--out", "x", "--jobs", "-1"), "0 (in this process) or more"),
         (("bench", "run", "--out", "x", "--video", "nope", "--backend", "symbolic"), "failed"),
-        (("bench", "run", "--out", "x", "--suite", "dev"), "no suites yet"),
+        (("bench", "run", "--out", "x", "--suite", "dev"), "smoke, or a FILE.toml"),
+        (("bench", "run", "--tasks", "HeatOnStove"), "--out is missing"),
+        (("bench", "run", "--suite", "smoke", "--seeds", "0:3"), "--seeds does not go with suite"),
+        (("bench", "run", "--suite", "smoke", "--wording", "1"), "--wording does not go with suite"),
+        (("bench", "run", "--suite", "smoke", "--replay"), "needs --cassette"),
+        (("bench", "run", "--suite", "smoke", "--engine", "nope"), "auto, processes, threads, ray"),
+        (("bench", "run", "--suite", "smoke", "--address", "x"), "is for --engine ray"),
+        (("bench", "verify", "x"), "no finished jobs"),
         (("bench", "report", "x"), "no folder 'x'"),
         (("demo", "--seeds", "x"), "0:10"),
     ],
@@ -183,3 +190,34 @@ def test_the_real_command_says_mistakes_without_a_traceback() -> None:
     out, told = process.communicate(timeout=60)
     assert (process.returncode, out) == (2, "")
     assert told.startswith("error: unknown task 'Nope'; valid: ")
+
+
+def test_the_tally_tells_failures_rate_and_money() -> None:
+    from remac_bench.commands.progress import Tally
+
+    tally = Tally()
+    tally.add([record(), record(success=False), record(scored=False, success=False)])
+    assert tally.told(2.0) == "1 failed, 1.5/s"
+    broken = {"kind": "infrastructure", "type": "EndpointError", "message": "down"}
+    tally.add([record(scored=False, success=False, error=broken, usage={"calls": 3, "money": 0.419, "unpriced": 0})])
+    assert tally.told(2.0) == "1 failed, 1 broken, 2.0/s, $0.42"
+    tally.add([record(usage={"calls": 1, "unpriced": 1})])
+    assert tally.told(0.0) == "1 failed, 1 broken, $0.42+"
+
+
+def test_leaderboard_is_the_same_command(tmp_path: Path) -> None:
+    import subprocess
+    import sys
+
+    root = Path(__file__).parents[2]
+    done = subprocess.run(
+        [sys.executable, str(root / "benchmarks" / "leaderboard.py"), "--suite", "smoke", "--jobs", "0"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": f"{root}{os.pathsep}{root / 'benchmarks'}"},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert {entry.suite for entry in read(tmp_path / "results" / "smoke")} == {"smoke"}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import resource
 import signal
+import socket
 from pathlib import Path
 
 import pytest
@@ -84,3 +86,37 @@ def test_ctrl_c_and_termination_stop_cleanly(tmp_path: Path, whole: Path, number
     assert 0 < lines(tmp_path) < EPISODES
     assert start(*ARGUMENTS, "--out", str(tmp_path)).wait(timeout=120) == 0
     assert read_rows(tmp_path) == read_rows(whole)
+
+
+@pytest.mark.parametrize("part", [0.0, 0.4, 0.9])
+def test_a_full_disk_stops_a_run_and_the_same_command_goes_on(tmp_path: Path, whole: Path, part: float) -> None:
+    room = int((whole / "records.jsonl").stat().st_size * part)
+
+    def fill() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
+
+    runner = start(*ARGUMENTS, "--out", str(tmp_path), preexec_fn=fill)
+    _, told = runner.communicate(timeout=120)
+    assert runner.returncode == 1, told
+    assert "File too large; make room, and the same command goes on" in told
+    assert "Traceback" not in told
+    kept = read(tmp_path)
+    assert len(kept) < EPISODES
+    assert not part or kept
+
+    assert start(*ARGUMENTS, "--out", str(tmp_path)).wait(timeout=120) == 0
+    assert read_rows(tmp_path) == read_rows(whole)
+    assert timeless(read(tmp_path)) == timeless(read(whole))
+
+
+def test_the_second_runner_is_told_who_is_first(tmp_path: Path) -> None:
+    first = start(*ARGUMENTS, "--out", str(tmp_path))
+    wait_for(lambda: lines(tmp_path) >= 2 or first.poll() is not None)
+    second = start(*ARGUMENTS, "--out", str(tmp_path))
+    _, told = second.communicate(timeout=60)
+    assert second.returncode == 1
+    assert f"is in use by another runner (process {first.pid} on {socket.gethostname()})" in told
+    first.send_signal(signal.SIGKILL)
+    first.communicate()
+    third = start(*ARGUMENTS, "--out", str(tmp_path))
+    assert third.wait(timeout=120) == 0

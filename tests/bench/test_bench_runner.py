@@ -164,14 +164,32 @@ def test_a_kitchen_that_cannot_begin_leaves_no_report_of_the_episode_before(
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_a_worker_that_dies_takes_only_its_job_with_it(tmp_path: Path, workers: int) -> None:
+def test_an_agent_that_ends_its_worker_twice_has_crashed(tmp_path: Path, workers: int) -> None:
     listed = jobs("CC", seeds=range(5), planner="bench_planners:EndsProcess")
     summary = run_jobs(listed, tmp_path, Settings(workers=workers))
-    assert summary.played == 5
-    (problem,) = summary.infrastructure
-    assert "seed 1: WorkerDiedError: the worker process ended with status 9" in problem
-    scored = {entry.seed: entry.success for entry in read(tmp_path) if entry.scored}
-    assert scored == {0: True, 2: True, 3: True, 4: True}
+    assert summary == Summary(0, 5, ())
+    scored = {entry.seed: entry for entry in read(tmp_path) if entry.scored}
+    assert {seed: entry.success for seed, entry in scored.items()} == {0: True, 1: False, 2: True, 3: True, 4: True}
+    error = scored[1].error
+    assert error is not None
+    assert (error.kind, error.type) == ("agent", "WorkerDiedError")
+    assert error.message == "the worker process ended with status 9, 2 times in a row"
+
+
+@pytest.mark.parametrize(
+    ("planner", "scored", "broken"),
+    [("EndsProcessOnce", 3, ()), ("KillsItself", 2, ("seed 1: WorkerDiedError: the worker process was killed",))],
+)
+def test_a_worker_that_dies_once_or_is_killed_says_nothing_of_the_agent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, planner: str, scored: int, broken: tuple[str, ...]
+) -> None:
+    monkeypatch.setenv("BENCH_PLANNER_FOLDER", str(tmp_path))
+    listed = jobs("CC", seeds=range(3), planner=f"bench_planners:{planner}")
+    summary = run_jobs(listed, tmp_path / "out", Settings(workers=2))
+    assert summary.played == 3
+    assert len(summary.infrastructure) == len(broken)
+    assert all(part in told for part, told in zip(broken, summary.infrastructure, strict=True))
+    assert [entry.success for entry in read(tmp_path / "out") if entry.scored] == [True] * scored
 
 
 def test_a_video_that_fails_is_told_and_spoils_nothing(

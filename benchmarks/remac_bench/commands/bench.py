@@ -1,19 +1,14 @@
-"""`remac bench run`; with it, in one group, what `commands/judge.py` offers."""
+"""`remac bench run`, `verify`, `report` and `blame`."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from remac_bench import flags
 from remac_bench.commands import judge
 from remac_bench.console import clean_errors
-from remac_bench.errors import UsageError
-
-if TYPE_CHECKING:
-    from remac_bench.jobs import Job
-    from remac_bench.runner import Settings
 
 app = typer.Typer(no_args_is_help=True, help="Run agents in the kitchens and print their table.")
 
@@ -22,11 +17,19 @@ app = typer.Typer(no_args_is_help=True, help="Run agents in the kitchens and pri
 @clean_errors
 def run(
     context: typer.Context,
-    out: flags.Out,
+    out: flags.Out = None,
     tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
     methods: Annotated[str, typer.Option(help="Names with commas between them.")] = "BASE,CC,RE,REMAC",
     seeds: Annotated[str, typer.Option(help="0:10 (0 to 9), 3, or 0,4,7.")] = "0:10",
-    suite: Annotated[str | None, typer.Option(help="A frozen list of jobs and agents.", hidden=True)] = None,
+    suite: flags.Suite = None,
+    models: flags.Models = None,
+    base_url: flags.BaseUrl = None,
+    cassette: flags.Cassette = None,
+    replay: flags.Replay = False,
+    max_calls: flags.MaxCalls = None,
+    max_tokens: flags.MaxTokens = None,
+    max_money: flags.MaxMoney = None,
+    max_seconds: flags.MaxSeconds = None,
     backend: flags.Backend = "physics",
     style: flags.Style = None,
     layout: flags.Layout = None,
@@ -57,50 +60,31 @@ def run(
     helper: flags.Helper = None,
     iterations: flags.Iterations = None,
     video: flags.Video = "none",
+    engine: flags.EngineName = "auto",
+    address: flags.Address = None,
     jobs: flags.Jobs = None,
     optimum: flags.Optimum = False,
     extensions: flags.Extensions = None,
 ) -> None:
     """Play tasks with methods over seeds into OUT/records.jsonl; the same command goes on where it ended."""
-    from remac_bench.commands.progress import run_and_report
-    from remac_bench.extensions import find_local_modules, load_extensions
+    from remac_bench.commands.running import run_command
 
-    if suite is not None:
-        raise UsageError(f"suite {suite!r}: there are no suites yet; name --tasks, --methods and --seeds")
-    find_local_modules()
-    load_extensions(extensions or ())
-    settings = _settings(context)
-    run_and_report(_jobs(context, tasks, methods, seeds), out, settings)
+    run_command(context)
+
+
+@app.command()
+@clean_errors
+def verify(
+    folder: Annotated[str, typer.Argument(help="The --out of a run.")],
+    sample: Annotated[int | None, typer.Option(min=1, help="How many jobs; by default all.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Which sample.")] = 0,
+    extensions: flags.Extensions = None,
+) -> None:
+    """Play recorded jobs again and compare: re-execution is the proof. Exit code 1 where a record is contradicted."""
+    from remac_bench.commands.running import verify_command
+
+    verify_command(folder, sample=sample, seed=seed, extensions=tuple(extensions or ()))
 
 
 app.command()(judge.report)
 app.command()(judge.blame)
-
-
-def _jobs(context: typer.Context, tasks: str | None, methods: str, seeds: str) -> list[Job]:
-    """The jobs that the flags ask for; those of kitchen and agent are read from the context by name."""
-    import remac_env
-    from remac_bench.jobs import make_jobs, parse_names, parse_seeds
-
-    return make_jobs(
-        tasks=remac_env.tasks() if tasks is None else parse_names(tasks, "tasks"),
-        methods=parse_names(methods, "methods"),
-        seeds=parse_seeds(seeds),
-        kitchen=flags.pick(context, flags.KITCHEN),
-        agent=flags.pick(context, flags.AGENT),
-        robots=context.params["robots"],
-        iterations=context.params["iterations"],
-    )
-
-
-def _settings(context: typer.Context) -> Settings:
-    from remac_bench.machine import cores
-    from remac_bench.runner import Settings
-
-    given = context.params
-    return Settings(
-        workers=cores() if given["jobs"] is None else given["jobs"],
-        video=given["video"],
-        optimum=given["optimum"],
-        extensions=tuple(given["extensions"] or ()),
-    )

@@ -31,11 +31,10 @@ def demo(
     """Play four tasks with BASE, CC, RE and REMAC, one kitchen a task: the table, records and videos."""
     from remac_bench.commands.progress import run_and_report
     from remac_bench.jobs import parse_seeds
-    from remac_bench.machine import cores
     from remac_bench.runner import Settings
 
     settings = Settings(
-        workers=cores() if jobs is None else jobs,
+        workers=jobs,
         video="first" if video else "none",
         video_methods=("REMAC",),
         fresh=not resume,

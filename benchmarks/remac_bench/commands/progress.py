@@ -6,11 +6,13 @@ import signal
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import typer
+from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from remac_bench.console import FAILED, INTERRUPTED, console, plain
 from remac_bench.jobs import Job
@@ -26,7 +28,7 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
     Raises:
         typer.Exit: 130 after Ctrl-C or SIGTERM; 1 if infrastructure errors left jobs without a score.
     """
-    bar = _Bar()
+    bar = Bar()
     try:
         with _terminable():
             summary = run_jobs(jobs, folder, settings, listener=bar)
@@ -68,28 +70,62 @@ def _terminable() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-class _Bar(Listener):
-    """A progress bar, in episodes, from the moment that there is something to do."""
+class Bar(Listener):
+    """A progress bar, in episodes, from the moment that there is something to do: done, failed, rate, ETA, money."""
 
-    def __init__(self) -> None:
-        counts = (MofNCompleteColumn(), TextColumn("episodes"), TimeElapsedColumn())
-        columns = (TextColumn("{task.description}"), BarColumn(), *counts)
-        self.progress = Progress(*columns, console=console(stderr=True))
+    def __init__(self, *, screen: Console | None = None) -> None:
+        """Args: screen: where it is drawn; None: stderr."""
+        counts = (MofNCompleteColumn(), TextColumn("episodes"), TextColumn("{task.fields[told]}"))
+        times = (TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
+        self._screen = screen or console(stderr=True)
+        self.progress = Progress(TextColumn("{task.description}"), BarColumn(), *counts, *times, console=self._screen)
+        self.tally = Tally()
         self._running = False
 
     def begin(self, jobs: Sequence[Job]) -> None:
         """Show the bar."""
         self._running = True
-        self._task = self.progress.add_task("starting", total=sum(job.iterations + 1 for job in jobs))
+        total = sum(job.iterations + 1 for job in jobs)
+        self._task = self.progress.add_task("starting", total=total, told="")
         self.progress.start()
 
     def end(self, job: Job, records: Sequence[Record]) -> None:
         """Move it on."""
-        told = escape(f"{job.task} {job.label}")
-        self.progress.update(self._task, advance=job.iterations + 1, description=told)
+        self.tally.add(records)
+        told = escape(plain(f"{job.task} {job.label}"))
+        elapsed = self.progress.tasks[0].elapsed or 0.0
+        counts = self.tally.told(elapsed)
+        self.progress.update(self._task, advance=job.iterations + 1, description=told, told=counts)
 
     def stop(self) -> None:
         """Let go of the screen, once; a bar that was never shown leaves no trace."""
         if self._running:
             self._running = False
             self.progress.stop()
+
+
+@dataclass
+class Tally:
+    """What a run has come to so far. `failed`: scored episodes without success; `broken`: jobs without a score."""
+
+    episodes: int = 0
+    failed: int = 0
+    broken: int = 0
+    money: float = 0.0
+    unpriced: int = 0
+
+    def add(self, records: Sequence[Record]) -> None:
+        """Take in the records of a job."""
+        self.episodes += len(records)
+        self.failed += sum(record.scored and not record.success for record in records)
+        self.broken += any(record.infrastructure_error for record in records)
+        self.money += sum(record.usage.money for record in records)
+        self.unpriced += sum(record.usage.unpriced for record in records)
+
+    def told(self, seconds: float) -> str:
+        """As text: "3 failed, 1 broken, 12.5/s, $0.42"; what is not there is not told."""
+        rate = f"{self.episodes / seconds:.1f}/s" if seconds > 0 else ""
+        more = "+" if self.unpriced else ""  # some calls had no known price
+        money = f"${self.money:.2f}{more}" if self.money or self.unpriced else ""
+        broken = f"{self.broken} broken" if self.broken else ""
+        return ", ".join(part for part in (f"{self.failed} failed", broken, rate, money) if part)

@@ -1,0 +1,122 @@
+"""What `remac bench run` and `remac bench verify` do with their flags."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import typer
+
+from remac_bench import flags
+from remac_bench.agents import Access
+from remac_bench.commands.progress import run_and_report
+from remac_bench.console import FAILED, console, plain
+from remac_bench.errors import UsageError
+from remac_bench.extensions import find_local_modules, load_extensions
+from remac_bench.jobs import Job, make_jobs, parse_names, parse_seeds
+from remac_bench.runner import Settings
+
+SHOWN = 20
+"""Contradictions that are printed; all are counted."""
+
+
+def run_command(context: typer.Context) -> None:
+    """Play what the flags ask for.
+
+    Raises:
+        UsageError, UnknownNameError, OptionError: for flags that are not valid, or do not go together.
+    """
+    given = context.params
+    find_local_modules()
+    load_extensions(given["extensions"] or ())
+    if given["out"] is None and given["suite"] is None:
+        raise UsageError("--out is missing: a folder for the records; only a suite has one of its own")
+    access = Access(base_url=given["base_url"], cassette=given["cassette"], replay=given["replay"])
+    if access.replay and access.cassette is None:
+        raise UsageError("--replay needs --cassette FILE")
+    entries = _entries(context)
+    if given["suite"] is None:
+        jobs = [job for entry in entries for job in _jobs(context, entry, access)]
+        run_and_report(jobs, given["out"], _settings(given))
+        return
+    from remac_bench.suites import load
+
+    suite = load(given["suite"])
+    _check_frozen(context, suite.name)
+    jobs = suite.jobs(entries, backend=_explicit(context, "backend"), access=access)
+    run_and_report(jobs, given["out"] or f"results/{suite.name}", _settings(given))
+
+
+def verify_command(folder: str, *, sample: int | None, seed: int, extensions: tuple[str, ...]) -> None:
+    """Print what re-execution found.
+
+    Raises:
+        typer.Exit: 1 where a record is contradicted.
+        UsageError: where there is nothing to verify.
+    """
+    from remac_bench.verify import verify
+
+    find_local_modules()
+    load_extensions(extensions)
+    verdict = verify(folder, sample=sample, seed=seed)
+    if not verdict.jobs:
+        raise UsageError(f"no finished jobs in {folder!r}; give the --out of a `remac bench run`")
+    screen = console()
+    for strange in verdict.strange:
+        screen.print(f"made with {strange}: differences in physics then prove nothing", markup=False)
+    for finding in verdict.findings[:SHOWN]:
+        screen.print(plain(f"job {finding.job}: {finding.told}"), markup=False)
+    wrong = len({finding.job for finding in verdict.findings})
+    replayed = f", {verdict.replayed} of them by their subtasks alone" if verdict.replayed else ""
+    screen.print(
+        f"{verdict.jobs} jobs with {verdict.records} records played again{replayed}: "
+        + (f"{wrong} contradicted" if wrong else "all as recorded"),
+        markup=False,
+    )
+    if wrong:
+        raise typer.Exit(FAILED)
+
+
+def _entries(context: typer.Context) -> list[dict[str, Any]]:
+    """An entry for each --model, or one without; each with the agent's flags."""
+    agent = {name: value for name, value in flags.pick(context, flags.AGENT).items() if value is not None}
+    return [{"model": model, **agent} for model in dict.fromkeys(context.params["models"] or ())] or [agent]
+
+
+def _jobs(context: typer.Context, entry: dict[str, Any], access: Access) -> list[Job]:
+    import remac_env
+
+    given = context.params
+    return make_jobs(
+        tasks=remac_env.tasks() if given["tasks"] is None else parse_names(given["tasks"], "tasks"),
+        methods=parse_names(given["methods"], "methods"),
+        seeds=parse_seeds(given["seeds"]),
+        kitchen=flags.pick(context, flags.KITCHEN),
+        agent=entry,
+        robots=given["robots"],
+        iterations=given["iterations"],
+        access=access,
+    )
+
+
+def _settings(given: dict[str, Any]) -> Settings:
+    return Settings(
+        workers=given["jobs"],
+        engine=given["engine"],
+        address=given["address"],
+        video=given["video"],
+        optimum=given["optimum"],
+        extensions=tuple(given["extensions"] or ()),
+    )
+
+
+def _check_frozen(context: typer.Context, suite: str) -> None:
+    for flag in flags.FROZEN:
+        if _explicit(context, flag) is not None:
+            raise UsageError(f"--{flag.replace('_', '-')} does not go with suite {suite!r}, which says that itself")
+
+
+def _explicit(context: typer.Context, flag: str) -> Any:
+    """The value of a flag that was given on the command line; None where it was not."""
+    source = context.get_parameter_source(flag)
+    # By its name: typer brings a click of its own, whose enumeration is not the one of the package click.
+    return context.params[flag] if source is not None and source.name == "COMMANDLINE" else None

@@ -1,0 +1,78 @@
+"""Where jobs are played: in this process, in processes, in threads, or on a Ray cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from remac_bench import agents, pool, ray_pool, threads
+from remac_bench.agents import Lines
+from remac_bench.errors import UsageError
+from remac_bench.jobs import Job
+from remac_bench.machine import cores
+from remac_bench.records import Record
+from remac_bench.worker import Work, play_job
+from remac_env.errors import check_choice
+
+ENGINES = ("auto", "processes", "threads", "ray")
+
+THREADS = 16
+"""Jobs at the same time by default where language models are asked: they wait for most of their time."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Engine:
+    """How jobs are spread.
+
+    Attributes:
+        name: one of ENGINES; auto: threads of this process where language models are asked, so that all jobs share one
+            limiter and one cassette, else processes.
+        workers: how many jobs at the same time; None: one a core, THREADS in threads; 0: in this process, one by one.
+        address: of a Ray cluster; None: one on this machine that ends with the run.
+
+    Raises:
+        UnknownNameError, UsageError: for a value that is not valid.
+    """
+
+    name: str = "auto"
+    workers: int | None = None
+    address: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse an unknown engine, a negative number of workers, and an address without a cluster."""
+        check_choice("engine", self.name, ENGINES)
+        if self.workers is not None and self.workers < 0:
+            raise UsageError(f"jobs {self.workers} is not valid; valid: 0 (in this process) or more")
+        if self.address is not None and self.name != "ray":
+            raise UsageError(f"address {self.address!r} is for --engine ray, not for {self.name!r}")
+
+    def picked(self, jobs: Sequence[Job]) -> str:
+        """The engine that plays these jobs: one of ENGINES but auto, or "here"."""
+        if self.workers == 0:
+            return "here"
+        if self.name != "auto":
+            return self.name
+        return "threads" if any(agents.asked_models(job.agent) for job in jobs) else "processes"
+
+
+def play_all(
+    works: Sequence[Work], *, engine: Engine, extensions: Sequence[str]
+) -> Iterator[tuple[Work, list[Record]]]:
+    """Play works and yield each with its records as it ends, in any order.
+
+    Raises:
+        UsageError: if Ray is asked for and not installed.
+    """
+    picked = engine.picked([work.job for work in works])
+    if not works:
+        return
+    if picked == "here":
+        lines = Lines()
+        for work in works:
+            yield work, play_job(work, lines)
+    elif picked == "threads":
+        yield from threads.play(works, count=min(engine.workers or THREADS, len(works)))
+    elif picked == "ray":
+        yield from ray_pool.play(works, workers=engine.workers, address=engine.address, extensions=extensions)
+    else:
+        yield from pool.play(works, count=min(engine.workers or cores(), len(works)), extensions=extensions)

@@ -1,0 +1,247 @@
+"""Suites: frozen lists of jobs and agents, as TOML files. docs/running.md says what stands in them."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+from remac_bench import agents
+from remac_bench.agents import Access
+from remac_bench.errors import UsageError
+from remac_bench.jobs import Job, SuiteMark, check_jobs, make_jobs, parse_seeds
+from remac_env.errors import RemacError
+from remac_env.options import Options
+from remac_env.seeding import digest
+
+KEPT_SEEDS = 900_000
+"""Seeds from here on are kept for judging: no suite uses them."""
+
+CELLS = ("seed", "all")
+"""Cells of a block: the one that each seed picks, or every style and layout of the task's rows of the style table."""
+
+TABLE = "table"
+"""In place of a list of tasks: those of the style table."""
+
+TOP = ("name", "version", "about", "methods", "roles", "budget", "jobs")
+BLOCK = ("tasks", "seeds", "cells", "methods", "robots", "iterations", "kitchen")
+KITCHEN = tuple(f.name for f in fields(Options) if f.name not in ("robots", "style", "layout", "render_mode"))
+BUDGET = (*agents.BUDGET, "retries", "max_adjustments", "max_rounds")
+"""The keys of a suite, of one of its blocks of jobs, and of their tables."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """Jobs that have everything in common but task, method, seed and cell."""
+
+    tasks: tuple[str, ...]
+    seeds: tuple[int, ...]
+    methods: tuple[str, ...]
+    kitchen: Mapping[str, Any]
+    cells: str = "seed"
+    robots: int | None = None
+    iterations: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suite:
+    """A frozen list of jobs and agents.
+
+    Attributes:
+        name, version, about: what it is; the version is raised whenever its content changes.
+        digest: of the content but `about`.
+        roles, budget: keywords of `remac_agents.make`; a language model takes the roles over but the handover.
+        blocks: its jobs.
+    """
+
+    name: str
+    version: int
+    about: str
+    digest: str
+    roles: Mapping[str, Any]
+    budget: Mapping[str, Any]
+    blocks: tuple[Block, ...]
+
+    def given(self, entry: Mapping[str, Any]) -> dict[str, Any]:
+        """What the suite gives to an entry: roles that no model takes over, and what the entry may spend."""
+        speaks = bool(agents.asked_models(entry))
+        roles = {name: who for name, who in self.roles.items() if name == "handover" or "model" not in entry}
+        budget = {name: bound for name, bound in self.budget.items() if speaks or name not in agents.BUDGET}
+        return {**roles, **budget}
+
+    def jobs(
+        self, entries: Sequence[Mapping[str, Any]] = ({},), *, backend: str | None = None, access: Access | None = None
+    ) -> list[Job]:
+        """The jobs of every entry.
+
+        Args:
+            entries: keywords of `remac_agents.make` that make an entry what it is; {} is the suite's own agent.
+            backend: in place of the suite's.
+            access: how models are reached.
+
+        Raises:
+            UnknownNameError, OptionError, UsageError: for an entry that is not valid.
+        """
+        jobs: dict[str, Job] = {}
+        for entry in entries:
+            given = self.given(entry)
+            agent = {**given, **{name: value for name, value in entry.items() if value is not None}}
+            mark = SuiteMark(name=self.name, version=self.version, digest=self.digest, given=given)
+            for block in self.blocks:
+                for job in _block_jobs(block, agent, backend):
+                    jobs[job.key] = replace(job, access=access or Access(), suite=mark)
+        check_jobs(list(jobs.values()))
+        return list(jobs.values())
+
+
+def names() -> list[str]:
+    """The names of the suites that come with the benchmark."""
+    return sorted(path.stem for path in _folder().glob("*.toml"))
+
+
+def load(given: str) -> Suite:
+    """A suite by its name, or from a file that ends in .toml.
+
+    Raises:
+        UsageError: naming file, key and valid values of what is wrong.
+    """
+    path = Path(given) if given.endswith(".toml") else _folder() / f"{given}.toml"
+    if not given.endswith(".toml") and given not in names():
+        raise UsageError(
+            f"unknown suite {given!r}; valid: {', '.join(names())}, or a FILE.toml; tables that need plans alone "
+            "(reflection, wording) are made by `remac experiment`"
+        )
+    try:
+        return _read(path.name, tomllib.loads(path.read_text("utf-8")))
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise UsageError(f"suite {given!r} cannot be read: {error}") from error
+
+
+def _folder() -> Path:
+    """Inside an installed package; beside it in a checkout."""
+    inside = Path(__file__).parent / "suite_files"
+    return inside if inside.is_dir() else Path(__file__).parents[1] / "suites"
+
+
+def _block_jobs(block: Block, agent: Mapping[str, Any], backend: str | None) -> list[Job]:
+    jobs = []
+    for task in block.tasks:
+        for cell in _cells(task) if block.cells == "all" else [{}]:
+            kitchen = {**block.kitchen, **cell, **({} if backend is None else {"backend": backend})}
+            jobs += make_jobs(
+                tasks=[task],
+                methods=block.methods,
+                seeds=block.seeds,
+                kitchen=kitchen,
+                agent=agent,
+                robots=block.robots,
+                iterations=block.iterations,
+                checked=False,
+            )
+    return jobs
+
+
+def _cells(task: str) -> list[dict[str, str]]:
+    from remac_env.tasks import get
+
+    spec = get(task)
+    return [{"style": style, "layout": layout} for style in spec.styles for layout in spec.layouts]
+
+
+def _read(file: str, data: Mapping[str, Any]) -> Suite:
+    _check_keys(file, "", data, TOP)
+    for key in ("name", "version", "methods", "jobs"):
+        if key not in data:
+            raise UsageError(f"{file}: {key} is missing; valid: {', '.join(TOP)}")
+    name, version = _value(file, "name", data["name"], str), _value(file, "version", data["version"], int)
+    roles = _table(file, "roles", data.get("roles", {}), agents.ROLES)
+    budget = _table(file, "budget", data.get("budget", {}), BUDGET)
+    blocks = _value(file, "jobs", data["jobs"], list)
+    content = {key: value for key, value in data.items() if key != "about"}
+    return Suite(
+        name=name,
+        version=version,
+        about=_value(file, "about", data.get("about", ""), str),
+        digest=digest(content),
+        roles=roles,
+        budget=budget,
+        blocks=tuple(_block(file, f"jobs[{i}]", each, data["methods"]) for i, each in enumerate(blocks)),
+    )
+
+
+def _block(file: str, where: str, data: Any, methods: Any) -> Block:
+    import remac_env
+
+    _check_keys(file, f"{where}.", _value(file, where, data, dict), BLOCK)
+    for key in ("tasks", "seeds"):
+        if key not in data:
+            raise UsageError(f"{file}: {where}.{key} is missing; valid: {', '.join(BLOCK)}")
+    tasks = _table_tasks() if data["tasks"] == TABLE else data["tasks"]
+    cells = data.get("cells", "seed")
+    _check_names(file, f"{where}.cells", [cells], CELLS)
+    kitchen = _table(file, f"{where}.kitchen", data.get("kitchen", {}), KITCHEN)
+    try:
+        Options(**kitchen)
+    except RemacError as error:
+        raise UsageError(f"{file}: {where}.kitchen: {error}") from error
+    return Block(
+        tasks=_check_names(file, f"{where}.tasks", tasks, remac_env.tasks()),
+        seeds=_seeds(file, f"{where}.seeds", data["seeds"]),
+        methods=_check_names(file, f"{where}.methods", data.get("methods", methods), agents.methods()),
+        kitchen=kitchen,
+        cells=cells,
+        robots=_optional(file, f"{where}.robots", data.get("robots")),
+        iterations=_optional(file, f"{where}.iterations", data.get("iterations")),
+    )
+
+
+def _table_tasks() -> list[str]:
+    import remac_env
+    from remac_env.tasks import get
+
+    return [name for name in remac_env.tasks() if get(name).in_table]
+
+
+def _seeds(file: str, where: str, text: Any) -> tuple[int, ...]:
+    try:
+        seeds = parse_seeds(_value(file, where, text, str))
+    except UsageError as error:
+        raise UsageError(f"{file}: {where}: {error}") from error
+    if max(seeds) >= KEPT_SEEDS:
+        kept = f"seeds from {KEPT_SEEDS} on are kept for judging"
+        raise UsageError(f"{file}: {where}: {kept}; valid: 0..{KEPT_SEEDS - 1}")
+    return tuple(seeds)
+
+
+def _check_keys(file: str, where: str, data: Mapping[str, Any], valid: Sequence[str]) -> None:
+    for key in data:
+        if key not in valid:
+            raise UsageError(f"{file}: {where}{key}: no such key; valid: {', '.join(valid)}")
+
+
+def _check_names(file: str, where: str, given: Any, valid: Sequence[str]) -> tuple[str, ...]:
+    listed = _value(file, where, given, list)
+    for name in listed:
+        if name not in valid:
+            raise UsageError(f"{file}: {where}: {name!r} does not exist; valid: {', '.join(valid)}")
+    if not listed:
+        raise UsageError(f"{file}: {where}: names nothing; valid: some of {', '.join(valid)}")
+    return tuple(listed)
+
+
+def _table(file: str, where: str, data: Any, valid: Sequence[str]) -> dict[str, Any]:
+    _check_keys(file, f"{where}.", _value(file, where, data, dict), valid)
+    return dict(data)
+
+
+def _optional(file: str, where: str, value: Any) -> int | None:
+    return None if value is None else _value(file, where, value, int)
+
+
+def _value(file: str, where: str, value: Any, kind: type) -> Any:
+    if isinstance(value, bool) or not isinstance(value, kind):
+        said = {str: "a text", int: "a whole number", list: "a list", dict: "a table"}[kind]
+        raise UsageError(f"{file}: {where}: {value!r} is not valid; valid: {said}")
+    return value
