@@ -145,7 +145,6 @@ def test_a_bad_or_taken_name(name: str) -> None:
         ({"fixtures": ("bench", "oven")}, UnknownNameError, "oven.*bench, pantry, tap"),
         ({"roles": (Role("food", ("bread",), at="oven"), TRAY)}, RemacError, "oven"),
         ({"roles": (Role("food", ("cake",), at="bench"), TRAY)}, UnknownNameError, "cake"),
-        ({"distractors": (6, 6)}, SamplingError, "free slots"),
         ({"nouns": (Noun("stove", "object", ("pick up",)),)}, OptionError, "stove"),
         ({"nouns": (*STORE_BREAD.nouns, Noun("lid", "object", ("juggle",)))}, OptionError, "juggle.*pick up"),
         ({"nouns": (*STORE_BREAD.nouns, Noun("tap", "fixture", ("open door",)))}, OptionError, "tap"),

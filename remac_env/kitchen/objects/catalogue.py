@@ -133,7 +133,10 @@ def parse(name: str, table: object, *, source: object = "categories") -> Categor
 
 @lru_cache(maxsize=1)
 def _load() -> Mapping[str, Category]:
-    return MappingProxyType({name: kind for file in sorted(_FOLDER.glob("*.toml")) for name, kind in read(file).items()})
+    found: dict[str, Category] = {}
+    for file in sorted(_FOLDER.glob("*.toml")):
+        found.update(read(file))
+    return MappingProxyType(found)
 
 
 def read(file: Path) -> dict[str, Category]:
