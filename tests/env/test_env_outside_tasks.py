@@ -13,7 +13,7 @@ from outside_task import STORE_BREAD
 
 import remac_env
 from remac_env import tasks as task_table
-from remac_env.errors import KitchenFileError, OptionError, RemacError, SamplingError, UnknownNameError
+from remac_env.errors import KitchenFileError, OptionError, RemacError, UnknownNameError
 from remac_env.oracle import solve
 from remac_env.tasks.goals import All, Inside, Released, SwitchedOn
 from remac_env.tasks.spec import Role, TaskSpec

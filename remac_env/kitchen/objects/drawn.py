@@ -63,7 +63,7 @@ def build(name: str) -> tuple[DrawnPart, ...]:
 
 def part(table: Mapping[str, Any], *, source: object, where: str) -> DrawnPart:
     """One part from its table. Raises KitchenFileError naming the source, the key and the valid values."""
-    kind = table.get("make")
+    kind = str(table.get("make", ""))
     if kind not in MAKERS:
         raise KitchenFileError(source, f"{where}.make", f"got {kind!r}", list(MAKERS))
     takes = signature(MAKERS[kind]).parameters
