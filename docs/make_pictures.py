@@ -6,24 +6,30 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import cv2
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 import remac_env
 from remac_env.kitchen import style
+from remac_env.kitchen.objects import add_object, catalogue
 from remac_env.oracle import solve
+from remac_env.rendering.renderer import BEAUTY, Renderer
 
 FOLDER = Path(__file__).parent / "pictures"
 EPISODE = {"task": "OpenCabinetPnP", "seed": 4, "rounds": 2}
 TILE = (480, 270)
 """Width and height of a picture on a sheet, pixels."""
+OBJECT_TILE = (128, 128)
+"""The size at which every thing must be recognisable, pixels."""
 
 
 def main() -> None:
-    """Write kitchen.png (two robots at work) and styles.jpg (one kitchen in every style)."""
+    """Write kitchen.png (two robots at work), styles.jpg (one kitchen in every style) and objects.png (all things)."""
     FOLDER.mkdir(exist_ok=True)
     _write("kitchen.png", at_work(**EPISODE))
     _write("styles.jpg", sheet({name: kitchen(EPISODE["task"], name) for name in style.names()}, columns=3))
+    _write("objects.png", objects())
 
 
 def at_work(task: str, seed: int, rounds: int) -> NDArray[np.uint8]:
@@ -47,15 +53,56 @@ def kitchen(task: str, look: str) -> NDArray[np.uint8]:
     return picture
 
 
-def sheet(pictures: Mapping[str, NDArray[np.uint8]], *, columns: int) -> NDArray[np.uint8]:
-    """Pictures in rows, each with its name in a corner."""
+def objects() -> NDArray[np.uint8]:
+    """Every category of the catalogue as it rests, from the side from which robots see it."""
+    return sheet({name: thing(name) for name in catalogue.load()}, columns=10, tile=OBJECT_TILE, letters=0.36)
+
+
+def thing(category: str, size: tuple[int, int] = OBJECT_TILE) -> NDArray[np.uint8]:
+    """One thing on a pale table, filling the picture."""
+    facts = catalogue.get(category)
+    low, high = facts.body.bounds
+    middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
+    reach = max(0.05, float(np.linalg.norm(facts.size)))
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.30] * 3, [0.15] * 3
+    spec.visual.map.znear = 0.02
+    spec.worldbody.add_light(pos=[-0.4, -0.6, 1.2], dir=[0.3, 0.45, -0.9], diffuse=[0.62] * 3, castshadow=True)
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_PLANE, size=[2, 2, 0.1], group=1, rgba=[0.66, 0.63, 0.58, 1.0]
+    )
+    add_object(spec, spec.worldbody, "thing", facts, looks=True)
+    away = np.array([-0.35, -0.80, 0.60]) / np.linalg.norm([-0.35, -0.80, 0.60])
+    at = np.array(middle) + [0, 0, facts.rest_height] + away * reach * 4.0
+    right = np.cross([0, 0, 1], away)
+    right /= np.linalg.norm(right)
+    turn = np.zeros(4)
+    mujoco.mju_mat2Quat(turn, np.column_stack([right, np.cross(away, right), away]).ravel())
+    spec.worldbody.add_camera(name="eye", pos=at, quat=turn, fovy=34)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with Renderer(model, *size, quality=BEAUTY) as renderer:
+        return renderer.render(data, "eye")
+
+
+def sheet(
+    pictures: Mapping[str, NDArray[np.uint8]],
+    *,
+    columns: int,
+    tile: tuple[int, int] = TILE,
+    letters: float = 0.5,
+) -> NDArray[np.uint8]:
+    """Pictures in rows, each with its name in a corner; `letters` is the size of the font."""
     tiles = []
     for name, picture in pictures.items():
-        tile = cv2.resize(picture, TILE, interpolation=cv2.INTER_AREA)
-        (width, height), _ = cv2.getTextSize(name, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)
-        tile[: height + 12, : width + 14] = 250
-        cv2.putText(tile, name, (7, height + 5), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (30, 30, 30), 1, cv2.LINE_AA)
-        tiles.append(tile)
+        one = cv2.resize(picture, tile, interpolation=cv2.INTER_AREA)
+        (width, height), _ = cv2.getTextSize(name, cv2.FONT_HERSHEY_SIMPLEX, letters, 1)
+        one[: height + 12, : width + 14] = 250
+        cv2.putText(one, name, (7, height + 5), cv2.FONT_HERSHEY_SIMPLEX, letters, (30, 30, 30), 1, cv2.LINE_AA)
+        tiles.append(one)
+    tiles += [np.full_like(tiles[0], 250)] * (-len(tiles) % columns)
     return np.vstack([np.hstack(tiles[i : i + columns]) for i in range(0, len(tiles), columns)])
 
 

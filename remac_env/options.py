@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remac_env.errors import OptionError, check_choice
-from remac_env.kitchen.starts import STARTS
+from remac_env.kitchen.starts import NAMINGS, STARTS
 from remac_env.tasks.spec import WORDINGS
 from remac_env.text import FEEDBACKS, TEXTS
 
@@ -16,7 +16,6 @@ BACKENDS = ("physics", "symbolic")
 OBSERVATIONS = ("state", "state+images")
 REWARDS = ("sparse", "progress")
 RENDER_MODES = (None, "rgb_array", "human")
-NAMINGS = ("role",)
 MAX_ROBOTS = 2
 
 

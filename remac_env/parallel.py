@@ -95,6 +95,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
             starts=self.options.starts,
             robots=self.options.robot_names,
             perception_noise=self.options.perception_noise,
+            naming=self.options.naming,
         )
         if self._backend is None:
             self._backend = make_backend(self.options, self.worlds)
@@ -212,7 +213,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
     def _terms(self, start: Start, names: Mapping[str, str]) -> Terms:
         spec = self.worlds.spec
         commands = {text: self.vocabulary.encode(text) for text in self.vocabulary.commands(start.scene)}
-        sentence = spec.sentence(self.options.wording, names)
+        sentence = spec.sentence(self.options.wording, self.worlds.nouns(start, names))
         phases = tuple((name, goal.bind(names)) for name, goal in spec.phases)
         return Terms(spec, self.options, start, spec.goal.bind(names), sentence, commands, phases)
 

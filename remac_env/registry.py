@@ -65,7 +65,8 @@ def parallel_env(
         text: "plain" (names only) or "states".
         feedback: what planners are told of a failure: "status" or "reason".
         wording: of the goal sentence, 1, 2 or 3, the simplest.
-        naming: "role".
+        naming: what things are called that play a role: "role" ("vegetable") or "category" ("carrot"). The goal
+            sentence always has the role's noun: with "category", the planner must see that a carrot is a vegetable.
         perception_noise: standard deviation of the error in the poses that controllers in physics see, m, 0..0.1.
         image_size: of the observed images, pixels, 16..1024.
         render_mode: None, "rgb_array" or "human".

@@ -14,9 +14,6 @@ SHUT_TO_RUN = ("microwave",)
 WATER, BASIN = "faucet", "sink"
 """The kind of fixture that gives water, and the kind into which it runs: the one at the same station."""
 
-BULKY = ("vessel", "drink", "shaker")
-"""Groups of things that do not fit into a bowl or pan."""
-
 
 def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence[str]) -> Scene:
     """The facts of a kitchen: the layout's usable fixtures, and `things` (noun -> category)."""
@@ -43,7 +40,7 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             vessel_in=frozenset(category.vessel_in),
             holds=category.holds,
             seasons=category.seasons,
-            small=category.group not in BULKY,
+            small=category.small,
             washable="washable" in category.attributes,
         )
         for noun, category in things.items()

@@ -19,6 +19,9 @@ from remac_env.state import FrozenMap, ObjectState, Place, RobotState, Scene, Wo
 from remac_env.tasks.spec import Role, TaskSpec
 
 STARTS = ("paper", "mixed")
+NAMINGS = ("role", "category")
+"""What things are called that play a task's role: by the role's noun ("vegetable"), or as what they are ("carrot")."""
+
 CLOSED_AT_RESET = 0.02
 """A closed door stands at most this far open at the start, rad (released code)."""
 
@@ -58,20 +61,23 @@ def sample(
     starts: str,
     seed: int,
     robots: Sequence[str],
+    naming: str = "role",
     perception_noise: float = 0.0,
 ) -> tuple[Start, dict[str, str]]:
-    """Draw the start of an episode.
+    """Draw the start of an episode. It is the same for both namings, but for the names.
 
     Returns:
-        (start, names): the start, and for each role of the task its noun.
+        (start, names): the start, and for each role of the task what its thing is called.
 
     Raises:
         UnknownNameError: for an unknown kind of start.
         SamplingError: if the kitchen has no room for what the task needs.
     """
     check_choice("starts", starts, STARTS)
+    check_choice("naming", naming, NAMINGS)
     rng = generator(seed, "start", spec.name, layout.name, style, starts)
-    names, things = _choose_things(spec, categories, rng)
+    names, things = _choose_things(spec, categories, naming, rng)
+    things |= _choose_distractors(spec, layout, categories, things, rng)
     scene = build_scene(layout, things, robots)
     for needed in spec.fixtures:
         check_choice(f"fixture (in layout {layout.name}, for {spec.name})", needed, scene.fixtures)
@@ -101,24 +107,41 @@ def sample(
 
 
 def _choose_things(
-    spec: TaskSpec, categories: Mapping[str, Category], rng: np.random.Generator
+    spec: TaskSpec, categories: Mapping[str, Category], naming: str, rng: np.random.Generator
 ) -> tuple[dict[str, str], dict[str, Category]]:
-    """A noun and category for each role, then distractors that could not be mistaken for one of them."""
+    """What the thing of each role is called, and the categories of the things by what they are called."""
     names: dict[str, str] = {}
     things: dict[str, Category] = {}
     for role in spec.roles:
         noun = str(rng.choice(role.nouns))
-        options = [c for c in categories.values() if noun == c.name or noun in c.roles]
+        options = [c for c in categories.values() if noun in (c.name, *c.roles) and c.attributes.issuperset(role.needs)]
         if not options:
-            raise SamplingError(f"{spec.name}: no category of the catalogue can be the {noun!r}")
-        names[role.name] = noun
-        things[noun] = options[int(rng.integers(len(options)))]
+            such = f" that is {' and '.join(role.needs)}" if role.needs else ""
+            raise SamplingError(f"{spec.name}: no category of the catalogue{such} can be the {noun!r}")
+        thing = options[int(rng.integers(len(options)))]
+        names[role.name] = thing.name if naming == "category" else noun
+        things[names[role.name]] = thing
+    return names, things
+
+
+def _choose_distractors(
+    spec: TaskSpec,
+    layout: Layout,
+    categories: Mapping[str, Category],
+    things: Mapping[str, Category],
+    rng: np.random.Generator,
+) -> dict[str, Category]:
+    """Things that could not be mistaken for one of the task's, as many as there is room for.
+
+    One slot in the open stays free, so that whatever is in the way can be put down.
+    """
     taken = {word for noun, category in things.items() for word in (noun, category.name, *category.roles)}
     others = [c for c in categories.values() if not c.holds and not taken & {c.name, *c.roles}]
-    count = min(int(rng.integers(spec.distractors[0], spec.distractors[1] + 1)), len(others))
-    for index in rng.permutation(len(others))[:count]:
-        things[others[index].name] = others[index]
-    return names, things
+    count = int(rng.integers(spec.distractors[0], spec.distractors[1] + 1))
+    slots = sum(layout.fixtures[slot.fixture].kind == "counter" for slot in layout.slots.values())
+    used = sum(layout.fixtures[role.at].kind == "counter" for role in spec.roles if role.at in layout.fixtures)
+    count = max(0, min(count, slots - used - 1))
+    return {others[index].name: others[index] for index in rng.permutation(len(others))[:count]}
 
 
 def _place(spec: TaskSpec, scene: Scene, names: Mapping[str, str], rng: np.random.Generator) -> WorldState:

@@ -78,8 +78,9 @@ class TaskWorlds(Worlds):
         starts: str,
         robots: tuple[str, ...],
         perception_noise: float,
+        naming: str = "role",
     ) -> tuple[Start, dict[str, str]]:
-        """The start of the episode with this seed, and the noun of each role."""
+        """The start of the episode with this seed, and what the thing of each role is called."""
         self.check_cell(style, layout)
         cell = generator(seed, "cell", self.spec.name)
         picks = [str(cell.choice(names)) for names in (self.spec.styles, self.spec.layouts)]
@@ -93,4 +94,14 @@ class TaskWorlds(Worlds):
             seed=seed,
             robots=robots,
             perception_noise=perception_noise,
+            naming=naming,
         )
+
+    def nouns(self, start: Start, names: Mapping[str, str]) -> dict[str, str]:
+        """The noun of each role, as the goal sentence has it, whatever the naming."""
+        found = {}
+        for role in self.spec.roles:
+            kind = self.categories[start.categories[names[role.name]]]
+            called = (names[role.name], *kind.roles)
+            found[role.name] = next((noun for noun in role.nouns if noun in called), names[role.name])
+        return found

@@ -20,7 +20,7 @@ SPEC = TaskSpec(
         Released("{food}"),
         Released("bowl"),
     ),
-    roles=(Role("food", ("fish", "meat")), Role("vessel", ("bowl",))),
+    roles=(Role("food", ("fish", "meat"), needs=("freezable",)), Role("vessel", ("bowl",))),
     fixtures=("counter", "sink", "faucet"),
     verbs={"defrost": ("turn on faucet",)},
     styles=("coastal", "mediterranean", "modern_2", "traditional_2", "transitional_1"),

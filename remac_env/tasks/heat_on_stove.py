@@ -20,7 +20,7 @@ SPEC = TaskSpec(
         Released("{food}"),
         Released("pan"),
     ),
-    roles=(Role("food", ("vegetable",)), Role("vessel", ("pan",))),
+    roles=(Role("food", ("vegetable",), needs=("cookable",)), Role("vessel", ("pan",))),
     fixtures=("counter", "stove"),
     verbs={"heat": ("turn on stove",)},
     styles=("industrial", "rustic", "modern_1", "transitional_1", "traditional_2"),

@@ -13,7 +13,7 @@ SPEC = TaskSpec(
         "place the {food} into the microwave",
     ),
     goal=All(Inside("{food}", "microwave"), Released("{food}")),
-    roles=(Role("food", ("vegetable",)), Role("plate", ("plate",), at="microwave")),
+    roles=(Role("food", ("vegetable",), needs=("microwavable",)), Role("plate", ("plate",), at="microwave")),
     fixtures=("counter", "microwave"),
     styles=("farmhouse", "modern_1", "scandinavian", "traditional_1", "transitional_2"),
     in_table=True,

@@ -22,7 +22,7 @@ SPEC = TaskSpec(
         "place the {food} into the microwave, season it with the seasoning and close the microwave door",
     ),
     goal=All(Inside("{food}", "microwave"), _SEASONED, DoorIs("microwave", "closed"), Released("{food}")),
-    roles=(Role("food", ("vegetable",)), Role("shaker", ("seasoning",))),
+    roles=(Role("food", ("vegetable",), needs=("microwavable",)), Role("shaker", ("seasoning",))),
     fixtures=("counter", "microwave"),
     styles=("modern_1", "farmhouse", "scandinavian", "traditional_1", "transitional_2"),
     phases=(

@@ -17,12 +17,14 @@ WORDINGS = (1, 2, 3)
 class Role:
     """A thing the task needs. One of `nouns` is drawn; its category plays the noun's role in the catalogue.
 
-    `at` names the fixture in whose slots it stands at the start.
+    `at` names the fixture in whose slots it stands at the start. `needs` are attributes that its category must have
+    (`catalogue.Attribute`).
     """
 
     name: str
     nouns: tuple[str, ...]
     at: str = "counter"
+    needs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,8 @@ class TaskSpec:
         in_table: whether it belongs to the suite's table of 27 task styles.
         phases: (name, goal) in order, for tasks that are scored by phases: one counts once its goal has held after the
             one before it.
-        distractors: how many other things stand about, (least, most).
+        distractors: how many other things stand about, (least, most), as far as there is room: one slot in the open
+            stays free.
         nouns: words that the built-in vocabulary lacks.
         categories: further object categories, in the form of the catalogue's tables.
         layout_files: layout name -> path of a TOML file, for kitchens from outside.
@@ -57,17 +60,17 @@ class TaskSpec:
     layouts: tuple[str, ...] = ("one_wall_large",)
     in_table: bool = False
     phases: tuple[tuple[str, Goal], ...] = ()
-    distractors: tuple[int, int] = (1, 2)
+    distractors: tuple[int, int] = (3, 8)
     nouns: tuple[Noun, ...] = ()
     categories: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
     layout_files: Mapping[str, str] = field(default_factory=dict)
 
-    def sentence(self, wording: int, names: Mapping[str, str]) -> str:
-        """The goal sentence in wording 1, 2 or 3, with the nouns of this episode.
+    def sentence(self, wording: int, nouns: Mapping[str, str]) -> str:
+        """The goal sentence in wording 1, 2 or 3, with the noun of each role.
 
         Raises:
             OptionError: if there is no such wording.
         """
         if wording not in WORDINGS:
             raise OptionError(f"wording {wording!r} is not valid; valid: {', '.join(map(str, WORDINGS))}")
-        return self.wordings[wording - 1].format(**names)
+        return self.wordings[wording - 1].format(**nouns)

@@ -20,7 +20,7 @@ SPEC = TaskSpec(
     goal=All(
         Marked("{food}", WASHED), Inside("{food}", "microwave"), SwitchedOn("microwave"), Released("{food}")
     ),
-    roles=(Role("food", ("vegetable",)),),
+    roles=(Role("food", ("vegetable",), needs=("washable", "microwavable")),),
     fixtures=("counter", "sink", "faucet", "microwave"),
     verbs={"wash": ("turn on faucet",), "heat": ("turn on microwave",)},
     styles=("modern_1", "farmhouse", "scandinavian", "traditional_1", "transitional_2"),

@@ -46,7 +46,7 @@ def test_an_unknown_task_gets_the_list(name: Any) -> None:
         ("text", "long", ("plain", "states")),
         ("feedback", "none", ("status", "reason")),
         ("wording", 4, ("1", "2", "3")),
-        ("naming", "model", ("role",)),
+        ("naming", "model", ("role", "category")),
         ("reward", "dense", ("sparse", "progress")),
         ("render_mode", "ansi", ("rgb_array", "human")),
         ("style", "baroque", style.names()),

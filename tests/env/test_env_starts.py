@@ -204,3 +204,44 @@ def test_slots_hold_one_thing() -> None:
         for slot in env.start.scene.slots:
             thing = occupant(env.world, slot)
             assert thing is None or env.world.objects[thing].place.where == slot
+
+
+@every_task
+@pytest.mark.parametrize("starts", ["paper", "mixed"])
+def test_distractors_leave_room(task: str, starts: str) -> None:
+    """Three at least stand about, and one slot in the open stays free to put things down."""
+    env = make(task, starts=starts)
+    for seed in range(30):
+        env.reset(seed=seed)
+        scene, world = env.start.scene, env.world
+        assert len(scene.objects) - len(env.worlds.spec.roles) >= 3, seed
+        assert any(occupant(world, slot) is None for slot in scene.fixtures["counter"].slots), seed
+
+
+@every_task
+def test_namings_are_one_start_in_other_words(task: str) -> None:
+    """By category a thing goes by what it is; the sentence keeps the noun, and the goal knows the thing."""
+    plain, named = make(task), make(task, naming="category")
+    for seed in range(20):
+        _, told = plain.reset(seed=seed)
+        _, infos = named.reset(seed=seed)
+        assert infos["robot_0"]["goal"] == told["robot_0"]["goal"]
+        assert list(plain.start.categories.values()) == list(named.start.categories.values())
+        assert all(noun == category for noun, category in named.start.categories.items())
+        assert set(named.goal.names()) <= {*named.start.scene.fixtures, *named.start.scene.objects}
+        one = solve(plain.start.scene, plain.world, plain.goal)
+        other = solve(named.start.scene, named.world, named.goal)
+        assert one is not None and other is not None and one.length == other.length
+
+
+@every_task
+def test_targets_suit_their_task(task: str) -> None:
+    env = make(task)
+    seen = set()
+    for seed in range(60):
+        env.reset(seed=seed)
+        role, noun = env.worlds.spec.roles[0], env.goal.names()[0]
+        category = env.worlds.categories[env.start.categories[noun]]
+        assert category.attributes >= set(role.needs)
+        seen.add(category.name)
+    assert len(seen) > 3, seen

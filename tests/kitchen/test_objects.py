@@ -8,6 +8,7 @@ import sys
 import tomllib
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import mujoco
 import numpy as np
@@ -15,7 +16,8 @@ import pytest
 
 from remac_env.errors import KitchenFileError, UnknownNameError
 from remac_env.kitchen.objects import add_object, catalogue
-from remac_env.kitchen.objects.shapes import SHAPES, shape
+from remac_env.kitchen.objects.drawn import part
+from remac_env.kitchen.objects.shapes import names, shape
 
 _spec = importlib.util.spec_from_file_location("grip", Path(__file__).with_name("grip.py"))
 assert _spec is not None and _spec.loader is not None
@@ -23,7 +25,7 @@ grip = sys.modules["grip"] = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(grip)
 
 CATEGORIES = catalogue.load()
-FOOD = [name for name, category in CATEGORIES.items() if category.group in ("vegetable", "fish", "meat")]
+FOOD = [name for name, category in CATEGORIES.items() if category.small]
 
 
 def model_of(*things: tuple[str, str], looks: bool = False) -> mujoco.MjModel:
@@ -59,7 +61,8 @@ def test_every_commanded_noun_has_a_category() -> None:
 
 def test_hidden_constraints_are_facts() -> None:
     needs = {name: set(category.needs_vessel_in) for name, category in CATEGORIES.items()}
-    assert needs["fish"] == needs["steak"] == {"sink"}
+    raw = [name for name, category in CATEGORIES.items() if category.group in ("fish", "meat")]
+    assert {"fish", "steak"} < set(raw) and all(needs[name] == {"sink"} for name in raw)
     assert all(needs[name] == {"stove"} for name in catalogue.for_role("vegetable"))
     assert CATEGORIES["bowl"].vessel_in == {"sink"} and CATEGORIES["pan"].vessel_in == {"stove"}
     assert CATEGORIES["plate"].vessel_in == {"cabinet", "microwave"}
@@ -154,7 +157,70 @@ def test_looks_change_neither_mass_nor_contacts(name: str) -> None:
 
 
 def test_shapes_are_small() -> None:
-    assert sum(len(part.mesh.vertices) for name in SHAPES for part in shape(name)) < 10_000
+    assert sum(len(part.mesh.vertices) for name in names() for part in shape(name)) < 45_000
+
+
+def test_there_are_many_kinds_of_things() -> None:
+    groups = {category.group for category in CATEGORIES.values()}
+    assert len(CATEGORIES) >= 55
+    assert groups == set(get_args(catalogue.Group))
+    assert len(catalogue.for_role("vegetable")) >= 10
+
+
+@pytest.mark.parametrize("name", CATEGORIES)
+def test_masses_are_those_of_kitchen_things(name: str) -> None:
+    """Between a light berry and an iron pan, and for food neither lighter than bread nor heavier than stone."""
+    category = CATEGORIES[name]
+    assert 0.015 <= category.mass <= 1.0
+    if category.small:
+        volume = 8 * np.prod(category.size)
+        assert 100 < category.mass / volume < 2000
+
+
+@pytest.mark.parametrize("name", CATEGORIES)
+def test_the_width_for_the_hand_is_that_of_the_body(name: str) -> None:
+    category = CATEGORIES[name]
+    if category.grasp.mode == "side" and category.body.form not in ("bottle", "chain"):
+        assert category.grasp.width == pytest.approx(2 * min(category.size[:2]), abs=0.005)
+    if category.body.form == "bottle":
+        assert category.grasp.width == pytest.approx(2 * category.body["neck_radius"], abs=0.001)
+
+
+PART = {"make": "lathe", "profile": [[0, 0], [0.01, 0.01], [0, 0.02]], "color": "#ff0000"}
+
+
+def test_a_drawn_part_from_a_table() -> None:
+    mesh = part(PART, source="mine", where="ball").mesh
+    assert mesh.bounds[1] == pytest.approx([0.01, 0.01, 0.02])
+    lying = part({**PART, "lie": True, "at": [0, 0, 0.5]}, source="mine", where="ball").mesh
+    assert lying.bounds[1] == pytest.approx([0.02, 0.01, 0.51])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"make": "weave"}, ["make", "weave", "lathe"]),
+        ({"size": 1}, ["size", "profile"]),
+        ({"profile": None}, ["profile", "missing"]),
+        ({"profile": [[1, 2, 3]]}, ["profile"]),
+        ({"color": "red"}, ["color", "#rrggbb"]),
+        ({"paint": [["splash", 1]]}, ["paint", "splash", "band"]),
+        ({"paint": [["band", 0.1]]}, ["paint.band", "low", "high"]),
+    ],
+)
+def test_bad_parts_name_source_key_and_choices(change: dict[str, object], words: list[str]) -> None:
+    table = {key: value for key, value in {**PART, **change}.items() if value is not None}
+    with pytest.raises(KitchenFileError) as caught:
+        part(table, source="my shapes", where="ball[0]")
+    for word in ["my shapes", "ball[0]", *words]:
+        assert word in str(caught.value)
+
+
+def test_a_malformed_file_is_named(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.toml"
+    bad.write_text("[leek\n")
+    with pytest.raises(KitchenFileError, match=r"bad\.toml.*cannot be read"):
+        catalogue.read(bad)
 
 
 TABLE = {
@@ -168,7 +234,7 @@ def test_a_category_from_outside_is_drawn_as_its_body() -> None:
     spec = mujoco.MjSpec()
     add_object(spec, spec.worldbody, "leek", own, looks=True)
     model = spec.compile()
-    assert own.roles == ("leek",)
+    assert own.roles == ("vegetable", "leek")
     assert list(model.geom_group) == [3, 3, 1, 1]
     assert model.geom_size[0] == pytest.approx(model.geom_size[2])
     assert model.body("leek").mass[0] == pytest.approx(0.1)
@@ -185,6 +251,8 @@ def test_a_category_from_outside_is_drawn_as_its_body() -> None:
         ({"attributes": ["edible"]}, ["leek.attributes", "edible", "washable"]),
         ({"friction": [1, 2]}, ["leek.friction", "3"]),
         ({"body": {"form": "cone"}}, ["leek.body.form", "cone", "capsule"]),
+        ({"body": {"form": "chain", "points": [[0, 0, 0]], "radii": []}}, ["leek.body.points", "2 to 5"]),
+        ({"body": {"form": "chain", "points": [[0, 0, 0], [1, 0, 0]], "radii": [1, 2]}}, ["leek.body.radii"]),
         ({"body": {"form": "loaf"}}, ["leek.body.half", "missing"]),
         ({"body": {"form": "loaf", "half": [1, 1, 1], "radius": 1}}, ["leek.body.radius"]),
         ({"grasp": {"mode": "side", "height": 0, "width": 0.09}}, ["leek.grasp.width", "0.08"]),
@@ -205,5 +273,5 @@ def test_a_missing_key_is_named() -> None:
 
 
 def test_unknown_category_lists_the_names() -> None:
-    with pytest.raises(UnknownNameError, match="carrot.*seasoning"):
+    with pytest.raises(UnknownNameError, match="rye bread.*carrot"):
         catalogue.get("unicorn")

@@ -11,20 +11,31 @@ from types import MappingProxyType
 from typing import Any, Literal, get_args
 
 from remac_env.errors import KitchenFileError, check_choice
-from remac_env.kitchen.objects.forms import FORMS, OPTIONAL_MEASURES, Body
+from remac_env.kitchen.objects.forms import FORMS, OPTIONAL_MEASURES, VECTORS, Body
 from remac_env.kitchen.style import hex_color
 from remac_env.kitchen.textures import Color
 from remac_env.state import FrozenMap
 
-_FILE = Path(__file__).with_name("catalogue.toml")
+_FOLDER = Path(__file__).with_name("categories")
 
-Group = Literal["vegetable", "fish", "meat", "vessel", "drink", "shaker"]
+Group = Literal[
+    "vegetable", "fruit", "fish", "meat", "bread", "dairy", "packaged", "drink", "condiment", "shaker", "vessel", "ware"
+]
 GraspMode = Literal["side", "rim", "handle"]
 Attribute = Literal["washable", "microwavable", "cookable", "freezable"]
 
 _NEEDED = ("group", "mass", "friction", "rest_height", "body", "grasp")
 _FURTHER = ("roles", "attributes", "needs_vessel_in", "vessel_in", "holds", "inside_height", "look", "color")
 _GRASP_KEYS = ("mode", "height", "width", "reach", "lean", "any_yaw")
+GROUPS_AS_NOUNS = ("vegetable", "fish", "meat")
+"""Groups whose name is a noun that any thing of the group may go by."""
+
+EDIBLE = ("vegetable", "fruit", "fish", "meat", "bread", "dairy")
+"""Groups of things that lie in a dish, as far as they are low enough."""
+
+_DISH_ROOM = (0.085, 0.085, 0.0375)
+"""Half extents up to which food lies in a bowl or pan without standing out of it, m."""
+
 _HAND_OPENING = 0.08  # m, maker's data of the Panda hand
 
 
@@ -88,6 +99,11 @@ class Category:
         """Whether things can be put in or on it."""
         return self.holds > 0
 
+    @property
+    def small(self) -> bool:
+        """Whether it may lie in a bowl or pan."""
+        return self.group in EDIBLE and all(half <= room for half, room in zip(self.size, _DISH_ROOM, strict=True))
+
     def height_inside(self, vessel: Category) -> float:
         """Height of this thing's frame over the frame of a vessel in which it lies, m."""
         return vessel.inside_height + self.rest_height
@@ -117,11 +133,19 @@ def parse(name: str, table: object, *, source: object = "categories") -> Categor
 
 @lru_cache(maxsize=1)
 def _load() -> Mapping[str, Category]:
+    found: dict[str, Category] = {}
+    for file in sorted(_FOLDER.glob("*.toml")):
+        found.update(read(file))
+    return MappingProxyType(found)
+
+
+def read(file: Path) -> dict[str, Category]:
+    """The categories of a file by name. Raises KitchenFileError for a malformed file."""
     try:
-        tables = tomllib.loads(_FILE.read_text(encoding="utf-8"))
+        tables = tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise KitchenFileError(_FILE, "file", f"cannot be read: {error}") from error
-    return MappingProxyType({name: parse(name, table, source=_FILE) for name, table in tables.items()})
+        raise KitchenFileError(file, "file", f"cannot be read: {error}") from error
+    return {name: parse(name, table, source=file) for name, table in tables.items()}
 
 
 @dataclass(frozen=True)
@@ -133,15 +157,17 @@ class _Reader:
 
     def category(self, table: object) -> Category:
         given = self._keys("", table, _NEEDED, _FURTHER)
+        group = self._choice("group", given["group"], get_args(Group))
+        own = [group, self.name] if group in GROUPS_AS_NOUNS and group != self.name else [self.name]
         return Category(
             name=self.name,
-            group=self._choice("group", given["group"], get_args(Group)),
+            group=group,
             mass=self._number("mass", given["mass"], positive=True),
             friction=self._numbers("friction", given["friction"], count=3),
             rest_height=self._number("rest_height", given["rest_height"]),
             body=self._body(given["body"]),
             grasp=self._grasp(given["grasp"]),
-            roles=self._words("roles", given.get("roles", [self.name])),
+            roles=self._words("roles", given.get("roles", own)),
             attributes=frozenset(self._words("attributes", given.get("attributes", []), get_args(Attribute))),
             needs_vessel_in=frozenset(self._words("needs_vessel_in", given.get("needs_vessel_in", []))),
             vessel_in=frozenset(self._words("vessel_in", given.get("vessel_in", []))),
@@ -159,8 +185,12 @@ class _Reader:
         measures: dict[str, Any] = {}
         for key in given.keys() - {"form"}:
             where = f"body.{key}"
-            if key == "half":
+            if key in VECTORS:
                 measures[key] = self._numbers(where, given[key], count=3)
+            elif key == "points":
+                measures[key] = self._points(where, given[key])
+            elif key == "radii":
+                measures[key] = self._numbers(where, given[key], count=len(given.get("points", ())) - 1)
             else:
                 measures[key] = self._number(where, given[key], positive=True)
         return Body(form, FrozenMap(measures))
@@ -209,6 +239,16 @@ class _Reader:
         if not isinstance(value, Sequence) or isinstance(value, str) or (count is not None and len(value) != count):
             raise self._error(where, f"expected {count or 'some'} numbers, got {value!r}")
         return tuple(self._number(where, item) for item in value)
+
+    def _points(self, where: str, value: object) -> tuple[tuple[float, ...], ...]:
+        """Two to five places, which may lie on either side of the frame."""
+        if not isinstance(value, Sequence) or not 2 <= len(value) <= 5:
+            raise self._error(where, f"got {value!r}", "2 to 5 points [x, y, z]")
+        for point in value:
+            numbers = isinstance(point, Sequence) and all(isinstance(v, int | float) for v in point)
+            if not numbers or len(point) != 3:
+                raise self._error(where, f"got {point!r}", "points [x, y, z]")
+        return tuple(tuple(float(v) for v in point) for point in value)
 
     def _number(self, where: str, value: object, *, positive: bool = False) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float) or value < 0 or (positive and value == 0):

@@ -8,7 +8,7 @@ Bottles and cans stand on such feet too, but fall on their sides.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import atan2, cos, hypot, pi, sin, tan
+from math import atan2, cos, dist, hypot, pi, sin, tan
 from types import MappingProxyType
 from typing import Any
 
@@ -108,6 +108,27 @@ def _can(body: mujoco.MjsBody, category: Category) -> None:
     _feet(body, measures["radius"] - _FOOT_RADIUS, _FOOT_HEIGHT, count=4)
 
 
+def _box(body: mujoco.MjsBody, category: Category) -> None:
+    """A box that stands on feet: two boxes face to face have too many contacts to stand still cheaply."""
+    x, y, z = category.body["half"]
+    kind = mujoco.mjtGeom.mjGEOM_BOX
+    _add(
+        body, category, kind, pos=[0, 0, z + 0.0005], size=[x, y, z - 0.0005], mass=category.mass, **_WHOLE, **_STIFF,
+    )  # fmt: skip
+    for side, front in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+        _foot(body, [side * (x - _FOOT_RADIUS), front * (y - _FOOT_RADIUS), _FOOT_HEIGHT])
+
+
+def _chain(body: mujoco.MjsBody, category: Category) -> None:
+    """Capsules from each point to the next; the mass goes by their length."""
+    points, radii = category.body["points"], category.body["radii"]
+    links = list(zip(points, points[1:], radii, strict=False))
+    lengths = [dist(start, end) + radius for start, end, radius in links]
+    for (start, end, radius), length in zip(links, lengths, strict=True):
+        kind, mass = mujoco.mjtGeom.mjGEOM_CAPSULE, category.mass * length / sum(lengths)
+        _add(body, category, kind, fromto=[*start, *end], size=[radius, 0, 0], mass=mass, **_WHOLE, **_STIFF)
+
+
 def _floor(body: mujoco.MjsBody, category: Category, radius: float, mass: float) -> None:
     _add(
         body, category, mujoco.mjtGeom.mjGEOM_CYLINDER,
@@ -146,13 +167,12 @@ def _feet(body: mujoco.MjsBody, radius: float, height: float, *, count: int) -> 
     """Small spheres in a circle; they touch furniture and nothing else."""
     for number in range(count):
         turn = pi / 4 + 2 * pi * number / count
-        body.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_SPHERE,
-            pos=[radius * cos(turn), radius * sin(turn), height],
-            size=[_FOOT_RADIUS, 0, 0],
-            group=COLLIDER_GROUP,
-            **_FOOT,
-        )
+        _foot(body, [radius * cos(turn), radius * sin(turn), height])
+
+
+def _foot(body: mujoco.MjsBody, position: list[float]) -> None:
+    kind = mujoco.mjtGeom.mjGEOM_SPHERE
+    body.add_geom(type=kind, pos=position, size=[_FOOT_RADIUS, 0, 0], group=COLLIDER_GROUP, **_FOOT)
 
 
 def _add(body: mujoco.MjsBody, category: Category, kind: mujoco.mjtGeom, **options: Any) -> None:
@@ -168,6 +188,6 @@ def _add(body: mujoco.MjsBody, category: Category, kind: mujoco.mjtGeom, **optio
 _ADDERS: Mapping[str, Adder] = MappingProxyType(
     {
         "capsule": _capsule, "ellipsoid": _ellipsoid, "loaf": _loaf, "dish": _dish, "cup": _cup, "bottle": _bottle,
-        "can": _can,
+        "can": _can, "box": _box, "chain": _chain,
     }
 )  # fmt: skip

@@ -18,10 +18,16 @@ FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "cup": ("radius", "height", "wall"),
         "bottle": ("radius", "shoulder", "neck_radius", "height"),
         "can": ("radius", "height"),
+        "box": ("half",),
+        "chain": ("points", "radii"),
     }
 )
-"""Forms and the measures that each needs, m. A loaf is a flat cushion. Capsule, ellipsoid and loaf have their frame in
-the middle, x the long way; the others stand on their frame's origin, turned about z."""
+"""Forms and the measures that each needs, m. A loaf is a flat cushion; a chain is capsules from each point to the next,
+one radius each. Capsule, ellipsoid, loaf and chain have their frame in the middle, x the long way; the others stand on
+their frame's origin, turned about z (a box with x, y and z along its edges)."""
+
+VECTORS = ("half",)
+"""Measures that are three lengths."""
 
 OPTIONAL_MEASURES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"dish": ("handle_radius", "handle_from", "handle_to", "handle_mass"), "cup": ("handle",)}
@@ -49,9 +55,11 @@ class Body:
     @property
     def bounds(self) -> tuple[Corner, Corner]:
         """Lowest and highest corner of the box around the body in its own frame, m."""
-        if self.form in ("ellipsoid", "loaf"):
+        if self.form in ("ellipsoid", "loaf", "box"):
             x, y, z = self["half"]
-            return (-x, -y, -z), (x, y, z)
+            return ((-x, -y, 0.0), (x, y, 2 * z)) if self.form == "box" else ((-x, -y, -z), (x, y, z))
+        if self.form == "chain":
+            return _chain_bounds(self["points"], self["radii"])
         radius = self["radius"]
         if self.form == "capsule":
             return (-radius - self["half_length"], -radius, -radius), (
@@ -62,3 +70,10 @@ class Body:
         front = radius + self.handle if self.form == "dish" else radius
         right = radius + self.handle if self.form == "cup" else radius
         return (-radius, -front, 0.0), (right, radius, self["height"])
+
+
+def _chain_bounds(points: tuple[Corner, ...], radii: tuple[float, ...]) -> tuple[Corner, Corner]:
+    ends = [(end, radius) for i, radius in enumerate(radii) for end in points[i : i + 2]]
+    low = [min(end[axis] - radius for end, radius in ends) for axis in range(3)]
+    high = [max(end[axis] + radius for end, radius in ends) for axis in range(3)]
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])

@@ -7,7 +7,7 @@ from functools import lru_cache
 from types import MappingProxyType
 
 from remac_env.errors import check_choice
-from remac_env.kitchen.objects import food, tableware
+from remac_env.kitchen.objects import drawn, food, tableware
 from remac_env.kitchen.objects.part import DrawnPart
 
 Maker = Callable[[], tuple[DrawnPart, ...]]
@@ -29,11 +29,16 @@ SHAPES: Mapping[str, Maker] = MappingProxyType(
         "seasoning": tableware.seasoning,
     }
 )
-"""Makers of drawn shapes by name."""
+"""Makers of drawn shapes that are code, by name; the others are data, see `drawn`."""
 
 
-@lru_cache(maxsize=64)
+def names() -> tuple[str, ...]:
+    """The names of all drawn shapes."""
+    return (*SHAPES, *drawn.tables())
+
+
+@lru_cache(maxsize=128)
 def shape(name: str) -> tuple[DrawnPart, ...]:
     """The parts of a drawn shape, made once a process. UnknownNameError lists the names."""
-    check_choice("drawn shape", name, SHAPES)
-    return SHAPES[name]()
+    check_choice("drawn shape", name, names())
+    return SHAPES[name]() if name in SHAPES else drawn.build(name)

@@ -1,0 +1,97 @@
+"""Whether a robot can handle every category of things: `python benchmarks/certify_objects.py --trials 3`.
+
+For each category, over seeds: pick it up from a worktop, put it back, pick it up again and put it into the bowl and
+take it out (what is small enough) or into the open cabinet (the rest). Each step counts at its first try.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.kitchen.objects import catalogue
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.tasks.goals import Inside
+from remac_env.tasks.spec import Role, TaskSpec
+
+ROBOT = "robot_0"
+AGAIN = ("pick up {0}", "navigate to counter", "place to counter", "navigate to {0}", "pick up {0}")
+INTO_BOWL = ("navigate to bowl", "place to bowl", "pick up {0}", "navigate to counter", "place to counter")
+INTO_CABINET = ("navigate to cabinet", "place to cabinet")
+INTO_VESSEL = {"plate": "cabinet", "bowl": "sink", "pan": "stove"}
+
+
+class _Only(TaskWorlds):
+    """Kitchens in which each noun is its own category: the fish is no salmon."""
+
+    @property
+    def categories(self) -> Mapping[str, catalogue.Category]:
+        """The categories of the task's things."""
+        return {role.nouns[0]: catalogue.get(role.nouns[0]) for role in self.spec.roles}
+
+
+def steps(category: str) -> list[str]:
+    """The chain of a category's subtasks."""
+    facts = catalogue.get(category)
+    if facts.holds:
+        place = INTO_VESSEL[category]
+        door = ["navigate to cabinet", "open cabinet door"] if place == "cabinet" else []
+        chain = (*door, "navigate to {0}", *AGAIN, f"navigate to {place}", f"place to {place}")
+    elif facts.small:
+        chain = ("navigate to {0}", *AGAIN, *INTO_BOWL)
+    else:
+        chain = ("navigate to cabinet", "open cabinet door", "navigate to {0}", *AGAIN, *INTO_CABINET)
+    return [text.format(category) for text in chain]
+
+
+def trial(category: str, seed: int) -> str:
+    """Run the chain once: "" where every step succeeded at its first try, else the first failure."""
+    roles = [Role("thing", (category,))]
+    if catalogue.get(category).small:
+        roles.append(Role("bowl", ("bowl",)))
+    spec = TaskSpec(
+        "ObjectChain", ("", "", ""), Inside("{thing}", "fridge"), tuple(roles), fixtures=(), distractors=(0, 0)
+    )
+    worlds = _Only(spec)
+    start, _ = worlds.start(
+        seed, style=None, layout=None, starts="paper", robots=(ROBOT,), perception_noise=0.0
+    )
+    backend = PhysicsBackend()
+    backend.reset(start)
+    for text in steps(category):
+        subtask = worlds.vocabulary.subtask(worlds.vocabulary.encode(text))
+        outcome = backend.run_round({ROBOT: subtask}).outcomes[ROBOT]
+        if not outcome.success:
+            return f"seed {seed}: {text}: {outcome.reason}: {outcome.detail}"
+    return ""
+
+
+def main(
+    trials: Annotated[int, typer.Option(help="Seeds of each category.")] = 3,
+    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...")] = 0,
+    only: Annotated[str, typer.Option(help="Categories, separated by commas; empty for all.")] = "",
+) -> None:
+    """Print a table of categories and every failure."""
+    console = Console()
+    names = [name.strip() for name in only.split(",") if name.strip()] or list(catalogue.load())
+    failures: dict[str, list[str]] = defaultdict(list)
+    for name in names:
+        for seed in range(first_seed, first_seed + trials):
+            if problem := trial(name, seed):
+                failures[name].append(problem)
+                console.print(f"{name}: {problem}")
+    table = Table("category", "trials", "without a failure", title="Handling things in physics")
+    for name in names:
+        table.add_row(name, str(trials), str(trials - len(failures[name])))
+    console.print(table)
+    console.print(f"{sum(not failures[name] for name in names)} of {len(names)} categories without a failure")
+
+
+if __name__ == "__main__":
+    typer.run(main)
