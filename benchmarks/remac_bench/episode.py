@@ -157,6 +157,7 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, *, optimum: bool) ->
 
 
 def read_outcomes(env: Any, actions: Mapping[str, int], infos: Mapping[str, Any]) -> dict[str, OutcomeEntry]:
+    """How every robot's subtask of the round that was just played ended."""
     return {
         robot: OutcomeEntry(subtask=_text(env, actions[robot]), **(info["outcome"] or {"status": "failure"}))
         for robot, info in infos.items()

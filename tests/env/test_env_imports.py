@@ -41,6 +41,7 @@ RANKS = {
     "remac_env.subtasks": 1,
     "remac_env.conditions": 1,
     "remac_env.state": 1,
+    "remac_env.marks": 1,
     "remac_env.actions": 0,
     "remac_env.seeding": 0,
     "remac_env.errors": 0,

@@ -99,7 +99,7 @@ def test_things_lie_within_their_slots_and_categories_vary(task: str) -> None:
     seen: set[str] = set()
     for seed in range(60):
         env.reset(seed=seed)
-        plan = env.worlds.layout(env.start.layout)
+        plan = env.worlds.layout(env.start.layout, env.start.style)
         for noun, item in env.world.objects.items():
             offset, half = env.start.offsets[noun], plan.slots[item.place.where].half
             assert abs(offset.dx) <= half[0] and abs(offset.dy) <= half[1]

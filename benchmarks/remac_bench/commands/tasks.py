@@ -28,7 +28,7 @@ def tasks(
         return
     table = Table(box=box.SIMPLE_HEAD)
     for name in ("Task", "Goal", "Styles", "Layouts", "Paper's table"):
-        table.add_column(name)
+        table.add_column(name, no_wrap=name == "Task", overflow="fold")
     for entry in entries:
         cells = [entry["name"], entry["goal"], ", ".join(entry["styles"]), ", ".join(entry["layouts"])]
         table.add_row(*(escape(cell) for cell in cells), "yes" if entry["in_table"] else "no")
