@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -123,7 +123,7 @@ def prune_file(path: str | Path, *, keep: int, task: str | None = None) -> int:
 
     Lines that are no runs go too. The file is replaced in one step: a kill leaves the old one or the new one.
     """
-    told: Counter[str] = Counter()
+    told: defaultdict[str, int] = defaultdict(int)
 
     def stays(entry: Mapping[str, Any]) -> bool:
         run = _read(entry)

@@ -43,7 +43,7 @@ CATEGORIES: Mapping[str, Mapping[str, object]] = {
     "herb": {**_FOOD, "roles": ["herb"]},
     "bun": {**_FOOD, "roles": ["bun"]},
     "sponge": {**_FOOD, "roles": ["sponge"], "attributes": []},
-    "egg": {**_FOOD, "roles": ["egg"], "needs_vessel_in": ["stove"]},
+    "dumpling": {**_FOOD, "roles": ["dumpling"], "needs_vessel_in": ["stove"]},
     "crab": {**_FOOD, "roles": ["crab"], "needs_vessel_in": ["sink", "microwave"]},
     "pot": {**_DISH, "roles": ["pot"], "vessel_in": ["stove"]},
     "colander": {**_DISH, "roles": ["colander"], "vessel_in": ["sink"]},
@@ -104,7 +104,7 @@ ROAST = _task(  # hidden: the door is closed, and has to be closed again before 
     ("ledge", "oven"),
     {"roast": ("turn on oven",)},
 )
-BOIL = _task(  # hidden: an egg needs a pot, and the pot stands behind a closed door
+BOIL = _task(  # hidden: a dumpling needs a pot, and the pot stands behind a closed door
     "BoilEgg",
     (
         "open the larder door, place the pot onto the hob, place the {food} into the pot and turn on the hob",
@@ -112,7 +112,7 @@ BOIL = _task(  # hidden: an egg needs a pot, and the pot stands behind a closed 
         "boil the {food} on the hob",
     ),
     All(Inside("{food}", "pot"), Inside("pot", "hob"), SwitchedOn("hob", under="pot"), Released("{food}")),
-    (_on_ledge("food", "egg"), Role("vessel", ("pot",), at="larder")),
+    (_on_ledge("food", "dumpling"), Role("vessel", ("pot",), at="larder")),
     ("ledge", "larder", "hob"),
     {"boil": ("turn on hob",)},
 )

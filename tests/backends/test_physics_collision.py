@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from remac_env.backends.physics.collision import Scratch
+from remac_env.backends.physics.collision import Fence, Scratch
 from remac_env.backends.physics.paths import Planner
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen import layout as layouts
@@ -55,11 +55,12 @@ def test_a_fence_keeps_the_robot_in_its_room(kitchen: tuple[Simulation, Scratch,
     _, scratch, _ = kitchen
     scratch.begin()
     home = panda.tucked(0.1, -0.85, 0.5 * np.pi)
-    scratch.fence = (-0.3, 0.5)
+    right = Fence(1.0, 0.0, 0.5)
+    scratch.fences = (Fence(-1.0, 0.0, 0.3), right)
     assert scratch.free(home)
-    scratch.fence = (0.0, 0.5)
+    scratch.fences = (Fence(-1.0, 0.0, 0.0), right)
     assert not scratch.free(home)
-    scratch.fence = None
+    scratch.fences = ()
 
 
 def test_gripper_may_touch_its_target_only(kitchen: tuple[Simulation, Scratch, Planner]) -> None:
