@@ -9,7 +9,8 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 DOCUMENTS = ["README.md", "docs/environment.md", "docs/agents.md"]
-LINKED = [str(path.relative_to(ROOT)) for folder in (".", "docs", "benchmarks") for path in (ROOT / folder).glob("*.md")]
+FOLDERS = (".", "docs", "benchmarks")
+LINKED = [str(path.relative_to(ROOT)) for folder in FOLDERS for path in (ROOT / folder).glob("*.md")]
 
 
 def blocks(name: str) -> list[str]:
