@@ -16,12 +16,13 @@ from typing import Any
 
 from remac_agents.agent import Agent
 from remac_agents.briefing import Bounds
-from remac_agents.catalogue import ROLES, make_role
-from remac_agents.ledger import Check, EpisodeReport, Step
+from remac_agents.catalogue import ROLES
+from remac_agents.filling import fill_roles, read_options
+from remac_agents.ledger import Check, EpisodeReport, Exchange, Step, Usage
 from remac_agents.memory import Memory, Run
 from remac_agents.methods import METHODS
 from remac_agents.plan import Plan, PlanError
-from remac_agents.roles import Roles
+from remac_agents.roles import Roles, StopEpisode
 from remac_env.errors import OptionError, check_choice
 
 __all__ = [
@@ -29,12 +30,15 @@ __all__ = [
     "Bounds",
     "Check",
     "EpisodeReport",
+    "Exchange",
     "Memory",
     "Plan",
     "PlanError",
     "Roles",
     "Run",
     "Step",
+    "StopEpisode",
+    "Usage",
     "make",
     "methods",
     "roles",
@@ -54,37 +58,41 @@ def roles() -> dict[str, list[str]]:
 def make(
     name: str,
     *,
-    planner: Any = "literal",
-    checker: Any = "truth",
-    conditions: Any = "rule",
-    adjuster: Any = "rule",
-    reflector: Any = "rule",
-    handover: Any = "reflections",
-    summariser: Any = "rule",
+    planner: Any = None,
+    checker: Any = None,
+    conditions: Any = None,
+    adjuster: Any = None,
+    reflector: Any = None,
+    handover: Any = None,
+    summariser: Any = None,
     memory: Memory | str | Path | None = None,
     retries: int = 2,
     max_adjustments: int = 20,
     max_rounds: int = 60,
     lead: str | None = None,
     helper: str | None = None,
+    **models: Any,
 ) -> Agent:
     """A method with its roles filled.
 
     Args:
         name: one of `methods()`.
         planner, checker, conditions, adjuster, reflector, handover, summariser: a name of `roles()`,
-            `package.module:Name`, `path/file.py:Name`, a mapping {"name": ..., **options}, a function in place of
-            the role's only method, or an object with the role's methods (remac_agents.roles). A planner may also
-            be `http://HOST:PORT/PATH` or `answers:FILE.json` (docs/planners.md).
+            `package.module:Name`, `path/file.py:Name`, `provider:model`, a mapping {"name": ..., **options}, a
+            function in place of the role's only method, or an object with the role's methods (remac_agents.roles).
+            A planner may also be `http://HOST:PORT/PATH` or `answers:FILE.json` (docs/planners.md). None: the
+            `model` that is given, where it can speak for the role, else the offline one of `filling.DEFAULTS`.
         memory: a Memory, a path of a JSON-lines file, or None for one in this process.
         retries: how often a subtask whose post-conditions fail is tried again.
         max_adjustments, max_rounds: after so many in an episode the plan is no longer changed, or ends.
         lead: the robot that works alone or leads; None: the first by name.
         helper: the second robot of a team; None: the first by name of the others.
+        models: keywords of `filling.ModelOptions`: model, base_url, cassette, replay, max_calls, max_tokens, max_money,
+            max_seconds, limiter (docs/models.md).
 
     Raises:
-        UnknownNameError: for an unknown method or role; lists the valid ones.
-        OptionError: for a negative bound, or an object that does not fit its role.
+        UnknownNameError: for an unknown method, role or model; lists the valid ones.
+        OptionError: for a value out of its range, or an object that does not fit its role.
     """
     check_choice("method", name, METHODS)
     _check_bounds(retries=retries, max_adjustments=max_adjustments, max_rounds=max_rounds)
@@ -97,15 +105,17 @@ def make(
         "handover": handover,
         "summariser": summariser,
     }
-    filled = Roles(**{role: make_role(role, who) for role, who in given.items()})
-    return Agent(
-        METHODS[name],
-        filled,
-        memory=memory if isinstance(memory, Memory) else Memory(memory),
-        bounds=Bounds(rounds=max_rounds, retries=retries, adjustments=max_adjustments),
-        lead=lead,
-        helper=helper,
-    )
+    bounds = Bounds(rounds=max_rounds, retries=retries, adjustments=max_adjustments)
+    roles = fill_roles(given, read_options(models))
+    return Agent(METHODS[name], roles, memory=_memory(memory), bounds=bounds, lead=lead, helper=helper)
+
+
+def _memory(given: object) -> Memory:
+    if isinstance(given, Memory):
+        return given
+    if given is not None and not isinstance(given, str | Path):
+        raise OptionError(f"memory {given!r} is not valid; valid: a Memory, a path, or None")
+    return Memory(given)
 
 
 def _check_bounds(**bounds: object) -> None:

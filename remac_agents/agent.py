@@ -7,14 +7,15 @@ from dataclasses import asdict
 from typing import Any
 
 from remac_agents.briefing import Bounds, Briefing
+from remac_agents.correspondence import Correspondence
 from remac_agents.episode import Episode
 from remac_agents.ledger import Check, EpisodeReport, Ledger
 from remac_agents.memory import Memory, Run
 from remac_agents.methods import Method
 from remac_agents.plan import Plan
-from remac_agents.roles import Report, Roles, View
+from remac_agents.roles import Report, Roles, StopEpisode, View
 from remac_agents.tries import Try
-from remac_env.errors import LifecycleError, check_choice
+from remac_env.errors import LifecycleError, OptionError, check_choice
 from remac_env.state import WorldState
 from remac_env.subtasks import DONE, WAIT, Subtask
 
@@ -22,6 +23,8 @@ Told = Mapping[str, Mapping[str, Any]]
 
 _STEP_ASIDE = Subtask("navigate aside")
 _NOT_PICTURES = ("observation", "action_mask")
+_NEEDED = ("goal", "text", "commands", "scene")
+"""What a kitchen must tell of itself in the infos of every robot."""
 
 
 class Agent:
@@ -40,6 +43,8 @@ class Agent:
         """See `remac_agents.make`."""
         self.method, self.roles, self.memory, self.bounds = method, roles, memory, bounds
         self._lead, self._helper = lead, helper
+        self._correspondence = Correspondence(roles)
+        self._infrastructure: str | None = None
         self._iterations: dict[str, int] = {}
         self._won: dict[str, Try] = {}
         self._episode: Episode | None = None
@@ -52,7 +57,9 @@ class Agent:
 
         Raises:
             UnknownNameError: if the leading or helping robot that was asked for is not in this kitchen.
+            OptionError: for infos that are not those of a kitchen's reset.
         """
+        _check_infos(infos, _NEEDED)
         if self._open:
             self.close_episode({}, {})
         briefing = self._brief(infos)
@@ -66,6 +73,10 @@ class Agent:
         view, world = _look(obs, infos, briefing)
         self._episode = Episode(briefing, self.roles, view, world, bounds=self.bounds, memory=self.memory)
         self._episode.won = self._won.get(self._label)
+        seed = briefing.episode.get("seed", "")
+        label = f"{self.method.name}/{briefing.task}/{seed}/{briefing.episode.get('digest', '')}/{self._iteration}"
+        self._correspondence.begin_episode(label, self._episode.ledger.errors)
+        self._infrastructure = None
         self._turns = self.method.run(self._episode)
         self._tokens = {robot: dict(infos[robot]["commands"]) for robot in infos}
         self._played: dict[str, Subtask] | None = None
@@ -76,10 +87,12 @@ class Agent:
 
         Raises:
             LifecycleError: before reset or after close_episode.
+            OptionError: for infos that name no robot.
         """
         episode = self._running()
         if not self._open:
             raise LifecycleError("act() needs an episode under way: call reset(obs, infos) first")
+        _check_infos(infos, ())
         turn = self._next_turn(obs, infos)
         first, self._played = self._played is None, turn
         if not turn and self._ended:
@@ -107,7 +120,7 @@ class Agent:
         if self._success and self.method.iterates:
             kept = Try.of(episode.ledger, episode.plan, episode.commands)
             self._won.setdefault(self._label, kept)
-        if self.method.remembers:
+        if self.method.remembers and self._infrastructure is None:
             self.memory.append(_run(episode, success=self._success))
 
     def report(self) -> EpisodeReport:
@@ -131,6 +144,8 @@ class Agent:
             reflections=tuple(ledger.reflections),
             truth_readers=self.roles.truth_readers(),
             errors=tuple(ledger.errors),
+            infrastructure=self._infrastructure,
+            **self._correspondence.fields(),
         )
 
     # -- inside ----------------------------------------------------------------------------------------------
@@ -145,10 +160,15 @@ class Agent:
                 return next(self._turns)
             view, world = _look(obs, infos, episode.briefing)
             episode.observe(view, world, self._played)
+            self._correspondence.begin_round(episode.rounds)
             return self._turns.send(view)
         except StopIteration:
             self._ended = True
-            return {}
+        except StopEpisode as stop:
+            self._ended = True
+            episode.ledger.errors.append(str(stop))
+            self._infrastructure = str(stop) if stop.infrastructure else None
+        return {}
 
     def _running(self) -> Episode:
         if self._episode is None:
@@ -185,6 +205,16 @@ class Agent:
             check_choice(what, wanted, robots)
             return wanted
         return min(robots, default="")
+
+
+def _check_infos(infos: object, needed: tuple[str, ...]) -> None:
+    """Refuse infos that no kitchen gives."""
+    if not isinstance(infos, Mapping) or not infos:
+        raise OptionError(f"infos {str(infos)[:80]} name no robot; valid: those of the kitchen's reset or step")
+    for robot, info in infos.items():
+        missing = [key for key in needed if key not in info]
+        if missing:
+            raise OptionError(f"infos of {robot!r} lack {', '.join(missing)}; valid: those of the kitchen's reset")
 
 
 def _look(obs: Told, infos: Told, briefing: Briefing) -> tuple[View, WorldState | None]:

@@ -5,6 +5,7 @@
     path/file.py:Name            the same from a file
     http://127.0.0.1:8000/plan   a planner that is sent the request as JSON
     answers:FILE.json            a planner whose answers lie in a file
+    provider:model               a language model (docs/models.md), or a name of the paper's models, such as "o3"
 A class is made with the options that are given; a function is called in place of the role's only verb.
 """
 
@@ -13,10 +14,13 @@ from __future__ import annotations
 import importlib
 import inspect
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from remac_agents.from_file import load_file
 from remac_env.errors import OptionError, UnknownNameError
+
+if TYPE_CHECKING:
+    from remac_agents.models import Models
 
 ROLES: dict[str, dict[str, str]] = {
     "planner": {
@@ -42,6 +46,16 @@ ROLES: dict[str, dict[str, str]] = {
 }
 """Role -> name -> where its class is."""
 
+MODEL_ROLES: dict[str, str] = {
+    "planner": "remac_agents.planners.llm:LlmPlanner",
+    "checker": "remac_agents.checkers.vlm:VlmChecker",
+    "conditions": "remac_agents.conditions.llm:LlmConditions",
+    "adjuster": "remac_agents.adjusters.llm:LlmAdjuster",
+    "reflector": "remac_agents.reflectors.llm:LlmReflector",
+    "summariser": "remac_agents.summarisers.llm:LlmSummariser",
+}
+"""Role -> the class that fills it with a language model."""
+
 VERBS = {
     "planner": ("plan",),
     "checker": ("check",),
@@ -55,17 +69,19 @@ VERBS = {
 
 
 FORMS = ("package.module:Name", "path/file.py:Name")
+MODEL_FORMS = ("provider:model",)
 PLANNER_FORMS = ("http://HOST:PORT/PATH", "answers:FILE.json")
-"""What may stand in place of a name: for every role, and for planners alone."""
+"""What may stand in place of a name: for every role, for those of MODEL_ROLES, and for planners alone."""
 
 
-def make_role(role: str, given: object) -> Any:
+def make_role(role: str, given: object, *, models: Models | None = None) -> Any:
     """Who fills a role.
 
     Args:
         role: a key of ROLES.
         given: a text of the forms above; a mapping {"name": text, **options of its class}; a plain function; or a
             ready object.
+        models: what roles that are language models share; None: each has a budget of its own and no cassette.
 
     Raises:
         UnknownNameError: for a name that is not known or cannot be imported; lists the valid ones.
@@ -75,7 +91,7 @@ def make_role(role: str, given: object) -> Any:
         given = {"name": given}
     if isinstance(given, Mapping):
         options = {str(key): value for key, value in given.items() if key != "name"}
-        made = _construct(role, str(given.get("name", "")), options)
+        made = _construct(role, str(given.get("name", "")), options, models)
     else:
         made = given
     missing = [verb for verb in VERBS[role] if not callable(getattr(made, verb, None))]
@@ -99,7 +115,9 @@ class FunctionRole:
         return f"FunctionRole({self._function!r})"
 
 
-def _construct(role: str, name: str, options: Mapping[str, Any]) -> Any:
+def _construct(role: str, name: str, options: Mapping[str, Any], models: Models | None) -> Any:
+    if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name):
+        return _make(_load(role, MODEL_ROLES[role]), role, name, {"model": name, "models": models, **options})
     if role == "planner" and name.startswith(("http://", "https://")):
         from remac_agents.planners.http import HttpPlanner
 
@@ -116,13 +134,26 @@ def _construct(role: str, name: str, options: Mapping[str, Any]) -> Any:
     return found
 
 
+def _is_model(name: str) -> bool:
+    from remac_agents.llm.providers import is_model  # only here: no offline role needs the client
+
+    return is_model(name)
+
+
 def _find(role: str, name: str) -> Any:
     """The class, object or function of a name."""
     source, colon, attribute = ROLES[role].get(name, name).rpartition(":")
     is_module = all(part.isidentifier() for part in source.split("."))
     if not colon or not (is_module or source.endswith(".py")):
-        forms = (*FORMS, *PLANNER_FORMS) if role == "planner" else FORMS
+        forms = (*FORMS, *(MODEL_FORMS * (role in MODEL_ROLES)), *(PLANNER_FORMS * (role == "planner")))
         raise UnknownNameError(f"unknown {role} {name!r}; valid: {', '.join((*ROLES[role], *forms))}")
+    return _load(role, f"{source}:{attribute}", name)
+
+
+def _load(role: str, address: str, name: str = "") -> Any:
+    """What lies at `source:attribute`; `name` is what was asked for."""
+    source, _, attribute = address.rpartition(":")
+    name = name or address
     try:
         module = load_file(source) if source.endswith(".py") else importlib.import_module(source)
     except (ImportError, OSError, SyntaxError, ValueError) as error:
@@ -138,7 +169,8 @@ def _make(maker: Any, role: str, name: str, options: Mapping[str, Any]) -> Any:
     try:
         inspect.signature(maker).bind(**options)
     except TypeError as error:
-        raise OptionError(f"{role} {name!r} does not take {dict(options)!r}: {error}") from error
+        told = {option: value for option, value in options.items() if option != "models"}
+        raise OptionError(f"{role} {name!r} does not take {told!r}: {error}") from error
     except ValueError:
         pass  # made by native code, without a signature: it speaks for itself
     return maker(**options)

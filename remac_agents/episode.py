@@ -6,6 +6,7 @@ from collections.abc import Generator, Mapping, Sequence
 from dataclasses import replace
 
 from remac_agents.briefing import Bounds, Briefing
+from remac_agents.free_text import truth_of
 from remac_agents.ledger import Check, Ledger, really_done
 from remac_agents.memory import Memory
 from remac_agents.moment import Moment, shown
@@ -285,5 +286,5 @@ class Episode:
             if key in self._noted:
                 continue
             self._noted.add(key)
-            truth = None if self._world is None else condition.holds(self.view.scene, self._world)
+            truth = truth_of(condition, self.view.scene, self._world)
             book.append(Check(self.rounds, robot, subtask.text, condition.sentence, value, truth, asked))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 from remac_agents.episode import Episode
+from remac_agents.free_text import truth_of
 from remac_agents.ledger import Check
 from remac_agents.moment import Moment, shown
 from remac_agents.roles import Attempt, View
@@ -134,8 +135,7 @@ def _reached(episode: Episode, moment: Moment, robot: str, step: Subtask) -> boo
     wanted = roles.conditions.after(step, robot, view)
     verdicts = roles.checker.check(wanted, shown(moment.after, moment.world_after, roles.checker))
     for verdict in verdicts:
-        world = moment.world_after
-        truth = None if world is None else verdict.condition.holds(moment.after.scene, world)
+        truth = truth_of(verdict.condition, moment.after.scene, moment.world_after)
         entry = Check(episode.rounds, robot, step.text, verdict.condition.sentence, verdict.value, truth, True)
         episode.ledger.post_checks.append(entry)
     return all(verdict.value for verdict in verdicts)
@@ -147,8 +147,7 @@ def _false_before(episode: Episode, moment: Moment, robot: str, step: Subtask) -
     wanted = roles.conditions.before(step, robot, shown(moment.before, moment.world_before, roles.conditions))
     verdicts = roles.checker.check(wanted, shown(moment.before, moment.world_before, roles.checker))
     for verdict in verdicts:
-        world = moment.world_before
-        truth = None if world is None else verdict.condition.holds(moment.before.scene, world)
+        truth = truth_of(verdict.condition, moment.before.scene, moment.world_before)
         entry = Check(episode.rounds, robot, step.text, verdict.condition.sentence, verdict.value, truth, True)
         episode.ledger.pre_checks.append(entry)
     return tuple(verdict.condition for verdict in verdicts if not verdict.value)

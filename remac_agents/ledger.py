@@ -94,7 +94,8 @@ class EpisodeReport:
         retries: how many steps were second or later tries.
         reflections: what this episode taught.
         truth_readers: the roles that were given the WorldState.
-        errors: replies of the planner that were no plans.
+        errors: replies of the planner that were no plans, other answers of models that were of no use, and why the
+            episode was ended, if a role had to.
         usage, exchanges: what language models were asked, and what that took.
         pictures: digest -> PNG of every image that a language model was shown.
         infrastructure: why the episode counts for nothing (an endpoint that was down), None where it counts.

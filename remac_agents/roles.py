@@ -13,12 +13,25 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from remac_agents.plan import Plan, PlanError
 from remac_env.conditions import Condition
+from remac_env.errors import RemacError
 from remac_env.state import Scene, WorldState
 from remac_env.subtasks import Subtask
 from remac_env.tasks.goals import Goal
 
 if TYPE_CHECKING:
     from remac_agents.hindsight import Summariser
+
+
+class StopEpisode(RemacError, RuntimeError):
+    """Raised by a role that cannot go on: the method ends the episode, and the report says why.
+
+    `infrastructure`: the agent is not to blame (an endpoint is down), so that the episode counts for nothing.
+    """
+
+    def __init__(self, why: str, *, infrastructure: bool = False) -> None:
+        super().__init__(why)
+        self.infrastructure = infrastructure
+
 
 Ask = Callable[[Condition], bool]
 """A question to the checker about the moment at hand."""

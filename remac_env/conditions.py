@@ -34,7 +34,7 @@ class Condition:
 
 @lru_cache(maxsize=4096)
 def _sentence(predicate: str, args: tuple[str, ...]) -> str:
-    return _SENTENCES[predicate].format(*args)
+    return SENTENCES[predicate].format(*args)
 
 
 def condition(predicate: str, *args: str) -> Condition:
@@ -196,7 +196,7 @@ PREDICATES: dict[str, Predicate] = {
 }
 """Every predicate, decided from (scene, world, *args)."""
 
-_SENTENCES: dict[str, str] = {
+SENTENCES: dict[str, str] = {
     "at": "{0} stands at the {1}",
     "aside": "{0} has stepped aside",
     "station_free": "no other robot stands where {0} needs to be for the {1}",

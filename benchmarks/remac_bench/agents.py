@@ -160,11 +160,14 @@ def changed_options(given: Mapping[str, Any]) -> dict[str, Any]:
     With a model every role that is given counts: a role that is not is the model's.
     """
     import remac_agents
+    from remac_agents.filling import DEFAULTS
 
     parameters = inspect.signature(remac_agents.make).parameters
     kept = {name: value for name, value in given.items() if value is not None}
-    free = ROLES if "model" in kept else ()
-    return {n: v for n, v in kept.items() if n in free or v != parameters[n].default}
+    defaults = {name: parameter.default for name, parameter in parameters.items()}
+    if "model" not in kept:
+        defaults |= DEFAULTS
+    return {name: value for name, value in kept.items() if value != defaults.get(name)}
 
 
 def methods() -> list[str]:

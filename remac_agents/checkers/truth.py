@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from remac_agents.free_text import truth_of
 from remac_agents.roles import Verdict, View
 from remac_env.conditions import Condition
 
+UNJUDGED = "only a model can judge these words"
+
 
 class TruthChecker:
-    """Reads the WorldState."""
+    """Reads the WorldState. What a model put into words of its own counts as true: nobody here can judge it."""
 
     needs_truth = True
 
@@ -23,4 +26,5 @@ class TruthChecker:
             raise ValueError(
                 "the truth checker was not given the WorldState; infos[robot]['world'] is missing"
             )
-        return [Verdict(condition, condition.holds(view.scene, view.world)) for condition in conditions]
+        found = [(condition, truth_of(condition, view.scene, view.world)) for condition in conditions]
+        return [Verdict(c, True, UNJUDGED) if truth is None else Verdict(c, truth) for c, truth in found]

@@ -86,6 +86,10 @@ class ChatClient:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def redacted(self, text: str) -> str:
+        """A text without this client's key, for records."""
+        return self._redactor.exact(text)
+
     def close(self) -> None:
         """Release the connections."""
         self._transport.close()
@@ -117,12 +121,7 @@ class ChatClient:
         Raises:
             OptionError: for messages or bounds that are none.
         """
-        if max_tokens is not None and max_tokens < 1:
-            raise OptionError(f"max_tokens {max_tokens!r} is not valid; valid: from 1")
-        if temperature is not None and not 0 <= temperature <= 2:
-            raise OptionError(f"temperature {temperature!r} is not valid; valid: 0 to 2, or None")
-        if not deadline > 0:
-            raise OptionError(f"deadline {deadline!r} is not valid; valid: seconds, more than 0")
+        check_bounds(max_tokens=max_tokens, temperature=temperature, deadline=deadline)
         request = ChatRequest(
             endpoint=self.endpoint,
             messages=read_messages(messages, images=bool(images)),
@@ -184,6 +183,8 @@ class ChatClient:
         total = sum(tries.values())
         if tries[outcome.kind] >= KINDS[outcome.kind].tries or total >= PATIENT:
             return None
+        if not outcome.infrastructure:
+            return 0.0  # the endpoint is well and needs no rest
         wait = wait_before(total, outcome.retry_after, self._jitter)
         return None if self._clock.monotonic() + wait >= deadline else wait
 
@@ -259,6 +260,21 @@ class ChatClient:
             if len(self._seen) > SEEN_IDS:
                 del self._seen[next(iter(self._seen))]
         return replace(outcome, flags=(*outcome.flags, "id_repeated")) if repeated else outcome
+
+
+def check_bounds(*, max_tokens: object, temperature: object, deadline: object) -> None:
+    """Refuse bounds of a call that are none.
+
+    Raises:
+        OptionError: naming the bound and what is valid.
+    """
+    whole = isinstance(max_tokens, int) and not isinstance(max_tokens, bool) and max_tokens >= 1
+    if max_tokens is not None and not whole:
+        raise OptionError(f"max_tokens {max_tokens!r} is not valid; valid: from 1")
+    if temperature is not None and not (isinstance(temperature, int | float) and 0 <= temperature <= 2):
+        raise OptionError(f"temperature {temperature!r} is not valid; valid: 0 to 2, or None")
+    if not (isinstance(deadline, int | float) and deadline > 0):
+        raise OptionError(f"deadline {deadline!r} is not valid; valid: seconds, more than 0")
 
 
 def _key_problem(endpoint: Endpoint, key: str) -> str:

@@ -133,6 +133,8 @@ def _renamed(model: Model, name: str, *, priced: bool) -> Model:
 
 def _address(provider: Provider, given: str | None) -> str:
     """The address to use, checked: a key goes only where its provider is."""
+    if given is not None and not isinstance(given, str):
+        raise OptionError(f"base_url {given!r} is not valid; valid: http://host[:port]/path or https://...")
     if given is None and not provider.base_url:
         raise OptionError(f"provider {provider.name!r} needs base_url, such as 'http://127.0.0.1:8000/v1'")
     address = (provider.base_url if given is None else given).rstrip("/")

@@ -177,10 +177,6 @@ TASKS = (FETCH, ROAST, BOIL, RINSE, TWO, CROWDED, SHUT, WASHED_AWAY)
 
 
 def register() -> None:
-    """Make the tasks known, once a process."""
+    """Make the tasks known."""
     for spec in TASKS:
-        if spec.name not in remac_env.tasks():
-            remac_env.register_task(spec)
-
-
-register()
+        remac_env.register_task(spec)

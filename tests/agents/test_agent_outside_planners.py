@@ -94,7 +94,7 @@ def test_plain_functions_stand_for_roles_with_one_verb() -> None:
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ("nobody", "path/file.py:Name, http://HOST:PORT/PATH, answers:FILE.json"),
+        ("nobody", "path/file.py:Name, provider:model, http://HOST:PORT/PATH, answers:FILE.json"),
         ("no/such/file.py:Name", "no/such/file.py"),
         ("remac_agents.planners.noop:Nobody", "NoopPlanner"),
         ("answers:no_such.json", "no_such.json"),

@@ -17,6 +17,11 @@ RE_TAKES_TWO_MORE = ("CrowdedOven",)
 """What is in the way is put down elsewhere than where the thing to bring stands: a walk more than need be."""
 
 
+@pytest.fixture(autouse=True)
+def registered() -> None:
+    outsiders.register()
+
+
 def job(
     task: str, method: str, starts: str, seed: int, *, robots: int = 1, iterations: int = 1
 ) -> remac_agents.EpisodeReport:

@@ -10,9 +10,11 @@ import pytest
 
 import remac_agents
 import remac_env
+from remac_agents.prompt import names
 from remac_env.registry import tasks
 
 SOURCES = sorted(Path(str(remac_agents.__file__)).parent.rglob("*.py"))
+PROMPTS = sorted(Path(str(remac_agents.__file__)).parent.rglob("*.md"))
 NOUNS = [
     noun["name"]
     for noun in tomllib.loads(Path(str(remac_env.__file__)).with_name("nouns.toml").read_text("utf-8"))[
@@ -29,7 +31,7 @@ def words_named(text: str) -> set[str]:
     }
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [*SOURCES, *PROMPTS], ids=lambda path: path.name)
 def test_no_noun_of_the_kitchens(path: Path) -> None:
     assert words_named(path.read_text("utf-8")) == set()
 
@@ -37,6 +39,7 @@ def test_no_noun_of_the_kitchens(path: Path) -> None:
 def test_the_search_finds_nouns() -> None:
     assert words_named("bring the Bowls_0 to OpenCabinetPnP") >= {"bowl", "OpenCabinetPnP"}
     assert len(SOURCES) > 20
+    assert len(PROMPTS) == len(names())
     assert len(NOUNS) > 10
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 import subprocess
 import sys
@@ -11,21 +10,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import pytest
 from remac_bench.jobs import Job, make_jobs
 from remac_bench.records import Record
 from remac_bench.store import Store
 
-import remac_agents
-
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
-
-
-takes_models = pytest.mark.skipif(
-    "model" not in inspect.signature(remac_agents.make).parameters, reason="agents take no language models yet"
-)
 
 
 def jobs(

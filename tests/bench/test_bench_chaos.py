@@ -13,15 +13,13 @@ from pathlib import Path
 
 import pytest
 from bench_helpers import jobs as listed
-from bench_helpers import read, start, takes_models, timeless, wait_for
+from bench_helpers import read, start, timeless, wait_for
 from remac_bench.agents import Access, Lines
 from remac_bench.report import read_rows
 from remac_bench.worker import Work, play_job
 
 sys.path.append(str(Path(__file__).parents[1] / "llm"))
 from chaos_server import Act, Asked, ChaosServer, hangs, refuses, says, sends  # noqa: E402
-
-pytestmark = takes_models
 
 NAIVE = "navigate to vegetable, pick up vegetable, navigate to microwave, place to microwave"
 RIGHT = f"navigate to microwave, open microwave door, {NAIVE}"

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bench_helpers import jobs, read, takes_models
+from bench_helpers import jobs, read
 from remac_bench.entries import TEXT_MAX, cut, save_pictures
 from remac_bench.redaction import redact
 from remac_bench.runner import Settings, run_jobs
@@ -103,7 +103,6 @@ def test_no_key_and_no_folder_of_this_machine(monkeypatch: pytest.MonkeyPatch, t
     assert redact(text) == told
 
 
-@takes_models
 def test_models_flags_make_one_entry_each(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[Any] = []
     monkeypatch.setattr("remac_bench.commands.running.run_and_report", lambda jobs, *_: seen.extend(jobs))

@@ -11,6 +11,7 @@ from remac_bench.commands import bench
 from remac_bench.errors import UsageError
 from remac_bench.jobs import make_jobs, parse_names, parse_seeds
 
+from remac_agents.filling import ModelOptions
 from remac_env.errors import OptionError, UnknownNameError
 from remac_env.options import Options
 
@@ -130,9 +131,10 @@ def test_every_keyword_of_kitchen_and_agent_is_a_flag() -> None:
 
     parameters = inspect.signature(bench.run).parameters
     assert {field.name for field in fields(Options)} <= set(parameters)
-    made = set(inspect.signature(remac_agents.make).parameters) - {"name", "memory"}
+    made = set(inspect.signature(remac_agents.make).parameters) - {"name", "memory", "models"}
+    made |= {field.name for field in fields(ModelOptions)}
     of_the_run = {"base_url", "cassette", "replay", "limiter"}
-    assert (made - of_the_run - {"model"}) | set(agents.BUDGET) == set(flags.AGENT)
+    assert made - of_the_run - {"model"} == set(flags.AGENT)
     assert {"models", *of_the_run - {"limiter"}} <= set(parameters)
     assert set(flags.AGENT.values()) <= set(parameters)
     for field in fields(Options):

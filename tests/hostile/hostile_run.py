@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from hostile_answers import corpus
+from remac_bench.agents import Access
 from remac_bench.jobs import make_jobs
 from remac_bench.runner import Settings, run_jobs
 
@@ -25,7 +26,7 @@ METHODS = ("CC", "CAPE")
 FORBIDDEN = (
     "subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.spawn", "os.fork", "os.forkpty", "os.putenv",
     "os.startfile", "os.kill", "ctypes.dlopen", "webbrowser.open", "pty.spawn", "shutil.rmtree", "socket.bind",
-    "socket.getaddrinfo", "ftplib.connect", "smtplib.connect",
+    "ftplib.connect", "smtplib.connect",
 )  # fmt: skip
 """Audit events that no answer may bring about."""
 
@@ -58,8 +59,8 @@ class Watch:
         if event in ("os.rename", "os.remove", "os.mkdir", "os.link", "os.symlink", "os.truncate", "os.chmod"):
             path = arguments[0]  # a number names a file that was opened before
             return not isinstance(path, int) and not os.path.abspath(str(path)).startswith(self.folder)
-        if event == "socket.connect":
-            address = arguments[1]
+        if event in ("socket.connect", "socket.getaddrinfo"):
+            address = arguments[1] if event == "socket.connect" else arguments
             return not (isinstance(address, tuple) and address[:2] == ("127.0.0.1", self.port))
         return event in FORBIDDEN
 
@@ -95,10 +96,12 @@ def main(folder: Path, outside: Path, *, obey: bool) -> None:
     watch = Watch(folder, port)
     agents: dict[str, Mapping[str, Any]] = {
         "http": {"planner": f"http://127.0.0.1:{port}/plan"},
+        "chat": {"model": "custom:m", "max_rounds": 6},
     }
     if obey:
         agents = {"obey": {"planner": f"{Path(__file__).with_name('obedient_planner.py')}:plan"}}
-    plays = {name: _player(folder / name, agent) for name, agent in agents.items()}
+    access = Access(base_url=f"http://127.0.0.1:{port}/v1")
+    plays = {name: _player(folder / name, agent, access) for name, agent in agents.items()}
     for play in plays.values():
         play("warm up")  # what is imported on demand is in by then
     sys.addaudithook(watch.hook)
@@ -113,11 +116,12 @@ def main(folder: Path, outside: Path, *, obey: bool) -> None:
     sys.stdout.write(json.dumps({"seen": watch.seen, "ends": _ends(folder)}))
 
 
-def _player(folder: Path, agent: Mapping[str, Any]) -> Callable[[str], None]:
+def _player(folder: Path, agent: Mapping[str, Any], access: Access) -> Callable[[str], None]:
     kitchen = {"backend": "symbolic", "max_rounds": 6}
 
     def play(label: str) -> None:
-        jobs = make_jobs(tasks=[TASK], methods=METHODS, seeds=[0], kitchen=kitchen, agent=agent)
+        chat = {"access": access} if "model" in agent else {}
+        jobs = make_jobs(tasks=[TASK], methods=METHODS, seeds=[0], kitchen=kitchen, agent=agent, **chat)
         run_jobs(jobs, folder / label.replace(" ", "_"), Settings(workers=0))
 
     return play

@@ -1,0 +1,120 @@
+"""Which role is filled by whom, when some are given, some have defaults, and a language model may step in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from remac_agents.catalogue import MODEL_ROLES, make_role
+from remac_agents.roles import Roles
+from remac_env.errors import OptionError, check_choice
+
+if TYPE_CHECKING:
+    from remac_agents.llm import Cassette, Limiter
+    from remac_agents.models import Models
+
+DEFAULTS = {
+    "planner": "literal",
+    "checker": "truth",
+    "conditions": "rule",
+    "adjuster": "rule",
+    "reflector": "rule",
+    "handover": "reflections",
+    "summariser": "rule",
+}
+"""Role -> who fills it where nobody is given and no model speaks for it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelOptions:
+    """How an agent uses language models.
+
+    Attributes:
+        model: `provider:model` or a name of the paper's models, for every role that is not given and that speaks: all
+            but the handover; the checker only if the provider lists images.
+        base_url: where the model's server is, and that of other roles' models that may be anywhere.
+        cassette: a file of exchanges with models, or a Cassette. What it holds already is played, the rest is asked
+            for and recorded.
+        replay: nothing is asked for; what the cassette does not hold ends the episode.
+        max_calls, max_tokens, max_money, max_seconds: what all episodes of the agent together may spend on models;
+            money in US dollars. None: `remac_agents.models.LIMITS`, and no bound on money.
+        limiter: how many requests may be under way, where several agents share an endpoint.
+    """
+
+    model: str | None = None
+    base_url: str | None = None
+    cassette: Cassette | str | Path | None = None
+    replay: bool = False
+    max_calls: int | None = None
+    max_tokens: int | None = None
+    max_money: float | None = None
+    max_seconds: float | None = None
+    limiter: Limiter | None = None
+
+    @property
+    def budget(self) -> dict[str, float | None]:
+        """The bounds by the names that budgets have for them."""
+        return {name: getattr(self, f"max_{name}") for name in ("calls", "tokens", "money", "seconds")}
+
+    @property
+    def given(self) -> bool:
+        """Whether any of them is."""
+        return self != ModelOptions()
+
+
+def read_options(given: Mapping[str, Any]) -> ModelOptions:
+    """The options from keywords; UnknownNameError lists the valid ones."""
+    for name in given:
+        check_choice("keyword of remac_agents.make", name, [field.name for field in fields(ModelOptions)])
+    return ModelOptions(**given)
+
+
+def fill_roles(given: Mapping[str, Any], options: ModelOptions) -> Roles:
+    """The roles of one agent; those that are language models share budget, cassette and limiter.
+
+    Args:
+        given: role -> who fills it, None where nobody is given.
+
+    Raises:
+        UnknownNameError, OptionError: see `remac_agents.make`.
+    """
+    models = _models(options) if options.given or any(_may_be_model(who) for who in given.values()) else None
+    chosen: dict[str, Any] = {role: DEFAULTS[role] if who is None else who for role, who in given.items()}
+    if options.model is not None and models is not None:
+        entry = {"name": options.model, "base_url": options.base_url}
+        chosen |= dict.fromkeys(_taken_over(given, options, models), entry)
+    return Roles(**{role: make_role(role, who, models=models) for role, who in chosen.items()})
+
+
+def _may_be_model(who: object) -> bool:
+    return isinstance(who.get("name") if isinstance(who, Mapping) else who, str)
+
+
+def _taken_over(given: Mapping[str, Any], options: ModelOptions, models: Models) -> list[str]:
+    """The roles that the model fills."""
+    if not isinstance(options.model, str):
+        raise OptionError(f"model {options.model!r} is not valid; valid: a text provider:model")
+    eyes = models.client(options.model, base_url=options.base_url).endpoint.model.images
+    return [role for role in MODEL_ROLES if given[role] is None and (eyes or role != "checker")]
+
+
+def _models(options: ModelOptions) -> Models:
+    from remac_agents.llm import Budget, Cassette, Limiter  # only here: no offline agent needs the client
+    from remac_agents.models import LIMITS, Models
+
+    for name, bound in options.budget.items():
+        if bound is not None and (isinstance(bound, bool) or not isinstance(bound, int | float) or not bound >= 0):
+            raise OptionError(f"max_{name} {bound!r} is not valid; valid: a number from 0, or None")
+    if options.limiter is not None and not isinstance(options.limiter, Limiter):
+        raise OptionError(f"limiter {options.limiter!r} is not valid; valid: a remac_agents.llm.Limiter, or None")
+    if options.replay and options.cassette is None:
+        raise OptionError("replay needs a cassette; valid: cassette=FILE, replay=True")
+    cassette = options.cassette
+    if isinstance(cassette, str | Path):
+        cassette = Cassette(cassette, mode="replay" if options.replay else "fill")
+    if cassette is not None and not isinstance(cassette, Cassette):
+        raise OptionError(f"cassette {cassette!r} is not valid; valid: a path, a Cassette, or None")
+    bounds: dict[str, Any] = {n: LIMITS.get(n) if bound is None else bound for n, bound in options.budget.items()}
+    return Models(budget=Budget(**bounds), cassette=cassette, limiter=options.limiter, base_url=options.base_url)

@@ -1,0 +1,164 @@
+"""The language models of one agent: one budget, one cassette and one limiter for all its roles, and a book of what was
+said. What keeps a model from answering ends the episode; what lies in its answer does not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from remac_agents.ledger import Exchange, Usage
+from remac_agents.llm import Budget, Cassette, ChatClient, ChatError, ChatReply, Limiter, Picture, load, resolve
+from remac_agents.llm.clock import Clock
+from remac_agents.roles import StopEpisode
+
+LIMITS: dict[str, float] = {"calls": 1000, "tokens": 5_000_000, "seconds": 6 * 3600.0}
+"""Bounds of a job where none are given. An episode with a model in every role takes about 60 calls."""
+
+STOPPING = ("over_budget",)
+"""Kinds of errors that end the episode as a failure of the agent; those of the infrastructure end it unjudged."""
+
+
+@dataclass
+class Page:
+    """What was said in one episode."""
+
+    label: str = ""
+    round: int = 0
+    exchanges: list[Exchange] = field(default_factory=list)
+    pictures: dict[str, bytes] = field(default_factory=dict)
+    errors: list[str] = field(default_factory=list)
+    asked: dict[str, int] = field(default_factory=dict)
+    tokens_in: int = 0
+    tokens_out: int = 0
+
+
+class Models:
+    """Shared by the roles of one agent. Its budget bounds a job: all episodes of the agent together."""
+
+    def __init__(
+        self,
+        *,
+        budget: Budget | None = None,
+        cassette: Cassette | None = None,
+        limiter: Limiter | None = None,
+        base_url: str | None = None,
+        clock: Clock | None = None,
+        environ: Mapping[str, str] | None = None,
+    ) -> None:
+        """Nothing is asked yet.
+
+        Args:
+            budget: None: LIMITS.
+            limiter: may be shared with other agents.
+            base_url: of models that may be anywhere and are named without an address.
+            clock, environ: given by tests.
+        """
+        self.budget = budget or Budget(**LIMITS)  # type: ignore[arg-type]
+        self.cassette, self.page = cassette, Page()
+        self._limiter, self._base_url = limiter or Limiter(clock=clock), base_url
+        self._more: dict[str, Any] = {"clock": clock, "environ": environ}
+        self._clients: dict[tuple[str, str, bool], ChatClient] = {}
+
+    def client(self, model: str, *, base_url: str | None = None, stream: bool = False) -> ChatClient:
+        """The client of a model; the same for the same model.
+
+        Raises:
+            UnknownNameError: for an unknown model; lists the valid ones.
+            OptionError: for an address that no request may go to.
+        """
+        provider = load().providers.get(model.partition(":")[0])
+        movable = provider is not None and provider.movable
+        endpoint = resolve(model, base_url=self._base_url if base_url is None and movable else base_url)
+        key = (endpoint.name, endpoint.base_url, stream)
+        if key not in self._clients:
+            shared: dict[str, Any] = {"budget": self.budget, "cassette": self.cassette, "limiter": self._limiter}
+            self._clients[key] = ChatClient(endpoint, stream=stream, **shared, **self._more)
+        return self._clients[key]
+
+    def begin_episode(self, label: str, errors: list[str]) -> None:
+        """Open a new page. `label` keeps the episode's questions apart on the cassette; `errors` takes up errors."""
+        self.page = Page(label, errors=errors)
+
+    def begin_round(self, number: int) -> None:
+        """How many rounds were played before what is said from here on."""
+        self.page.round = number
+
+    def ask(
+        self,
+        client: ChatClient,
+        role: str,
+        messages: Sequence[Mapping[str, str]],
+        *,
+        about: str = "",
+        images: Sequence[Picture] = (),
+        **options: Any,
+    ) -> ChatReply | ChatError:
+        """Put one question and note it.
+
+        Raises:
+            StopEpisode: if nobody can answer any more: the endpoint is down, or the budget spent.
+        """
+        page = self.page
+        number = page.asked[role] = page.asked.get(role, 0) + 1
+        label = f"{page.label}/{role}/{number}"
+        outcome = client.complete(messages, images=images, label=label, **options)
+        self._note(client, role, about, messages, images, outcome)
+        if isinstance(outcome, ChatReply):
+            return outcome
+        if outcome.infrastructure or outcome.kind in STOPPING:
+            raise StopEpisode(f"{role}: {outcome.kind}: {outcome.detail}", infrastructure=outcome.infrastructure)
+        return outcome
+
+    @property
+    def exchanges(self) -> tuple[Exchange, ...]:
+        """Questions and answers of the episode, in order."""
+        return tuple(self.page.exchanges)
+
+    @property
+    def pictures(self) -> Mapping[str, bytes]:
+        """Digest -> PNG of what was shown in the episode."""
+        return dict(self.page.pictures)
+
+    @property
+    def usage(self) -> Usage:
+        """What the episode took. A question counts as one call, however often it had to be sent."""
+        page = self.page
+        calls = [exchange for exchange in page.exchanges if exchange.error not in STOPPING]
+        return Usage(
+            calls=len(calls),
+            prompt_tokens=page.tokens_in,
+            completion_tokens=page.tokens_out,
+            money=sum(exchange.money or 0.0 for exchange in calls),
+            unpriced=sum(exchange.money is None and exchange.error is None for exchange in calls),
+            seconds=sum(exchange.seconds for exchange in calls),
+        )
+
+    def _note(
+        self,
+        client: ChatClient,
+        role: str,
+        about: str,
+        messages: Sequence[Mapping[str, str]],
+        images: Sequence[Picture],
+        outcome: ChatReply | ChatError,
+    ) -> None:
+        page, reply = self.page, outcome if isinstance(outcome, ChatReply) else None
+        page.tokens_in += outcome.tokens_in or 0
+        page.tokens_out += outcome.tokens_out or 0
+        page.pictures.update({picture.digest: picture.png for picture in images})
+        page.exchanges.append(
+            Exchange(
+                round=page.round,
+                role=role,
+                label=about,
+                messages=tuple((message["role"], client.redacted(message["content"])) for message in messages),
+                reply=reply.text if reply else "",
+                reasoning=reply.reasoning if reply else "",
+                error=None if reply else outcome.kind,  # type: ignore[union-attr]
+                tokens=(outcome.tokens_in or 0) + (outcome.tokens_out or 0),
+                money=outcome.money,
+                seconds=outcome.seconds,
+                pictures=tuple(picture.digest for picture in images),
+            )
+        )

@@ -1,0 +1,47 @@
+"""The planner that is a language model. Its answer is text, which methods read as they read any planner's."""
+
+from __future__ import annotations
+
+from remac_agents import wording
+from remac_agents.llm import BadAnswer
+from remac_agents.model_role import ModelRole
+from remac_agents.plan import PlanError
+from remac_agents.prompt import load
+from remac_agents.roles import PlanRequest
+
+
+class LlmPlanner(ModelRole):
+    """Asks for the whole plan, for the next step (CAPE) or for a corrected plan (REFLECT), by what the request says."""
+
+    role = "planner"
+
+    def plan(self, request: PlanRequest) -> str | PlanError:
+        """The model's answer, or why there is none."""
+        prompt = load(_prompt(request))
+        fields = {name: text for name, text in _fields(request).items() if name in prompt.fields}
+        about = f"{', '.join(request.robots)}: {prompt.name}"
+        text = self.say(prompt.messages(fields), about=about)
+        return PlanError(text.problem) if isinstance(text, BadAnswer) else text
+
+
+def _prompt(request: PlanRequest) -> str:
+    if request.single_step:
+        return "planner_step"
+    return "planner_correct" if request.explanation else "planner"
+
+
+def _fields(request: PlanRequest) -> dict[str, str]:
+    listed = ", ".join(request.commands)
+    return {
+        "scene": request.scene,
+        "commands": "" if listed in request.scene else listed,  # the kitchen's text lists them, others may not
+        "goal": request.goal,
+        "robots": ", ".join(request.robots),
+        "reflections": wording.bullets(request.reflections),
+        "previous_plan": wording.rows(request.previous_plan),
+        "executed": wording.rows(request.executed),
+        "failure": request.failure,
+        "history": wording.attempts(request.history),
+        "events": wording.numbered(request.events),
+        "explanation": request.explanation,
+    }

@@ -1,0 +1,66 @@
+"""Small pieces of text that prompts are filled with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from remac_agents.llm import plain
+from remac_agents.roles import Attempt, View
+from remac_env.conditions import Condition
+from remac_env.subtasks import Subtask
+
+LONGEST = 300
+"""Characters of one sentence that a model wrote and that goes into another prompt, a record or the memory."""
+
+
+def bullets(lines: Iterable[str]) -> str:
+    """One line each, "" for none."""
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def numbered(lines: Iterable[str]) -> str:
+    """One line each, counted from 1."""
+    return "\n".join(f"{number}. {line}" for number, line in enumerate(lines, 1))
+
+
+def commands(steps: Sequence[Subtask]) -> str:
+    """Steps as a list in brackets."""
+    return f"[{', '.join(step.text for step in steps)}]"
+
+
+def rows(plan: Mapping[str, Sequence[str]] | None) -> str:
+    """A plan as a line a robot, "" for none."""
+    return "\n".join(f"{robot}: [{', '.join(row)}]" for robot, row in (plan or {}).items())
+
+
+def sentences(conditions: Iterable[Condition]) -> str:
+    """Conditions, one a line."""
+    return bullets(condition.sentence for condition in conditions)
+
+
+def one_line(text: str) -> str:
+    """A model's words as one short line without control characters."""
+    return plain(text, limit=LONGEST)
+
+
+def held(view: View, robot: str) -> str:
+    """What a robot feels in its gripper."""
+    thing = view.holding.get(robot)
+    return f"the {thing}" if thing else "nothing"
+
+
+def room(view: View) -> dict[str, str]:
+    """The fields `fixtures`, `things` and `goal`."""
+    scene = view.scene
+    return {"fixtures": ", ".join(scene.fixtures), "things": ", ".join(scene.objects), "goal": view.goal}
+
+
+def attempts(history: Iterable[Attempt]) -> str:
+    """Steps that were run or refused, one a line, with what was found false about them."""
+    return numbered(f"{attempt.robot}: {attempt.subtask.text}: {_ended(attempt)}" for attempt in history)
+
+
+def _ended(attempt: Attempt) -> str:
+    words = {True: "worked", False: "failed", None: "was run"}[attempt.succeeded] if attempt.ran else "was not run"
+    false = "; ".join(condition.sentence for condition in attempt.false)
+    return f"{words}, not true: {false}" if false else words

@@ -1,0 +1,135 @@
+"""A language model for tests: a real endpoint on loopback whose answers follow a script and the kitchen's truth."""
+
+from __future__ import annotations
+
+import json
+import re
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from agent_kitchens import play, suite_kitchen
+from chaos_server import Asked, ChaosServer, says
+
+import remac_agents
+from remac_agents.conditions.rule import RuleConditions
+from remac_agents.plan import Commands
+from remac_agents.prompt import load, names
+from remac_agents.roles import View
+from remac_env.sentences import read_condition
+
+TASK = "OpenMicrowavePnP"
+NAIVE = "navigate to vegetable, pick up vegetable, navigate to microwave, place to microwave"
+DETOUR = "navigate to counter, place to counter, navigate to microwave, open microwave door"
+REPAIRED = f"{DETOUR}, {NAIVE}"
+RIGHT = f"navigate to microwave, open microwave door, {NAIVE}"
+
+
+def prompt_of(system: str) -> str:
+    """Which prompt a system message comes from; its beginning tells."""
+    return next(name for name in names() if load(name).system[:150] == system[:150])
+
+
+@dataclass
+class ScriptedModel:
+    """Plays every role well, but for the naive plan that it makes until it has learnt better.
+
+    `answers` replaces the text of a prompt's answers: a text, or a function of the user's message.
+    """
+
+    env: Any
+    server: ChaosServer
+    answers: dict[str, str | Callable[[str], str]] = field(default_factory=dict)
+    heard: list[tuple[str, str]] = field(default_factory=list)
+    plan_before: str = NAIVE
+
+    def act(self, connection: socket.socket, asked: Asked) -> None:
+        """Answer a request."""
+        messages = asked.body["messages"]
+        name = prompt_of(messages[0]["content"])
+        told = messages[-1]["content"]
+        user = told if isinstance(told, str) else told[0]["text"]
+        self.heard.append((name, user))
+        says(self.text(name, user))(connection, asked)
+
+    def text(self, name: str, user: str) -> str:
+        """What the model says."""
+        scripted = self.answers.get(name)
+        if scripted is not None:
+            return scripted if isinstance(scripted, str) else scripted(user)
+        return str(getattr(self, f"_{name}")(user))
+
+    def _planner(self, user: str) -> str:
+        return f"Plan: [{RIGHT if 'Lessons' in user else self.plan_before}]"
+
+    def _planner_step(self, user: str) -> str:
+        if [name for name, _ in self.heard] == ["planner_step"]:
+            return "Plan: [pick up vegetable]"
+        steps = [*RIGHT.split(", "), "done"]
+        return f"Plan: [{steps[user.count(': worked')]}]"
+
+    def _planner_correct(self, user: str) -> str:
+        return f"<think>what now?</think>Plan: [{REPAIRED}]"
+
+    def _conditions(self, user: str, verb: str, method: str) -> str:
+        robot, command, held = re.findall(rf'^(\w+) {verb} "(.+?)", .*held? (?:the )?(.+?):$', user, re.M)[-1]
+        commands = Commands(self.env.infos_commands)
+        view = View("", self.env.start.scene, {robot: None if held == "nothing" else held})
+        found = getattr(RuleConditions(), method)(commands[command], robot, view)
+        return json.dumps({"conditions": [condition.sentence for condition in found]})
+
+    def _conditions_before(self, user: str) -> str:
+        return self._conditions(user.replace("gripper holds", "gripper held"), "is to run", "before")
+
+    def _conditions_after(self, user: str) -> str:
+        return self._conditions(user, "has run", "after")
+
+    def _checker(self, user: str) -> str:
+        sentences = re.findall(r"^\d+\. (.*)$", user, re.M)
+        conditions = [read_condition(sentence, self.env.start.scene) for sentence in sentences]
+        scene, world = self.env.start.scene, self.env.world
+        return json.dumps({"verdicts": [c is None or c.holds(scene, world) for c in conditions]})
+
+    def _analysis(self, user: str) -> str:
+        fetch = "navigate to vegetable, pick up vegetable, navigate to microwave"
+        return json.dumps({"reason": "the door is shut", "next_steps": f"{DETOUR}, {fetch}".split(", ")})
+
+    def _adjustment(self, user: str) -> str:
+        return f"The new plan:\n\nPlan: [{REPAIRED}]"
+
+    def _reflector(self, user: str) -> str:
+        return json.dumps({"reason": "a full hand opens no door", "avoid": "open it first", "remedy": "put it down"})
+
+    def _summary(self, user: str) -> str:
+        events, subgoals = user.split("Subgoals:")
+        lines = {"events": events, "subgoals": subgoals}
+        told = {name: re.findall(r"^\d+\. (.*)$", text, re.M) for name, text in lines.items()}
+        return "Here it is:\n```json\n" + json.dumps(told) + "\n```"
+
+    def _explanation(self, user: str) -> str:
+        return json.dumps({"reason": "the door was shut", "step": 4})
+
+
+@contextmanager
+def scripted(task: str = TASK, **options: Any) -> Iterator[ScriptedModel]:
+    """A kitchen, and a model that knows it."""
+    env = suite_kitchen(task, **options)
+    _, infos = env.reset(seed=3)
+    env.infos_commands = tuple(next(iter(infos.values()))["commands"])
+    with ChaosServer() as server:
+        model = ScriptedModel(env, server)
+        server.script = [model.act]
+        yield model
+
+
+def agent_of(model: ScriptedModel, method: str, **options: Any) -> remac_agents.Agent:
+    """An agent whose roles are all this model."""
+    return remac_agents.make(method, model="custom:scripted", base_url=model.server.url, **options)
+
+
+def run(model: ScriptedModel, method: str, **options: Any) -> remac_agents.EpisodeReport:
+    """One episode."""
+    return play(model.env, agent_of(model, method, **options))
+
