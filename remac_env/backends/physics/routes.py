@@ -22,28 +22,50 @@ from remac_env.robots.rotation import Array
 LANES = (-1.15, -1.3, -1.5, -1.7, -1.9, -2.1, -2.3, -2.5, -2.7, -2.9)  # y of the arm axis before a wall, m
 _CROSSINGS = (-1.15, -1.4, -1.8, -2.3)  # the same for the two walls of a drive from one to another
 _ROOMY = BASE_RADIUS + 0.10  # m around the axis on ways that turn corners
+_HALF_TURN = 2.0  # rad from which on a turn may as well go the other way round
 _GROWTH = BASE_RADIUS  # m by which obstacles on the floor grow for such ways
 
 
-def candidates(here: Surroundings, goal: Station, obstacles: Iterable[Block]) -> Iterator[Path]:
-    """Corners (11,) of ways from where the robot is to ``goal``, world frame, in no particular order."""
-    layout, q = here.layout, here.robot.q
-    end = q.copy()
-    end[:3] = goal.x, goal.y, q[2] + math.remainder(goal.yaw - q[2], 2.0 * math.pi)
-    start = here.place
+@dataclass(frozen=True)
+class Course:
+    """A way as its corners (11,), world frame, and its sort: ways of one sort differ in their lanes only."""
+
+    corners: Path
+    sort: tuple[int, str]
+
+
+def candidates(here: Surroundings, goal: Station, obstacles: Iterable[Block]) -> Iterator[Course]:
+    """Ways from where the robot is to ``goal``, in no particular order."""
+    q, end = here.robot.q, here.robot.q.copy()
+    turn = math.remainder(goal.yaw - q[2], 2.0 * math.pi)
+    end[:3] = goal.x, goal.y, q[2] + turn
+    yield from _ways_to(here, goal, end, obstacles)
+    if abs(turn) > _HALF_TURN:
+        end = end.copy()
+        end[2] -= math.copysign(2.0 * math.pi, turn)
+        yield from _ways_to(here, goal, end, obstacles)
+
+
+def _ways_to(here: Surroundings, goal: Station, end: Array, obstacles: Iterable[Block]) -> Iterator[Course]:
+    """Ways that end in configuration ``end``, turning towards it on the side that its heading says."""
+    layout, q, start = here.layout, here.robot.q, here.place
+    side = int(math.copysign(1.0, end[2] - q[2]))
     if start.wall and goal.wall and start.wall != goal.wall:
         frames = layout.facing(start), layout.facing(goal)
         for first, second in product(_CROSSINGS, _CROSSINGS):
-            yield [_moved(q, frames[0], q, first), _moved(end, frames[1], end, second), end]
+            out, before = _moved(q, frames[0], q, first), _moved(end, frames[1], end, second)
+            yield Course([out, before, end], (side, "turning on the way"))
+            yield Course([out, _turned(out, end), before, end], (side, "turning first"))
+            yield Course([out, _turned(before, q), before, end], (side, "turning last"))
     else:
         frame = layout.facing(goal if goal.wall else start) if goal.wall or start.wall else _any_frame(layout)
         for lane in LANES:
-            yield [_moved(q, frame, q, lane), _moved(end, frame, end, lane), end]
+            yield Course([_moved(q, frame, q, lane), _moved(end, frame, end, lane), end], (side, f"lane {lane}"))
         if not start.wall:
-            yield [end]
+            yield Course([end], (side, "straight"))
     around = _around(here, goal, end, obstacles)
     if around is not None:
-        yield around
+        yield Course(around, (side, "around"))
 
 
 def _any_frame(layout: Layout) -> Frame:
@@ -56,6 +78,13 @@ def _moved(q: Array, frame: Frame, place: Array, lane: float) -> Array:
     moved = q.copy()
     moved[:2] = frame.point(x, lane)
     return moved
+
+
+def _turned(q: Array, like: Array) -> Array:
+    """``q`` with the heading of another configuration."""
+    turned = q.copy()
+    turned[2] = like[2]
+    return turned
 
 
 def _around(here: Surroundings, goal: Station, end: Array, obstacles: Iterable[Block]) -> Path | None:

@@ -12,6 +12,7 @@ from remac_env.backends.physics.simulation import Simulation
 from remac_env.robots.rotation import Array
 
 NEAR_MISS = 0.05  # m
+_NEAR = NEAR_MISS + 0.01  # m up to which distances are told apart
 _FAR = 2.4  # m between two bases from which on arms cannot meet
 
 
@@ -28,7 +29,7 @@ class Separation:
             robot: [b for b, name in enumerate(names) if name.startswith(robot + "/")] for robot in simulation.robots
         }
         self._model.opt.enableflags = 0
-        self._model.geom_margin[:] = NEAR_MISS + 0.01
+        self._model.geom_margin[:] = _NEAR
         self._set_masks()
 
     def holding(self, held: Mapping[str, str]) -> None:
@@ -58,6 +59,11 @@ class Separation:
         for address, pose in attached.values():
             self._data.qpos[address : address + 7] = pose
         return self._measure()
+
+    @property
+    def held(self) -> Mapping[str, str]:
+        """What robots hold (robot -> body), as last told."""
+        return self._held
 
     @property
     def robots(self) -> tuple[str, ...]:
@@ -93,7 +99,19 @@ class Separation:
             self._data = mujoco.MjData(self._model)
             self._data.qpos[:] = qpos
             return 0.0
-        return float(self._data.contact.dist.min()) if self._data.ncon else np.inf
+        return min((self._distance(k) for k in range(self._data.ncon)), default=np.inf)
+
+    def _distance(self, number: int) -> float:
+        """Distance (m) of one contact.
+
+        Between boxes that do not touch, but are nearer than their margins, MuJoCo's contacts sometimes claim an
+        overlap of most of a box; its general distance says otherwise.
+        """
+        contact = self._data.contact
+        if contact.dist[number] < 0.0:
+            one, other = (int(geom) for geom in contact.geom[number])
+            return float(mujoco.mj_geomDistance(self._model, self._data, one, other, _NEAR, None))
+        return float(contact.dist[number])
 
     def _set_masks(self) -> None:
         model = self._model

@@ -6,25 +6,28 @@ circles around the robots' parts and, where those come near, with the real shape
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, islice, product
 
 import mujoco
 import numpy as np
 
 from remac_env.backends.physics.collision import IGNORED
+from remac_env.backends.physics.encounters import Encounter
 from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.routes import Outline, candidates, periods, sampled
+from remac_env.backends.physics.routes import Course, Outline, candidates, periods, sampled
 from remac_env.backends.physics.separation import NEAR_MISS, Separation
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings
 from remac_env.kitchen.fixtures.base import Block
 from remac_env.kitchen.layout import Station
 from remac_env.robots.rotation import Array
 
-_DELAYS = tuple(range(0, 321, 20))  # control periods
-_TRIES = 600  # combinations checked in space and time
 _SAMPLE = 3  # control periods between checks
+_DELAYS = tuple(range(0, 112, 7))  # of the same
+_TRIES = 4000  # combinations checked in space and time
+_LANES = 3  # ways of one sort that are tried where several robots drive
 _APART = NEAR_MISS + 0.005  # m
 
 
@@ -36,14 +39,20 @@ class Errand:
     goal: Station
 
 
-@dataclass
+@dataclass(eq=False)
 class _Way:
-    """One way of one robot: corners, how long it takes, and, once asked for, its path or None where it is not free."""
+    """One way of one robot: its course, how long it takes, and, once asked for, its path or None if not free."""
 
-    corners: Path
+    course: Course
     periods: int
     path: Path | None = None
     checked: bool = False
+
+    @property
+    def moments(self) -> Path:
+        """Every so many configurations of the path, and its last."""
+        path = self.path or []
+        return [*path[::_SAMPLE], *path[-1:]]
 
 
 @dataclass(frozen=True)
@@ -91,13 +100,17 @@ class Convoy:
             errand.here.leave()
         drivers = {name: self._driver(errand) for name, errand in self._errands.items()}
         self._separation.refresh()
-        goals = {name: (errand.goal.x, errand.goal.y) for name, errand in self._errands.items()}
-        able = [name for name, driver in drivers.items() if any(self._path(driver, way) for way in driver.ways)]
-        going = sorted(able, key=lambda n: goals[n])
-        for group in (going, *([name] for name in going)) if len(going) != 1 else (going,):
-            timed = self._combine({name: drivers[name] for name in group}) if group else None
-            if timed is not None:
+        places = {name: (errand.goal.x, errand.goal.y) for name, errand in self._errands.items()}
+        going = sorted(drivers, key=lambda name: places[name])
+        if len(going) > 1:
+            timed = self._together({name: drivers[name] for name in going})
+            if timed:
                 return timed
+        for name in going:
+            path = next((path for way in drivers[name].ways if (path := self._path(drivers[name], way))), None)
+            standing = set(self._separation.robots) - {name}
+            if path is not None and self._keeps_off(drivers[name], path, standing):
+                return {name: path}
         return {}
 
     def _driver(self, errand: Errand) -> _Driver:
@@ -107,61 +120,81 @@ class Convoy:
         for robot, body in self._separation.held.items():
             if robot != here.robot.name:
                 here.scratch.mark(here.simulation.geoms(body), IGNORED)  # it goes where that robot goes
-        ways = [_Way(way, periods(here.robot.q, way)) for way in candidates(here, errand.goal, self._rooms)]
+        found = candidates(here, errand.goal, self._rooms)
+        ways = [_Way(course, periods(here.robot.q, course.corners)) for course in found]
         return _Driver(here, sorted(ways, key=lambda way: way.periods), Outline.of(here))
 
     def _path(self, driver: _Driver, way: _Way) -> Path | None:
-        """The way as a path, one configuration a period, where it meets no furniture and no working robot's room."""
+        """The way as a path, one configuration a period, where it meets no furniture and nobody who stays."""
         if not way.checked:
             way.checked = True
-            here = driver.here
-            path = sampled(here.robot.q, way.corners)
+            here, corners = driver.here, way.course.corners
+            path = sampled(here.robot.q, corners)
             bases = np.array(path[::4])[:, :3]
-            ends = [here.robot.q, *way.corners]
+            ends = [here.robot.q, *corners]
             if not any(driver.outline.meets(bases, room) for room in self._rooms):
                 with here.scratch.without_robots():
-                    if all(here.planner.edge(ends[k], ends[k + 1], 0.1) for k in range(len(way.corners))):
-                        way.path = path
+                    free = all(here.planner.edge(ends[k], ends[k + 1], 0.1) for k in range(len(corners)))
+                staying = set(self._separation.robots) - set(self._errands)
+                if free and self._keeps_off(driver, path, staying):
+                    way.path = path
         return way.path
 
-    def _combine(self, drivers: Mapping[str, _Driver]) -> dict[str, Path] | None:
+    def _keeps_off(self, driver: _Driver, path: Path, standing: Collection[str]) -> bool:
+        """Whether a path keeps clear of robots that stand where they are."""
+        circles = self._separation.circles(standing)
+        if not len(circles):
+            return True
+        moments = [*path[::_SAMPLE], path[-1]]
+        middles, radii = driver.outline.circles(np.array(moments)[:, :3])
+        gaps = np.linalg.norm(middles[:, :, None] - circles[:, :2], axis=3) - radii[:, None] - circles[:, 2]
+        near = np.flatnonzero(gaps.min(axis=(1, 2)) < _APART)
+        return all(self._clear({driver.here.robot.name: driver}, {driver.here.robot.name: moments[k]}) for k in near)
+
+    def _choice(self, driver: _Driver) -> list[_Way]:
+        """Free ways of every sort: the quickest, the slowest and one between."""
+        sorts: dict[tuple[int, str], list[_Way]] = defaultdict(list)
+        for way in driver.ways:
+            sorts[way.course.sort].append(way)
+        found: list[_Way] = []
+        for ways in sorts.values():
+            order = [ways[0], ways[-1], *ways[len(ways) // 2 :], *ways[1:]]
+            free = (way for way in dict.fromkeys(order) if self._path(driver, way))
+            found += islice(free, _LANES)
+        return found
+
+    def _together(self, drivers: Mapping[str, _Driver]) -> dict[str, Path] | None:
         """The combination of ways and delays that ends first and keeps the robots apart all the time."""
-        names, tries = list(drivers), 0
-        standing = self._separation.circles(set(self._separation.robots) - set(names))
-        for ways, delays in _ordered([drivers[name].ways for name in names]):
-            timed: dict[str, Path] = {}
-            for name, way, delay in zip(names, ways, delays, strict=True):
-                path = self._path(drivers[name], way)
-                if path is not None:
-                    timed[name] = [drivers[name].here.robot.q] * delay + path
-            if len(timed) < len(names):
-                continue
-            if self._apart(drivers, timed, standing):
-                return timed
-            tries += 1
-            if tries >= _TRIES:
-                break
+        names = list(drivers)
+        encounters: dict[tuple[_Way, _Way], Encounter] = {}
+        for ways, delays in islice(_ordered([self._choice(drivers[name]) for name in names]), _TRIES):
+            if all(
+                self._encounter(drivers, names, (i, ways[i]), (j, ways[j]), encounters).passes((delays[i], delays[j]))
+                for i, j in combinations(range(len(names)), 2)
+            ):
+                return {
+                    name: [drivers[name].here.robot.q] * (delay * _SAMPLE) + (way.path or [])
+                    for name, way, delay in zip(names, ways, delays, strict=True)
+                }
         return None
 
-    def _apart(self, drivers: Mapping[str, _Driver], timed: Mapping[str, Path], standing: Array) -> bool:
-        """Whether robots keep apart; only where circles around their parts come near are the real shapes looked at."""
-        last = max(len(path) for path in timed.values())
-        ticks = np.array([*range(0, last, _SAMPLE), last - 1])
-        bound = np.full(len(ticks), np.inf)
-        drawn = []
-        for name, path in timed.items():
-            bases = np.array([path[min(k, len(path) - 1)][:3] for k in ticks])
-            drawn.append(drivers[name].outline.circles(bases))
-        fixed = np.broadcast_to(standing[:, :2], (len(ticks), *standing[:, :2].shape)), standing[:, 2]
-        for one, other in [(a, b) for i, a in enumerate(drawn) for b in [*drawn[i + 1 :], fixed]]:
-            if len(other[1]):
-                gaps = np.linalg.norm(one[0][:, :, None] - other[0][:, None], axis=-1)
-                bound = np.minimum(bound, (gaps - one[1][:, None] - other[1]).min(axis=(1, 2)))
-        near = [k for k in np.argsort(bound, kind="stable") if bound[k] < _APART]
-        return all(self._clear(drivers, timed, int(ticks[k])) for k in near)
+    def _encounter(
+        self, drivers: Mapping[str, _Driver], names: Sequence[str], one: tuple[int, _Way], other: tuple[int, _Way],
+        known: dict[tuple[_Way, _Way], Encounter],
+    ) -> Encounter:
+        key = one[1], other[1]
+        if key not in known:
+            pair, moments = (names[one[0]], names[other[0]]), (one[1].moments, other[1].moments)
+            known[key] = Encounter(
+                (np.array(moments[0])[:, :3], np.array(moments[1])[:, :3]),
+                (drivers[pair[0]].outline, drivers[pair[1]].outline),
+                _APART,
+                lambda i, j: self._clear(drivers, {pair[0]: moments[0][i], pair[1]: moments[1][j]}),
+            )
+        return known[key]
 
-    def _clear(self, drivers: Mapping[str, _Driver], timed: Mapping[str, Path], tick: int) -> bool:
-        now = {name: path[min(tick, len(path) - 1)] for name, path in timed.items()}
+    def _clear(self, drivers: Mapping[str, _Driver], now: Mapping[str, Array]) -> bool:
+        """Whether robots in these configurations are apart, with their real shapes."""
         held = {name: pose for name, q in now.items() if (pose := _held(drivers[name].here, q)) is not None}
         return self._separation.of_configurations(now, held) >= _APART
 
@@ -183,6 +216,6 @@ def _ordered(ways: Sequence[Sequence[_Way]]) -> list[tuple[tuple[_Way, ...], tup
     for chosen in product(*ways):
         for delays in product(_DELAYS, repeat=len(chosen)):
             if min(delays) == 0:
-                ends = [delay + way.periods for delay, way in zip(delays, chosen, strict=True)]
+                ends = [delay * _SAMPLE + way.periods for delay, way in zip(delays, chosen, strict=True)]
                 found.append((max(ends), sum(ends), len(found), chosen, delays))
     return [(chosen, delays) for _, _, _, chosen, delays in sorted(found, key=lambda entry: entry[:3])]
