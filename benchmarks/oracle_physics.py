@@ -10,6 +10,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from itertools import product
 from multiprocessing import get_context
 from time import process_time
 from typing import Annotated
@@ -30,6 +31,8 @@ class Played:
     task: str
     robots: int
     seed: int
+    layout: str
+    style: str
     end: str | None
     failures: tuple[str, ...]
     rounds: int
@@ -43,6 +46,7 @@ def play(task: str, robots: int, seed: int, *, layout: str | None, starts: str, 
     """Run the oracle's plan of one seed."""
     env = remac_env.parallel_env(task, robots=robots, starts=starts, layout=layout)
     _, infos = env.reset(seed=seed)
+    start = env.start
     began, failures, left = process_time(), [], replans
     plan = solve(env.start.scene, env.world, env.goal)
     rounds = [] if plan is None else list(plan.rounds)
@@ -59,7 +63,7 @@ def play(task: str, robots: int, seed: int, *, layout: str | None, starts: str, 
     info = next(iter(infos.values()))
     env.close()
     return Played(
-        task, robots, seed, info["end"], tuple(failures), info["round"], info["seconds"], process_time() - began,
+        task, robots, seed, start.layout, start.style, info["end"], tuple(failures), info["round"], info["seconds"], process_time() - began,
         info["robot_contacts"], info["near_misses"],
     )  # fmt: skip
 
@@ -67,26 +71,31 @@ def play(task: str, robots: int, seed: int, *, layout: str | None, starts: str, 
 def main(
     seeds: Annotated[str, typer.Option(help="first:end")] = "0:50",
     tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
-    layout: Annotated[str | None, typer.Option(help="A layout's name; by default each seed picks.")] = None,
+    layouts: Annotated[
+        str | None, typer.Option(help="Names with commas between them, each with every seed; by default the seed picks.")
+    ] = None,
+    by: Annotated[str, typer.Option(help="A row for each task, layout or style, and number of robots.")] = "task",
     starts: Annotated[str, typer.Option(help="paper or mixed")] = "paper",
     replans: Annotated[int, typer.Option(help="Plans anew after a failed round, at most this often.")] = 2,
     processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
 ) -> None:
     """Print a table a task and number of robots, and every failed subtask."""
     names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
-    cells = [(task, robots, seed) for task in names for robots in (1, 2) for seed in parse_seeds(seeds)]
+    places = [None] if layouts is None else parse_names(layouts, "layouts")
+    cells = list(product(names, (1, 2), parse_seeds(seeds), places))
     console = Console()
     groups: dict[tuple[str, int], list[Played]] = defaultdict(list)
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for played in pool.map(_job, [(*cell, layout, starts, replans) for cell in cells]):
-            groups[played.task, played.robots].append(played)
+        for played in pool.map(_job, [(*cell, starts, replans) for cell in cells]):
+            groups[getattr(played, by), played.robots].append(played)
             for failure in played.failures:
-                console.print(f"{played.task} {played.robots} seed {played.seed} {played.end}: {failure}", markup=False)
-    columns = ("task", "robots", "n", "success", "first try", "rounds", "sim s", "CPU s", "contacts", "near misses")
-    where = layout or "any layout"
+                where = f"{played.task} {played.robots} seed {played.seed} {played.layout} {played.style}"
+                console.print(f"{where} {played.end}: {failure}", markup=False, soft_wrap=True)
+    columns = (by, "robots", "n", "success", "first try", "rounds", "sim s", "CPU s", "contacts", "near misses")
+    where = layouts or "layouts of the seeds"
     table = Table(*columns, title=f"The oracle's plans in physics, {where}, {starts} starts, seeds {seeds}")
-    for (task, robots), group in groups.items():
-        table.add_row(task, str(robots), *_row(group))
+    for (name, robots), group in sorted(groups.items()):
+        table.add_row(name, str(robots), *_row(group))
     console.print(table)
 
 

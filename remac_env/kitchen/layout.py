@@ -98,6 +98,10 @@ class Layout:
             if first.distance(second) < CONFLICT_GAP
         )
 
+    def refuges(self, place: Station) -> tuple[Station, ...]:
+        """Where a robot may withdraw to from a place: every other station and parking place."""
+        return tuple(other for other in (*self.asides, *self.stations.values()) if other.name != place.name)
+
     def switch_owner(self, switch: str) -> Fixture:
         """Return the fixture that a switch belongs to; raises UnknownNameError."""
         owners = {name: fixture for fixture in self.fixtures.values() for name in fixture.switches}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -28,42 +28,52 @@ _GROWTH = BASE_RADIUS  # m by which obstacles on the floor grow for such ways
 
 @dataclass(frozen=True)
 class Course:
-    """A way as its corners (11,), world frame, and its sort: ways of one sort differ in their lanes only."""
+    """A way as its corners (11,), world frame, its start the first, and its sort: one sort differs in lanes only."""
 
     corners: Path
     sort: tuple[int, str]
 
 
-def candidates(here: Surroundings, goal: Station, obstacles: Iterable[Block]) -> Iterator[Course]:
+@dataclass(frozen=True)
+class Departure:
+    """From where a robot drives: the layout, its place there and its configuration (11,); obstacles on the floor."""
+
+    layout: Layout
+    place: Station
+    q: Array
+    obstacles: tuple[Block, ...] = ()
+
+
+def candidates(start: Departure, goal: Station) -> Iterator[Course]:
     """Ways from where the robot is to ``goal``, in no particular order."""
-    q, end = here.robot.q, here.robot.q.copy()
+    q, end = start.q, start.q.copy()
     turn = math.remainder(goal.yaw - q[2], 2.0 * math.pi)
     end[:3] = goal.x, goal.y, q[2] + turn
-    yield from _ways_to(here, goal, end, obstacles)
+    yield from _ways_to(start, goal, end)
     if abs(turn) > _HALF_TURN:
         end = end.copy()
         end[2] -= math.copysign(2.0 * math.pi, turn)
-        yield from _ways_to(here, goal, end, obstacles)
+        yield from _ways_to(start, goal, end)
 
 
-def _ways_to(here: Surroundings, goal: Station, end: Array, obstacles: Iterable[Block]) -> Iterator[Course]:
+def _ways_to(start: Departure, goal: Station, end: Array) -> Iterator[Course]:
     """Ways that end in configuration ``end``, turning towards it on the side that its heading says."""
-    layout, q, start = here.layout, here.robot.q, here.place
+    layout, q, place = start.layout, start.q, start.place
     side = int(math.copysign(1.0, end[2] - q[2]))
-    if start.wall and goal.wall and start.wall != goal.wall:
-        frames = layout.facing(start), layout.facing(goal)
+    if place.wall and goal.wall and place.wall != goal.wall:
+        frames = layout.facing(place), layout.facing(goal)
         for first, second in product(_CROSSINGS, _CROSSINGS):
             out, before = _moved(q, frames[0], q, first), _moved(end, frames[1], end, second)
-            yield Course([out, before, end], (side, "turning on the way"))
-            yield Course([out, _turned(out, end), before, end], (side, "turning first"))
-            yield Course([out, _turned(before, q), before, end], (side, "turning last"))
+            yield Course([q, out, before, end], (side, "turning on the way"))
+            yield Course([q, out, _turned(out, end), before, end], (side, "turning first"))
+            yield Course([q, out, _turned(before, q), before, end], (side, "turning last"))
     else:
-        frame = layout.facing(goal if goal.wall else start) if goal.wall or start.wall else _any_frame(layout)
+        frame = layout.facing(goal if goal.wall else place) if goal.wall or place.wall else _any_frame(layout)
         for lane in LANES:
-            yield Course([_moved(q, frame, q, lane), _moved(end, frame, end, lane), end], (side, f"lane {lane}"))
-        if not start.wall:
-            yield Course([end], (side, "straight"))
-    around = _around(here, goal, end, obstacles)
+            yield Course([q, _moved(q, frame, q, lane), _moved(end, frame, end, lane), end], (side, f"lane {lane}"))
+        if not place.wall:
+            yield Course([q, end], (side, "straight"))
+    around = _around(start, goal, end)
     if around is not None:
         yield Course(around, (side, "around"))
 
@@ -87,21 +97,21 @@ def _turned(q: Array, like: Array) -> Array:
     return turned
 
 
-def _around(here: Surroundings, goal: Station, end: Array, obstacles: Iterable[Block]) -> Path | None:
+def _around(start: Departure, goal: Station, end: Array) -> Path | None:
     """A way around corners, which turns while it goes: out of the station, over free floor, and in."""
-    space = floor(here.layout, _ROOMY)
-    for block in obstacles:
+    space = floor(start.layout, _ROOMY)
+    for block in start.obstacles:
         low, high = block.low, block.high
         space = space.without((low[0] - _GROWTH, low[1] - _GROWTH), (high[0] + _GROWTH, high[1] + _GROWTH))
-    q, start = here.robot.q, here.place
-    out = _moved(q, here.layout.facing(start), q, _CROSSINGS[0]) if start.wall else q
-    before = _moved(end, here.layout.facing(goal), end, _CROSSINGS[0]) if goal.wall else end
+    q, layout = start.q, start.layout
+    out = _moved(q, layout.facing(start.place), q, _CROSSINGS[0]) if start.place.wall else q
+    before = _moved(end, layout.facing(goal), end, _CROSSINGS[0]) if goal.wall else end
     places = space.way((out[0], out[1]), (before[0], before[1]))
     if places is None:
         return None
     lengths = np.hypot(*np.diff(np.array(places), axis=0).T)
     shares = np.cumsum(lengths) / max(float(lengths.sum()), 1e-9)
-    corners = [out]
+    corners = [q, out]
     for place, share in zip(places[1:], shares, strict=True):
         corner = q.copy()
         corner[:2], corner[2] = place, q[2] + share * (end[2] - q[2])
@@ -109,31 +119,26 @@ def _around(here: Surroundings, goal: Station, end: Array, obstacles: Iterable[B
     return [*corners, end]
 
 
-def periods(q: Array, corners: Iterable[Array]) -> int:
-    """How long a way takes, in control periods."""
-    count, start = 0, q
-    for corner in corners:
-        longest = float(np.max(np.abs(corner - start) / panda.SPEED))
-        if longest >= 1e-6:
-            count += max(2, math.ceil(longest * 1.5 / CONTROL_PERIOD))
-        start = corner
-    return max(1, count)
+def periods(corners: Path) -> int:
+    """How long a way through these corners takes, in control periods."""
+    return max(1, sum(_count(one, other) for one, other in pairwise(corners)))
 
 
-def sampled(q: Array, corners: Iterable[Array]) -> Path:
-    """One configuration per control period through the corners, as :meth:`Mover.go` would move."""
+def sampled(corners: Path) -> Path:
+    """One configuration per control period through the corners, as :meth:`Mover.go` would move; the first left out."""
     path: Path = []
-    start = q
-    for corner in corners:
-        longest = float(np.max(np.abs(corner - start) / panda.SPEED))
-        if longest < 1e-6:
-            continue
-        count = max(2, math.ceil(longest * 1.5 / CONTROL_PERIOD))
+    for start, corner in pairwise(corners):
+        count = _count(start, corner)
         for k in range(1, count + 1):
             u = k / count
             path.append(start + u * u * (3 - 2 * u) * (corner - start))
-        start = corner
-    return path or [q]
+    return path or [corners[0]]
+
+
+def _count(start: Array, corner: Array) -> int:
+    """Control periods from corner to corner, none where they are the same."""
+    longest = float(np.max(np.abs(corner - start) / panda.SPEED))
+    return max(2, math.ceil(longest * 1.5 / CONTROL_PERIOD)) if longest >= 1e-6 else 0
 
 
 @dataclass(frozen=True)

@@ -61,11 +61,6 @@ class Separation:
         return self._measure()
 
     @property
-    def held(self) -> Mapping[str, str]:
-        """What robots hold (robot -> body), as last told."""
-        return self._held
-
-    @property
     def robots(self) -> tuple[str, ...]:
         """All robots."""
         return tuple(self._bodies)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, islice, product
+from itertools import combinations, islice, pairwise, permutations, product
 
 import mujoco
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from remac_env.backends.physics.collision import IGNORED
 from remac_env.backends.physics.encounters import Encounter
 from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.routes import Course, Outline, candidates, periods, sampled
+from remac_env.backends.physics.routes import Course, Departure, Outline, candidates, periods, sampled
 from remac_env.backends.physics.separation import NEAR_MISS, Separation
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings
 from remac_env.kitchen.fixtures.base import Block
@@ -28,6 +28,8 @@ _SAMPLE = 3  # control periods between checks
 _DELAYS = tuple(range(0, 112, 7))  # of the same
 _TRIES = 4000  # combinations checked in space and time
 _LANES = 3  # ways of one sort that are tried where several robots drive
+_REFUGES = 6  # places to which a robot may withdraw that are tried, nearest first
+_STANDING = 0.36  # m: half the side of the square that a standing robot takes on the floor
 _APART = NEAR_MISS + 0.005  # m
 
 
@@ -57,11 +59,12 @@ class _Way:
 
 @dataclass(frozen=True)
 class _Driver:
-    """A robot with its ways, quickest first, and its outline while it drives."""
+    """A robot with its ways, quickest first, its outline while it drives, and its goal."""
 
     here: Surroundings
     ways: list[_Way]
     outline: Outline
+    goal: Station
 
 
 class Convoy:
@@ -103,7 +106,8 @@ class Convoy:
         places = {name: (errand.goal.x, errand.goal.y) for name, errand in self._errands.items()}
         going = sorted(drivers, key=lambda name: places[name])
         if len(going) > 1:
-            timed = self._together({name: drivers[name] for name in going})
+            together = {name: drivers[name] for name in going}
+            timed = self._together(together) or self._by_turns(together)
             if timed:
                 return timed
         for name in going:
@@ -120,21 +124,19 @@ class Convoy:
         for robot, body in self._separation.held.items():
             if robot != here.robot.name:
                 here.scratch.mark(here.simulation.geoms(body), IGNORED)  # it goes where that robot goes
-        found = candidates(here, errand.goal, self._rooms)
-        ways = [_Way(course, periods(here.robot.q, course.corners)) for course in found]
-        return _Driver(here, sorted(ways, key=lambda way: way.periods), Outline.of(here))
+        start = Departure(here.layout, here.place, here.robot.q, self._rooms)
+        return _Driver(here, _ways(start, errand.goal), Outline.of(here), errand.goal)
 
     def _path(self, driver: _Driver, way: _Way) -> Path | None:
         """The way as a path, one configuration a period, where it meets no furniture and nobody who stays."""
         if not way.checked:
             way.checked = True
             here, corners = driver.here, way.course.corners
-            path = sampled(here.robot.q, corners)
+            path = sampled(corners)
             bases = np.array(path[::4])[:, :3]
-            ends = [here.robot.q, *corners]
             if not any(driver.outline.meets(bases, room) for room in self._rooms):
                 with here.scratch.without_robots():
-                    free = all(here.planner.edge(ends[k], ends[k + 1], 0.1) for k in range(len(corners)))
+                    free = all(here.planner.edge(one, other, 0.1) for one, other in pairwise(corners))
                 staying = set(self._separation.robots) - set(self._errands)
                 if free and self._keeps_off(driver, path, staying):
                     way.path = path
@@ -178,6 +180,39 @@ class Convoy:
                 }
         return None
 
+    def _by_turns(self, drivers: Mapping[str, _Driver]) -> dict[str, Path] | None:
+        """One robot makes room, the other drives, then the first: the quickest such way of two robots."""
+        found: list[tuple[int, dict[str, Path]]] = []
+        for one, other in permutations(drivers, 2):
+            first, second = drivers[one], drivers[other]
+            for refuge in sorted(first.here.layout.refuges(first.here.place), key=first.here.place.distance)[:_REFUGES]:
+                out = self._alone(drivers, one, (first.here.place, first.here.robot.q), refuge, second.here.robot.q)
+                through = out and self._alone(
+                    drivers, other, (second.here.place, second.here.robot.q), second.goal, out[-1]
+                )
+                back = out and through and self._alone(drivers, one, (refuge, out[-1]), first.goal, through[-1])
+                if out and through and back:
+                    late = [second.here.robot.q] * len(out) + through
+                    found.append((len(late) + len(back), {one: [*out, *[out[-1]] * len(through), *back], other: late}))
+                    break
+        return min(found, key=lambda entry: entry[0])[1] if found else None
+
+    def _alone(
+        self, drivers: Mapping[str, _Driver], name: str, start: tuple[Station, Array], goal: Station, standing: Array
+    ) -> Path | None:
+        """The quickest way of one robot while the other stands in a configuration."""
+        driver, (other,) = drivers[name], (driver for key, driver in drivers.items() if key != name)
+        x, y = standing[:2]
+        around = Block((x - _STANDING, y - _STANDING, 0.0), (x + _STANDING, y + _STANDING, 1.0))
+        place, q = start
+        for way in _ways(Departure(driver.here.layout, place, q, (*self._rooms, around)), goal):
+            if self._path(driver, way):
+                still = _Way(Course([standing], (0, "standing")), 0, [standing], True)
+                names = (name, other.here.robot.name)
+                if self._encounter(drivers, names, (0, way), (1, still), {}).passes((0, 0)):
+                    return way.path
+        return None
+
     def _encounter(
         self, drivers: Mapping[str, _Driver], names: Sequence[str], one: tuple[int, _Way], other: tuple[int, _Way],
         known: dict[tuple[_Way, _Way], Encounter],
@@ -197,6 +232,12 @@ class Convoy:
         """Whether robots in these configurations are apart, with their real shapes."""
         held = {name: pose for name, q in now.items() if (pose := _held(drivers[name].here, q)) is not None}
         return self._separation.of_configurations(now, held) >= _APART
+
+
+def _ways(start: Departure, goal: Station) -> list[_Way]:
+    """All ways to a place, quickest first, not yet checked."""
+    ways = [_Way(course, periods(course.corners)) for course in candidates(start, goal)]
+    return sorted(ways, key=lambda way: way.periods)
 
 
 def _held(here: Surroundings, q: Array) -> tuple[int, Array] | None:
