@@ -63,8 +63,8 @@ def play(task: str, robots: int, seed: int, *, layout: str | None, starts: str, 
     info = next(iter(infos.values()))
     env.close()
     return Played(
-        task, robots, seed, start.layout, start.style, info["end"], tuple(failures), info["round"], info["seconds"], process_time() - began,
-        info["robot_contacts"], info["near_misses"],
+        task, robots, seed, start.layout, start.style, info["end"], tuple(failures), info["round"], info["seconds"],
+        process_time() - began, info["robot_contacts"], info["near_misses"],
     )  # fmt: skip
 
 
@@ -72,7 +72,7 @@ def main(
     seeds: Annotated[str, typer.Option(help="first:end")] = "0:50",
     tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
     layouts: Annotated[
-        str | None, typer.Option(help="Names with commas between them, each with every seed; by default the seed picks.")
+        str | None, typer.Option(help="Names with commas between them, each with every seed; by default drawn.")
     ] = None,
     by: Annotated[str, typer.Option(help="A row for each task, layout or style, and number of robots.")] = "task",
     starts: Annotated[str, typer.Option(help="paper or mixed")] = "paper",

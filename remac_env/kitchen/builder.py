@@ -56,7 +56,7 @@ def build_spec(
     _set_physics(spec)
     style = load(DEFAULT_STYLE) if style is None else style
     if looks:
-        _set_looks(spec, style)
+        _set_looks(spec, style, ceiling=layout.room.ceiling)
     canvas = Canvas(spec, looks=looks, make=(style.panel, style.pull))
     layout.room.build(canvas, {wall.side: _face(layout, wall) for wall in layout.walls.values() if wall.side})
     for wall in layout.walls.values():
@@ -105,10 +105,10 @@ def _set_physics(spec: mujoco.MjSpec) -> None:
     spec.memory = _MEMORY
 
 
-def _set_looks(spec: mujoco.MjSpec, style: Style) -> None:
+def _set_looks(spec: mujoco.MjSpec, style: Style, *, ceiling: bool) -> None:
     """Add materials and lights."""
     from remac_env.kitchen.lights import add_lights
     from remac_env.kitchen.materials import add_materials
 
     add_materials(spec, style)
-    add_lights(spec, style)
+    add_lights(spec, style, ceiling=ceiling)

@@ -15,15 +15,17 @@ _LAMP_X = (-2.0, 0.2, 2.1)
 _LAMP_Y, _LAMP_Z = -2.1, 2.42
 _LAMP_STRENGTH = 0.23
 _LAMP_HIGHLIGHT = 0.10
+_SKY_STRENGTH = 0.26
 
 BACKDROP = (0.80, 0.79, 0.77)
 """Colour of what lies outside the room, red, green, blue."""
 
 
-def add_lights(spec: mujoco.MjSpec, style: Style | None = None) -> None:
+def add_lights(spec: mujoco.MjSpec, style: Style | None = None, *, ceiling: bool = True) -> None:
     """Add head light, lamps, a soft fill and a backdrop, and set clipping and shadow range for a kitchen.
 
-    Without a style the lamps are warm white. Call it once for a description.
+    Without a style the lamps are warm white; without a ceiling light falls in from above. Call it once for a
+    description.
     """
     import mujoco
 
@@ -45,6 +47,17 @@ def add_lights(spec: mujoco.MjSpec, style: Style | None = None) -> None:
             specular=[_LAMP_HIGHLIGHT * part for part in tint],
             ambient=[0, 0, 0],
             castshadow=True,
+        )
+    if not ceiling:
+        spec.worldbody.add_light(
+            name="sky",
+            type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+            pos=[0, -4, 6],
+            dir=[0.15, 0.35, -1.0],
+            diffuse=[_SKY_STRENGTH] * 3,
+            specular=[0.02] * 3,
+            ambient=[0, 0, 0],
+            castshadow=False,
         )
     spec.worldbody.add_light(
         name="fill",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import radians, tan
+from math import cos, radians, sin, tan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from remac_env.errors import check_choice
+from remac_env.kitchen.fixtures.base import WALL_Y
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -37,14 +38,19 @@ _ROOM_MARGIN = 1.05
 _FRONT_ASPECT, _FRONT_HEIGHT, _FRONT_LOOKS_AT = 1.0, 2.40, 0.25
 _WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT = 16 / 9, 2.45, 0.85
 
-# Position relative to what is looked at, by kind of slot: from the right, because doors open to the left; steeply down
-# into a basin, almost level into a cupboard.
+# Position relative to what is looked at, by kind of slot: from the right, or from the left where a door opens to the
+# right; steeply down into a basin, almost level into a cupboard.
 _FROM = {
     "surface": (0.42, -0.72, 0.80),
     "burner": (0.42, -0.72, 0.80),
     "basin": (0.30, -0.42, 0.95),
     "cavity": (0.40, -0.95, 0.42),
 }
+# Deep kitchens: degrees above the horizon, and more of them a metre of depth; heights, m, that are to be seen.
+_LEAST_STEEP, _STEEPER, _STEEPEST = 16.0, 9.0, 34.0
+_DEEP_LOOKS_AT, _DEEP_TOP, _BACK_TOP, _ROBOT_TOP = 0.7, 1.4, 2.25, 1.2
+_FRAMED = 0.98  # of the picture
+_FRONT_SLACK = 0.3  # m that fixtures along the back wall stand out
 _WALL_GAP = 0.12  # seen from behind, a wall would be a veil over the picture
 # In the hand's frame: z along the fingers, which end at 0.115, and x away from the robot when it works ahead of itself.
 _WRIST_AT, _WRIST_LOOKS_AT, _WRIST_FIELD = (0.115, 0.0, 0.04), (0.02, 0.0, 0.17), 72.0
@@ -79,22 +85,62 @@ def wide_camera(layout: Layout) -> Camera:
 
 def _before_room(layout: Layout, name: str, field: float, aspect: float, height: float, looks_at: float) -> Camera:
     left, right = layout.room.x
-    distance = _ROOM_MARGIN * (right - left) / 2 / (tan(radians(field) / 2) * aspect)
     middle = (left + right) / 2
-    return Camera(name, (middle, -distance, height), (middle, 0.0, looks_at), field)
+    distance = _ROOM_MARGIN * (right - left) / 2 / (tan(radians(field) / 2) * aspect)
+    depth = _depth(layout)
+    if depth <= 0.0:
+        return Camera(name, (middle, -distance, height), (middle, 0.0, looks_at), field)
+    # A deep kitchen is seen from above, over what stands in front, from as far as it takes to see all of it.
+    steep = radians(min(_STEEPEST, _STEEPER * depth) + _LEAST_STEEP)
+    target = (middle, -depth / 2, _DEEP_LOOKS_AT)
+    points = [(x, -y, z) for x in (left, right) for y in (0.0, depth) for z in (0.0, _DEEP_TOP)]
+    points += [(x, WALL_Y, _BACK_TOP) for x in (left, right)]
+    points += [(place.x, place.y, z) for place in (*layout.stations.values(), *layout.asides) for z in (0.0, _ROBOT_TOP)]
+    for step in range(200):
+        away = 3.0 + 0.1 * step
+        camera = Camera(name, (middle, target[1] - away * cos(steep), target[2] + away * sin(steep)), target, field)
+        if all(max(map(abs, in_picture(camera, point, aspect))) < _FRAMED for point in points):
+            break
+    return camera
+
+
+def _depth(layout: Layout) -> float:
+    """How far the fixtures that robots use reach into the room, m, beyond those along its back wall."""
+    used = [fixture for fixture in layout.fixtures.values() if fixture.station is not None]
+    fronts = [layout.frame(fixture.name).block(block).low[1] for fixture in used for block in fixture.blocks]
+    return max(0.0, -min(fronts, default=0.0) - _FRONT_SLACK)
+
+
+def in_picture(camera: Camera, point: Point, aspect: float) -> tuple[float, float]:
+    """Where a point lies in a camera's picture, both within -1..1 when it is seen; infinite where it is behind."""
+    back = np.array(camera.position) - np.array(camera.target)
+    back /= np.linalg.norm(back)
+    right = np.cross((0.0, 0.0, 1.0), back)
+    right /= np.linalg.norm(right)
+    offset = np.array(point) - np.array(camera.position)
+    depth, half = float(-offset @ back), tan(radians(camera.field) / 2)
+    if depth <= 0.0:
+        return float("inf"), float("inf")
+    return float(offset @ right) / (half * aspect * depth), float(offset @ np.cross(back, right)) / (half * depth)
 
 
 def side_camera(layout: Layout, station: str) -> Camera:
     """Looks at the middle of what is used from a station; raises UnknownNameError."""
     check_choice("station", station, layout.stations)
+    place = layout.stations[station]
+    frame = layout.facing(place)
     slots = [slot for slot in layout.slots.values() if slot.station == station]
     if slots:
         x, y, z = (float(value) for value in np.mean([slot.center for slot in slots], axis=0))
     else:
-        x, (y, z) = layout.stations[station].x, _BARE_STATION
+        x, (y, z) = frame.local(place.x, place.y)[0], _BARE_STATION
     dx, dy, dz = _FROM[slots[0].kind if slots else "surface"]
-    from_x = min(x + dx, layout.room.x[1] - _WALL_GAP)
-    return Camera(SIDE.format(station=station), (from_x, y + dy, z + dz), (x, y, z), _FIELD)
+    if any(layout.fixtures[slot.fixture].opens_to == "right" for slot in slots):
+        dx = -dx
+    eye = frame.space((x + dx, y + dy, z + dz))
+    (left, right), gap = layout.room.x, _WALL_GAP
+    eye = (min(max(eye[0], left + gap), right - gap), min(eye[1], WALL_Y - gap), eye[2])
+    return Camera(SIDE.format(station=station), eye, frame.space((x, y, z)), _FIELD)
 
 
 def add_cameras(spec: mujoco.MjSpec, layout: Layout, robots: Sequence[str]) -> None:

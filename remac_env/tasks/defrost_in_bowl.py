@@ -24,5 +24,13 @@ SPEC = TaskSpec(
     fixtures=("counter", "sink", "faucet"),
     verbs={"defrost": ("turn on faucet",)},
     styles=("coastal", "mediterranean", "modern_2", "traditional_2", "transitional_1"),
+    layouts=(
+        "one_wall_large",
+        "l_shaped_small",
+        "l_shaped_large",
+        "u_shaped_large",
+        "g_shaped_small",
+        "wraparound",
+    ),
     in_table=True,
 )

@@ -24,5 +24,14 @@ SPEC = TaskSpec(
     fixtures=("counter", "stove"),
     verbs={"heat": ("turn on stove",)},
     styles=("industrial", "rustic", "modern_1", "transitional_1", "traditional_2"),
+    layouts=(
+        "one_wall_small",
+        "one_wall_large",
+        "l_shaped_small",
+        "galley",
+        "u_shaped_large",
+        "g_shaped_small",
+        "wraparound",
+    ),
     in_table=True,
 )

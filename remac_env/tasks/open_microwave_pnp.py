@@ -16,5 +16,15 @@ SPEC = TaskSpec(
     roles=(Role("food", ("vegetable",), needs=("microwavable",)), Role("plate", ("plate",), at="microwave")),
     fixtures=("counter", "microwave"),
     styles=("farmhouse", "modern_1", "scandinavian", "traditional_1", "transitional_2"),
+    layouts=(
+        "one_wall_small",
+        "one_wall_large",
+        "l_shaped_large",
+        "galley",
+        "u_shaped_small",
+        "g_shaped_small",
+        "g_shaped_large",
+        "wraparound",
+    ),
     in_table=True,
 )

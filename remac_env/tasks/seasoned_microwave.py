@@ -25,6 +25,18 @@ SPEC = TaskSpec(
     roles=(Role("food", ("vegetable",), needs=("microwavable",)), Role("shaker", ("seasoning",))),
     fixtures=("counter", "microwave"),
     styles=("modern_1", "farmhouse", "scandinavian", "traditional_1", "transitional_2"),
+    layouts=(
+        "one_wall_small",
+        "one_wall_large",
+        "l_shaped_small",
+        "l_shaped_large",
+        "galley",
+        "u_shaped_small",
+        "u_shaped_large",
+        "g_shaped_small",
+        "g_shaped_large",
+        "wraparound",
+    ),
     phases=(
         ("open microwave", DoorIs("microwave", "open")),
         ("vegetable in microwave", _IN),

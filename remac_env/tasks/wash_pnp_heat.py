@@ -17,11 +17,21 @@ SPEC = TaskSpec(
         "wash the {food} in the sink and heat it in the microwave, the microwave door has to be open first",
         "wash the {food} in the sink, then heat it in the microwave",
     ),
-    goal=All(
-        Marked("{food}", WASHED), Inside("{food}", "microwave"), SwitchedOn("microwave"), Released("{food}")
-    ),
+    goal=All(Marked("{food}", WASHED), Inside("{food}", "microwave"), SwitchedOn("microwave"), Released("{food}")),
     roles=(Role("food", ("vegetable",), needs=("washable", "microwavable")),),
     fixtures=("counter", "sink", "faucet", "microwave"),
     verbs={"wash": ("turn on faucet",), "heat": ("turn on microwave",)},
     styles=("modern_1", "farmhouse", "scandinavian", "traditional_1", "transitional_2"),
+    layouts=(
+        "one_wall_small",
+        "one_wall_large",
+        "l_shaped_small",
+        "l_shaped_large",
+        "galley",
+        "u_shaped_small",
+        "u_shaped_large",
+        "g_shaped_small",
+        "g_shaped_large",
+        "wraparound",
+    ),
 )
