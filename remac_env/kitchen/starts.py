@@ -141,7 +141,17 @@ def _choose_distractors(
     slots = sum(layout.fixtures[slot.fixture].kind == "counter" for slot in layout.slots.values())
     used = sum(layout.fixtures[role.at].kind == "counter" for role in spec.roles if role.at in layout.fixtures)
     count = max(0, min(count, slots - used - 1))
-    return {others[index].name: others[index] for index in rng.permutation(len(others))[:count]}
+    chosen: dict[str, Category] = {}
+    for index in rng.permutation(len(others)):
+        other = others[index]
+        if len(chosen) < count and not any(_confused(other, thing) for thing in chosen.values()):
+            chosen[other.name] = other
+    return chosen
+
+
+def _confused(one: Category, other: Category) -> bool:
+    """Whether the name of one could mean the other."""
+    return one.name in other.roles or other.name in one.roles
 
 
 def _place(spec: TaskSpec, scene: Scene, names: Mapping[str, str], rng: np.random.Generator) -> WorldState:

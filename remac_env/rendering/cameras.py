@@ -95,7 +95,8 @@ def _before_room(layout: Layout, name: str, field: float, aspect: float, height:
     target = (middle, -depth / 2, _DEEP_LOOKS_AT)
     points = [(x, -y, z) for x in (left, right) for y in (0.0, depth) for z in (0.0, _DEEP_TOP)]
     points += [(x, WALL_Y, _BACK_TOP) for x in (left, right)]
-    points += [(place.x, place.y, z) for place in (*layout.stations.values(), *layout.asides) for z in (0.0, _ROBOT_TOP)]
+    places = (*layout.stations.values(), *layout.asides)
+    points += [(place.x, place.y, z) for place in places for z in (0.0, _ROBOT_TOP)]
     for step in range(200):
         away = 3.0 + 0.1 * step
         camera = Camera(name, (middle, target[1] - away * cos(steep), target[2] + away * sin(steep)), target, field)

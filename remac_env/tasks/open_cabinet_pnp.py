@@ -16,18 +16,8 @@ SPEC = TaskSpec(
     roles=(Role("food", ("vegetable",)), Role("plate", ("plate",), at="cabinet")),
     fixtures=("counter", "cabinet"),
     styles=(
-        "modern_1",
-        "industrial",
-        "scandinavian",
-        "coastal",
-        "modern_2",
-        "traditional_1",
-        "traditional_2",
-        "farmhouse",
-        "rustic",
-        "mediterranean",
-        "transitional_1",
-        "transitional_2",
+        "modern_1", "industrial", "scandinavian", "coastal", "modern_2", "traditional_1", "traditional_2",
+        "farmhouse", "rustic", "mediterranean", "transitional_1", "transitional_2",
     ),  # fmt: skip
     layouts=(
         "one_wall_small",

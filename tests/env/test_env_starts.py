@@ -144,7 +144,7 @@ def kinds(env: Any) -> set[str]:
 def test_all_kinds_of_mixed_starts_occur(task: str) -> None:
     env = make(task, starts="mixed")
     counts: Counter[str] = Counter()
-    for seed in range(200):
+    for seed in range(300):
         env.reset(seed=seed)
         scene, world = env.start.scene, env.world
         check_world(scene, world, where=f"seed {seed}")
