@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 from pathlib import Path
 
 import cv2
@@ -11,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import remac_env
-from remac_env.kitchen import style
+from remac_env.kitchen import layout, style
 from remac_env.kitchen.objects import add_object, catalogue
 from remac_env.oracle import solve
 from remac_env.rendering.renderer import BEAUTY, Renderer
 
 FOLDER = Path(__file__).parent / "pictures"
 EPISODE = {"task": "OpenCabinetPnP", "seed": 4, "rounds": 2}
+LAYOUT = "one_wall_large"
 TILE = (480, 270)
 """Width and height of a picture on a sheet, pixels."""
 OBJECT_TILE = (128, 128)
@@ -25,16 +27,18 @@ OBJECT_TILE = (128, 128)
 
 
 def main() -> None:
-    """Write kitchen.png (two robots at work), styles.jpg (one kitchen in every style) and objects.png (all things)."""
+    """Write kitchen.png (two robots at work) and sheets of all styles, layouts and things."""
     FOLDER.mkdir(exist_ok=True)
     _write("kitchen.png", at_work(**EPISODE))
-    _write("styles.jpg", sheet({name: kitchen(EPISODE["task"], name) for name in style.names()}, columns=3))
+    _write("styles.jpg", sheet({name: kitchen(name, LAYOUT) for name in style.names()}, columns=3))
+    looks = cycle(style.names())
+    _write("layouts.jpg", sheet({name: kitchen(next(looks), name) for name in layout.names()}, columns=2))
     _write("objects.png", objects())
 
 
 def at_work(task: str, seed: int, rounds: int) -> NDArray[np.uint8]:
     """Two robots after some rounds of the shortest team plan, in physics."""
-    env = remac_env.parallel_env(task, robots=2, render_mode="rgb_array")
+    env = remac_env.parallel_env(task, robots=2, layout=LAYOUT, render_mode="rgb_array")
     env.reset(seed=seed)
     plan = solve(env.start.scene, env.world, env.goal)
     for joint in plan.rounds[:rounds]:
@@ -44,9 +48,10 @@ def at_work(task: str, seed: int, rounds: int) -> NDArray[np.uint8]:
     return picture
 
 
-def kitchen(task: str, look: str) -> NDArray[np.uint8]:
-    """A kitchen at its start."""
-    env = remac_env.parallel_env(task, robots=2, backend="symbolic", style=look, render_mode="rgb_array")
+def kitchen(look: str, plan: str) -> NDArray[np.uint8]:
+    """A kitchen in a style and a layout, at its start."""
+    options = {"backend": "symbolic", "style": look, "layout": plan, "render_mode": "rgb_array"}
+    env = remac_env.parallel_env(EPISODE["task"], robots=2, **options)
     env.reset(seed=0)
     picture = env.render()
     env.close()

@@ -1,4 +1,4 @@
-"""Cameras of the built-in layout see what they are for. Skipped until the layout can be built."""
+"""Cameras of the layouts see what they are for."""
 
 from __future__ import annotations
 
@@ -8,47 +8,54 @@ import pytest
 
 from remac_env.errors import UnknownNameError
 from remac_env.kitchen import layout as layouts
+from remac_env.kitchen.fixtures import models as fixture_models
+from remac_env.kitchen.layout_checks import world_blocks
 from remac_env.rendering import cameras
 from remac_env.rendering.renderer import Renderer
+from remac_env.state import FrozenMap
+
+every_layout = pytest.mark.parametrize("name", layouts.names())
 
 
-@pytest.fixture(scope="module")
-def layout() -> layouts.Layout:
-    return layouts.load("one_wall_large")
-
-
-def image_point(camera: cameras.Camera, point: tuple[float, float, float], aspect: float) -> np.ndarray:
-    """Where a point lies in the picture: (x, y) in -1..1 when it is seen."""
-    back = np.array(camera.position) - np.array(camera.target)
-    back /= np.linalg.norm(back)
-    right = np.cross((0, 0, 1), back)
-    right /= np.linalg.norm(right)
-    offset = np.array(point) - np.array(camera.position)
-    half = np.tan(np.radians(camera.field) / 2)
-    depth = -offset @ back
-    assert depth > 0
-    return np.array([offset @ right / (half * aspect), offset @ np.cross(back, right) / half]) / depth
-
-
-def test_front_and_wide_cameras_frame_the_whole_width(layout) -> None:
+@every_layout
+def test_front_and_wide_cameras_frame_the_whole_kitchen(name: str) -> None:
+    layout = layouts.load(name)
     for camera, aspect in ((cameras.front_camera(layout), 1.0), (cameras.wide_camera(layout), 16 / 9)):
-        for x in layout.room.x:
-            for z in (0.0, 1.0, 2.2):
-                assert np.abs(image_point(camera, (x, 0.0, z), aspect)).max() < 1.0
-        for place in layout.asides:
-            assert np.abs(image_point(camera, (place.x, place.y, 1.2), aspect)).max() < 1.0
+        points = [(x, 0.0, z) for x in layout.room.x for z in (0.0, 1.0, 2.2)]
+        points += [(place.x, place.y, 1.2) for place in (*layout.asides, *layout.stations.values())]
+        for point in points:
+            assert np.abs(cameras.in_picture(camera, point, aspect)).max() < 1.0, point
+        assert not np.abs(cameras.in_picture(camera, (4 * layout.room.x[1], 0.0, 1.0), aspect)).max() < 1.0
 
 
-def test_side_cameras_see_their_slots(layout) -> None:
+@every_layout
+def test_side_cameras_see_their_slots_from_free_space(name: str) -> None:
+    layout = layouts.load(name)
     for slot in layout.slots.values():
         camera = cameras.side_camera(layout, slot.station)
-        assert np.abs(image_point(camera, slot.center, 1.0)).max() < 0.95, slot.name
+        assert np.abs(cameras.in_picture(camera, layout.middle(slot.name), 1.0)).max() < 0.95, slot.name
         assert layout.room.x[0] < camera.position[0] < layout.room.x[1]
+        for fixture in layout.fixtures.values():
+            assert not any(block.holds(camera.position) for block in world_blocks(layout, fixture)), fixture.name
 
 
-def test_unknown_station_lists_the_stations(layout) -> None:
+def test_what_is_behind_a_camera_is_not_in_its_picture() -> None:
+    camera = cameras.front_camera(layouts.load("galley"))
+    x, y, z = camera.position
+    assert cameras.in_picture(camera, (x, y - 1.0, z), 1.0) == (np.inf, np.inf)
+
+
+def test_unknown_station_lists_the_stations() -> None:
     with pytest.raises(UnknownNameError, match="cellar.*sink"):
-        cameras.side_camera(layout, "cellar")
+        cameras.side_camera(layouts.load("galley"), "cellar")
+
+
+@pytest.fixture(scope="module", params=["one_wall_large", "u_shaped_small", "g_shaped_small"])
+def layout(request) -> layouts.Layout:
+    """A layout; in one of them the cabinet opens to the right."""
+    side = "right" if request.param == "u_shaped_small" else "left"
+    made = (layouts.load(request.param, FrozenMap({"cabinet": make})) for make in fixture_models.names("cabinet"))
+    return next(one for one in made if one.fixtures["cabinet"].opens_to == side)
 
 
 @pytest.fixture(scope="module")
@@ -82,9 +89,9 @@ def carrot_pixels(model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> in
 def test_side_camera_sees_into_fixtures(layout, kitchen, fixture: str) -> None:
     model, data = kitchen
     slot = layout.slots[f"{fixture}.0"]
-    data.joint("robot_0/base_y").qpos[0] = -3
-    data.joint("vegetable").qpos[:3] = np.array(slot.center) + [0, 0, 0.016]
-    assert carrot_pixels(model, data, cameras.SIDE.format(station=slot.station)) > 30
+    data.joint("robot_0/base_y").qpos[0] = -30
+    data.joint("vegetable").qpos[:3] = np.array(layout.middle(slot.name)) + [0, 0, 0.016]
+    assert carrot_pixels(model, data, cameras.SIDE.format(station=slot.station)) > 20
     data.joint("vegetable").qpos[:3] = (0, 0, -5)
     assert carrot_pixels(model, data, cameras.SIDE.format(station=slot.station)) == 0
 
