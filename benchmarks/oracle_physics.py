@@ -16,8 +16,8 @@ from time import process_time
 from typing import Annotated
 
 import typer
+from remac_bench.console import console as make_console
 from remac_bench.jobs import parse_names, parse_seeds
-from rich.console import Console
 from rich.table import Table
 
 import remac_env
@@ -83,7 +83,7 @@ def main(
     names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
     places = [None] if layouts is None else parse_names(layouts, "layouts")
     cells = list(product(names, (1, 2), parse_seeds(seeds), places))
-    console = Console()
+    console = make_console()
     groups: dict[tuple[str, int], list[Played]] = defaultdict(list)
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         for played in pool.map(_job, [(*cell, starts, replans) for cell in cells]):

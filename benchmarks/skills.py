@@ -19,8 +19,8 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from remac_bench.console import console as make_console
 from remac_bench.judging.statistics import wilson
-from rich.console import Console
 from rich.table import Table
 
 from remac_env.backends.physics.backend import PhysicsBackend
@@ -107,7 +107,7 @@ def main(
     jobs = [
         _Job(chain, first_seed + index, style, layout, perception_noise) for chain in chains for index in range(trials)
     ]
-    console = Console()
+    console = make_console()
     found: list[Trial] = []
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         for part in pool.map(_play, jobs):

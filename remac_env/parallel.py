@@ -103,7 +103,8 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         self._pictures.rewind()
         self._episode = Episode(self._terms(start, names), self._backend.reset(start))
         self._film()
-        self._mask = self.vocabulary.mask(start.scene)
+        self._mask = np.zeros(len(self.vocabulary), np.int8)
+        self._mask[list(self._episode.terms.commands.values())] = 1
         self.agents = list(self.possible_agents)
         return self._observations(), self._infos()
 

@@ -93,7 +93,9 @@ class Vocabulary:
 
     def mask(self, scene: Scene) -> NDArray[np.int8]:
         """1 for every token whose noun exists in this kitchen; shape (len,). Grammar, not feasibility."""
-        return np.array([_speaks_of(scene, subtask) for subtask in self._subtasks], dtype=np.int8)
+        kinds = _kinds(scene)
+        fits = ((SKILLS[s.skill].target, kinds.get(s.target, ("none",))) for s in self._subtasks)
+        return np.array([kind in able for kind, able in fits], dtype=np.int8)
 
     def commands(self, scene: Scene) -> tuple[str, ...]:
         """Every legal command of this kitchen as text, in token order."""
@@ -109,15 +111,15 @@ def normalise(text: str) -> str:
     return re.sub(r"[\s_]+", " ", text).strip(" \t\r\n\"'`.,;").lower()
 
 
-def _speaks_of(scene: Scene, subtask: Subtask) -> bool:
-    """Whether the subtask's noun is there, and a thing of the kind that its skill is for (a kitchen may lack doors)."""
-    kind, name = SKILLS[subtask.skill].target, subtask.target
-    if (fixture := scene.fixtures.get(name)) is not None:
+def _kinds(scene: Scene) -> dict[str, tuple[str, ...]]:
+    """For everything there, the kinds of target that it can be: a kitchen may lack doors."""
+    found = {}
+    for name, fixture in scene.fixtures.items():
         fits = {"any": True, "surface": fixture.slots, "door": fixture.door, "switch": fixture.switches}
-        return bool(fits.get(kind))
-    if (thing := scene.objects.get(name)) is not None:
-        return kind in ("any", "object", "food") or (kind == "surface" and thing.holds > 0)
-    return kind == "none"
+        found[name] = tuple(kind for kind, fit in fits.items() if fit)
+    for name, thing in scene.objects.items():
+        found[name] = ("any", "object", "food", "surface") if thing.holds > 0 else ("any", "object", "food")
+    return found
 
 
 def _subtasks(nouns: Iterable[Noun]) -> Iterable[Subtask]:

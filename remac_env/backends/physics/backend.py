@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import mujoco
@@ -30,6 +30,7 @@ from remac_env.subtasks import Outcome, Subtask, failure
 
 _REST_SPEED = 0.02  # m/s or rad/s below which the kitchen is at rest
 _REST_LEAST, _REST_MOST = 6, 60  # control periods
+_START_LEAST = 2  # of the same: things start where they rest
 
 
 class PhysicsBackend:
@@ -112,12 +113,17 @@ class _Episode:
         self._running = frozenset(s for s in on if self._layout.switch_owner(s).kind == "microwave")
         self._rounds = 0
         pose_start(self.simulation, self._layout, self._things, start)
-        self._crew = Crew(self.simulation, self._layout, self._things, start)
-        self._settle()
+        self._settle(_START_LEAST)
         self.world = self._read()
+
+    @cached_property
+    def _crew(self) -> Crew:
+        """Made for the first round, as it takes longer and more memory than all the rest."""
+        return Crew(self.simulation, self._layout, self._things, self.start)
 
     def run_round(self, subtasks: Mapping[str, Subtask], watch: Callable[[], None] | None) -> RoundResult:
         """One round; see the backend."""
+        self._crew.hold({name: state.holding for name, state in self.world.robots.items()})
         began, before, scene = self.simulation.ticks, self.world, self.start.scene
         refused, stations = settle_claims(scene, before, subtasks)
         accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
@@ -150,10 +156,10 @@ class _Episode:
         seconds = max((outcome.seconds for outcome in judged.values()), default=0.0)
         return RoundResult(self.world, judged, seconds, Counters(ticks, ticks * SUBSTEPS, contacts, misses))
 
-    def _settle(self) -> None:
+    def _settle(self, least: int = _REST_LEAST) -> None:
         """Let the kitchen come to rest, within bounds."""
         for count in range(_REST_MOST):
-            if count >= _REST_LEAST and self.simulation.moving() < _REST_SPEED:
+            if count >= least and self.simulation.moving() < _REST_SPEED:
                 return
             self.simulation.tick()
 
@@ -176,12 +182,10 @@ class _Episode:
                 self._running -= frozenset(fixture.switches)
 
     def _read(self) -> WorldState:
-        """The world now; every robot's idea of its hand follows it."""
+        """The world now."""
         world = read_world(
             self.simulation, self.start.scene, self._layout, self._things, marks=self._marks, running=self._running
         )
-        for name, here in self._crew.robots.items():
-            here.hand.body = world.robots[name].holding
         world = washed(self.start.scene, world)
         self._marks = {name: item.marks for name, item in world.objects.items()}
         return world

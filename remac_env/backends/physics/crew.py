@@ -78,6 +78,11 @@ class Crew:
                 Station(ASIDE, x, y, yaw),
             )
 
+    def hold(self, things: Mapping[str, str | None]) -> None:
+        """Tell every robot what its hand holds now."""
+        for name, here in self.robots.items():
+            here.hand.body = things[name]
+
     def attempts(self, now: Round) -> dict[str, Attempt]:
         """A generator for every robot with an accepted subtask; each returns its outcome."""
         self._busy, self._waiting = now.active, {}
@@ -95,7 +100,7 @@ class Crew:
         found: dict[str, Attempt] = {}
         for robot, subtask in now.subtasks.items():
             if robot in now.driving:
-                found[robot] = self._bounded(robot, self._drive(convoy, robot, goals.get(robot)), SKILL_TIME)
+                found[robot] = self._drive(convoy, robot, errands.get(robot))
             elif robot in now.active:
                 found[robot] = self._skill(robot, subtask, now)
             else:
@@ -147,10 +152,16 @@ class Crew:
 
     # -- attempts ---------------------------------------------------------------------------------------------------
 
-    def _drive(self, convoy: Convoy, robot: str, goal: Station | None) -> Steps:
-        if goal is None:
-            raise SkillFailure("blocked", "no parking place is free")
-        yield from convoy.steps(robot)
+    def _drive(self, convoy: Convoy, robot: str, errand: Errand | None) -> Attempt:
+        """Go with the convoy; a robot that cannot pass those at work waits until they are done."""
+        if errand is None:
+            return failure("blocked", "no parking place is free")
+        outcome = yield from self._bounded(robot, convoy.steps(robot), SKILL_TIME)
+        if outcome.reason == "blocked" and convoy.held_up(robot):
+            yield from self._turn(robot)
+            alone = Convoy(self.separation, {robot: errand}, ())
+            outcome = yield from self._bounded(robot, alone.steps(robot), SKILL_TIME)
+        return outcome
 
     def _skill(self, robot: str, subtask: Subtask, now: Round) -> Attempt:
         """Run a skill within its time; after a failure come home if that can be done.

@@ -23,6 +23,7 @@ LANES = (-1.15, -1.3, -1.5, -1.7, -1.9, -2.1, -2.3, -2.5, -2.7, -2.9)  # y of th
 _CROSSINGS = (-1.15, -1.4, -1.8, -2.3)  # the same for the two walls of a drive from one to another
 _ROOMY = BASE_RADIUS + 0.10  # m around the axis on ways that turn corners
 _HALF_TURN = 2.0  # rad from which on a turn may as well go the other way round
+_STANDING = (0.20, 0.32, 0.14)  # m: half the side of the square that a standing robot takes, as tried in turn
 _GROWTH = BASE_RADIUS  # m by which obstacles on the floor grow for such ways
 
 
@@ -36,12 +37,16 @@ class Course:
 
 @dataclass(frozen=True)
 class Departure:
-    """From where a robot drives: the layout, its place there and its configuration (11,); obstacles on the floor."""
+    """From where a robot drives: the layout, its place there and its configuration (11,).
+
+    obstacles: floor to keep off. standing: where other robots stand, poses (3,) or configurations (11,).
+    """
 
     layout: Layout
     place: Station
     q: Array
     obstacles: tuple[Block, ...] = ()
+    standing: tuple[Array, ...] = ()
 
 
 def candidates(start: Departure, goal: Station) -> Iterator[Course]:
@@ -73,9 +78,10 @@ def _ways_to(start: Departure, goal: Station, end: Array) -> Iterator[Course]:
             yield Course([q, _moved(q, frame, q, lane), _moved(end, frame, end, lane), end], (side, f"lane {lane}"))
         if not place.wall:
             yield Course([q, end], (side, "straight"))
-    around = _around(start, goal, end)
-    if around is not None:
-        yield Course(around, (side, "around"))
+    for half in _STANDING if start.standing else _STANDING[:1]:
+        around = _around(start, goal, end, half)
+        if around is not None:
+            yield Course(around, (side, "around"))
 
 
 def _any_frame(layout: Layout) -> Frame:
@@ -97,10 +103,11 @@ def _turned(q: Array, like: Array) -> Array:
     return turned
 
 
-def _around(start: Departure, goal: Station, end: Array) -> Path | None:
+def _around(start: Departure, goal: Station, end: Array, half: float) -> Path | None:
     """A way around corners, which turns while it goes: out of the station, over free floor, and in."""
     space = floor(start.layout, _ROOMY)
-    for block in start.obstacles:
+    taken = (Block((x - half, y - half, 0.0), (x + half, y + half, 1.0)) for x, y, *_ in start.standing)
+    for block in (*start.obstacles, *taken):
         low, high = block.low, block.high
         space = space.without((low[0] - _GROWTH, low[1] - _GROWTH), (high[0] + _GROWTH, high[1] + _GROWTH))
     q, layout = start.q, start.layout

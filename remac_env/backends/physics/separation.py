@@ -70,6 +70,11 @@ class Separation:
         """Robot -> body of what it holds, as last told."""
         return self._held
 
+    @property
+    def places(self) -> dict[str, Array]:
+        """Robot -> pose of its base (3,) now."""
+        return {name: robot.standing for name, robot in self._simulation.robots.items()}
+
     def circles(self, robots: Collection[str]) -> Array:
         """Circles (n, 3) around the parts of some robots, seen from above: x, y and radius, as last refreshed."""
         mujoco.mj_kinematics(self._model, self._data)

@@ -118,7 +118,7 @@ class Simulation:
             robot.apply()
         mujoco.mj_step(self.model, self.data, nstep=SUBSTEPS)
         self.ticks += 1
-        if any(warning.number for warning in self.data.warning):
+        if self.data.warning.number.any():
             raised = [mujoco.mjtWarning(k).name for k, w in enumerate(self.data.warning) if w.number]
             raise PhysicsError(f"MuJoCo warned after {self.ticks} control steps: {', '.join(raised)}")
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-import numpy as np
-
 from remac_env.backends.physics.simulation import RobotHandle, Simulation
 from remac_env.kitchen.fixtures import Slot
 from remac_env.kitchen.layout import Layout
@@ -125,12 +123,10 @@ def slot_under(layout: Layout, point: Array) -> str | None:
 def _miss(layout: Layout, slot: Slot, point: Array) -> float | None:
     """Distance (m) of a point from a slot's middle, None where it is not in the slot."""
     x, y = layout.frame(slot.fixture).local(float(point[0]), float(point[1]))
-    point = np.array([x, y, point[2]])
-    away = np.abs(point[:2] - slot.center[:2])
-    up = point[2] - slot.center[2]
-    distance = float(np.hypot(*away))
+    aside, along, up = (abs(x - slot.center[0]), abs(y - slot.center[1]), float(point[2]) - slot.center[2])
+    distance = math.hypot(aside, along)
     if slot.kind == "burner":
         return distance if distance <= PAN_ON_BURNER and _SURFACE_BAND[0] <= up <= _SURFACE_BAND[1] else None
-    height = _CAVITY_HEIGHT if slot.kind == "cavity" else _SURFACE_BAND[1]
-    inside = (away <= np.array(slot.half) + (0.0 if slot.kind == "cavity" else SLOT_SLACK)).all()
+    slack, height = (0.0, _CAVITY_HEIGHT) if slot.kind == "cavity" else (SLOT_SLACK, _SURFACE_BAND[1])
+    inside = aside <= slot.half[0] + slack and along <= slot.half[1] + slack
     return distance if inside and _SURFACE_BAND[0] <= up <= height else None

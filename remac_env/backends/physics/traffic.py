@@ -29,7 +29,6 @@ _DELAYS = tuple(range(0, 112, 7))  # of the same
 _TRIES = 4000  # combinations checked in space and time
 _LANES = 3  # ways of one sort that are tried where several robots drive
 _REFUGES = 6  # places to which a robot may withdraw that are tried, nearest first
-_STANDING = 0.36  # m: half the side of the square that a standing robot takes on the floor
 _APART = NEAR_MISS + 0.005  # m
 
 
@@ -78,6 +77,10 @@ class Convoy:
         self._timed: dict[str, Path] | None = None
         self._failed = False
 
+    def held_up(self, robot: str) -> bool:
+        """Whether a robot found no way while others work."""
+        return bool(self._rooms) and self._timed is not None and robot not in self._timed
+
     def steps(self, robot: str) -> Steps:
         """Drive one robot. Fails with ``blocked`` when there is no way, or when another's drive fails."""
         if self._timed is None:
@@ -111,10 +114,11 @@ class Convoy:
             if timed:
                 return timed
         for name in going:
-            path = next((path for way in drivers[name].ways if (path := self._path(drivers[name], way))), None)
             standing = set(self._separation.robots) - {name}
-            if path is not None and self._keeps_off(drivers[name], path, standing):
-                return {name: path}
+            for way in drivers[name].ways:
+                path = self._path(drivers[name], way)
+                if path and self._keeps_off(drivers[name], path, standing):
+                    return {name: path}
         return {}
 
     def _driver(self, errand: Errand) -> _Driver:
@@ -124,7 +128,8 @@ class Convoy:
         for robot, body in self._separation.held.items():
             if robot != here.robot.name:
                 here.scratch.mark(here.simulation.geoms(body), IGNORED)  # it goes where that robot goes
-        start = Departure(here.layout, here.place, here.robot.q, self._rooms)
+        staying = tuple(place for name, place in self._separation.places.items() if name not in self._errands)
+        start = Departure(here.layout, here.place, here.robot.q, self._rooms, staying)
         return _Driver(here, _ways(start, errand.goal), Outline.of(here), errand.goal)
 
     def _path(self, driver: _Driver, way: _Way) -> Path | None:
@@ -202,10 +207,8 @@ class Convoy:
     ) -> Path | None:
         """The quickest way of one robot while the other stands in a configuration."""
         driver, (other,) = drivers[name], (driver for key, driver in drivers.items() if key != name)
-        x, y = standing[:2]
-        around = Block((x - _STANDING, y - _STANDING, 0.0), (x + _STANDING, y + _STANDING, 1.0))
         place, q = start
-        for way in _ways(Departure(driver.here.layout, place, q, (*self._rooms, around)), goal):
+        for way in _ways(Departure(driver.here.layout, place, q, self._rooms, (standing,)), goal):
             if self._path(driver, way):
                 still = _Way(Course([standing], (0, "standing")), 0, [standing], True)
                 names = (name, other.here.robot.name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, get_args
@@ -83,7 +83,7 @@ class Category:
     look: str = ""
     color: Color = (0.7, 0.6, 0.5)
 
-    @property
+    @cached_property
     def size(self) -> tuple[float, float, float]:
         """Half extents (x, y, z) of the box around the body as it rests, m; the box's middle need not be the frame."""
         low, high = self.body.bounds

@@ -1,0 +1,178 @@
+"""Do the two backends tell the same story? `python benchmarks/twin.py --seeds 70000:70040`.
+
+In physics, robots do what was done least so far: of all (skill, reason) that the table foretells for some command, the
+rarest is chosen, half of the time among those that succeed. Each round is foretold by the table from the world before
+it, and compared: outcomes robot by robot, and the whole world after it. Where physics slips or drops and the table does
+not, the round is listed apart; anything else is a disagreement, printed with what differs.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, replace
+from itertools import product
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from remac_bench.console import console as make_console
+from remac_bench.jobs import parse_names, parse_seeds
+from rich.table import Table
+
+import remac_env
+from remac_env.backends.symbolic import SymbolicBackend
+from remac_env.parallel import KitchenParallelEnv
+from remac_env.seeding import generator
+from remac_env.state import WorldState
+from remac_env.subtasks import Outcome, Subtask
+
+SLIPS = ("slipped", "dropped")
+"""Reasons that physics alone may give: the table does not know them."""
+
+Stratum = tuple[str, str]
+"""A skill and the reason that the table foretells, "success" where there is none."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One robot's subtask in one round. verdict: agree, slip or disagree; differs: what does, in words."""
+
+    task: str
+    robots: int
+    seed: int
+    layout: str
+    round: int
+    robot: str
+    subtask: str
+    skill: str
+    foretold: str
+    happened: str
+    verdict: str
+    differs: str
+
+
+def play(task: str, robots: int, seed: int, rounds: int) -> list[Compared]:
+    """One episode of varied commands; ends with the goal or after so many rounds."""
+    env = remac_env.parallel_env(task, robots=robots, starts="mixed", max_rounds=rounds)
+    env.reset(seed=seed)
+    chance, seen, found = generator(seed, "twin", task, robots), Counter[Stratum](), list[Compared]()
+    while env.agents:
+        joint = _choose(env, seen, chance)
+        before = env.world
+        _, _, _, _, infos = env.step({name: env.vocabulary.encode(subtask.text) for name, subtask in joint.items()})
+        outcomes = {name: Outcome(**info["outcome"]) for name, info in infos.items()}
+        number = infos[next(iter(infos))]["round"]
+        for line in compare(env, before, joint, outcomes, round_=number):
+            found.append(line)
+            seen[line.skill, line.foretold] += 1
+    env.close()
+    return found
+
+
+def compare(
+    env: KitchenParallelEnv, before: WorldState, joint: Mapping[str, Subtask], outcomes: Mapping[str, Outcome],
+    *, round_: int = 0,
+) -> Iterator[Compared]:
+    """The table's story of a round beside what happened; `env` stands after it."""
+    after, foretold = _foretold(env, before, joint)
+    slipped = any(outcomes[n].reason in SLIPS and foretold[n].success for n in joint)
+    changes = () if slipped else tuple(_differences(after, env.world))
+    for name, subtask in joint.items():
+        table, real = foretold[name].reason or "success", outcomes[name].reason or "success"
+        differs = [f"{table} was foretold, {real} happened: {outcomes[name].detail}"] if table != real else []
+        differs += changes
+        slip = slipped and (table == real or outcomes[name].reason in SLIPS)
+        verdict = "slip" if slip else "disagree" if differs else "agree"
+        where = (env.worlds.spec.name, len(joint), env.start.seed, env.start.layout, round_, name)
+        yield Compared(*where, subtask.text, subtask.skill, table, real, verdict, "; ".join(differs))
+
+
+def _choose(env: KitchenParallelEnv, seen: Counter[Stratum], chance: np.random.Generator) -> dict[str, Subtask]:
+    """For each robot a command of the rarest stratum; half of the time one that succeeds."""
+    scene, joint = env.start.scene, {}
+    for name in env.agents:
+        strata: dict[Stratum, list[Subtask]] = {}
+        for text in env.vocabulary.commands(scene):
+            subtask = env.vocabulary.parse(text)
+            if subtask is not None and subtask.skill != "done":
+                _, foretold = _foretold(env, env.world, {name: subtask})
+                strata.setdefault((subtask.skill, foretold[name].reason or "success"), []).append(subtask)
+        legal = [key for key in strata if key[1] == "success" and key[0] != "wait"]
+        illegal = [key for key in strata if key[1] != "success"]
+        keys = legal if legal and (not illegal or chance.random() < 0.5) else illegal
+        rarest = sorted(key for key in keys if seen[key] == min(seen[k] for k in keys))
+        key = rarest[int(chance.integers(len(rarest)))]
+        joint[name] = strata[key][int(chance.integers(len(strata[key])))]
+        seen[key] += 1
+    return joint
+
+
+def _foretold(
+    env: KitchenParallelEnv, before: WorldState, joint: Mapping[str, Subtask]
+) -> tuple[WorldState, Mapping[str, Outcome]]:
+    backend = SymbolicBackend()
+    backend.reset(replace(env.start, world=before))
+    result = backend.run_round(joint)
+    return result.world, result.outcomes
+
+
+def _differences(one: WorldState, other: WorldState) -> Iterator[str]:
+    for part in ("robots", "objects", "fixtures"):
+        for name, state in getattr(one, part).items():
+            if state != getattr(other, part)[name]:
+                yield f"{name}: {state} foretold, {getattr(other, part)[name]} happened"
+
+
+def _job(job: tuple[str, int, int, int]) -> list[Compared]:
+    return play(*job)
+
+
+def main(
+    seeds: Annotated[str, typer.Option(help="first:end")] = "70000:70020",
+    tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
+    rounds: Annotated[int, typer.Option(help="Rounds of an episode at most.")] = 30,
+    processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
+    out: Annotated[Path | None, typer.Option("--json", help="Also write every comparison to this file.")] = None,
+) -> None:
+    """Print every disagreement and slip, and a table a skill and reason."""
+    names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
+    cells = [(*cell, rounds) for cell in product(names, (1, 2), parse_seeds(seeds))]
+    console, found = make_console(), list[Compared]()
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        for lines in pool.map(_job, cells):
+            found += lines
+            for line in lines:
+                if line.verdict != "agree":
+                    where = f"{line.task} {line.robots} seed {line.seed} {line.layout} round {line.round} {line.robot}"
+                    console.print(f"{line.verdict}: {where}: {line.subtask}: {line.differs}", markup=False)
+    console.print(table(found, f"Both backends on one round, seeds {seeds}"))
+    if out is not None:
+        out.write_text(json.dumps([asdict(line) for line in found], indent=1), encoding="utf-8")
+
+
+def table(found: Sequence[Compared], title: str) -> Table:
+    """Counts a skill and reason, and the share of agreement without slips."""
+    shown = Table("skill", "foretold", "n", "agree", "slips", "disagree", title=title)
+    for skill, reason in sorted({(line.skill, line.foretold) for line in found}):
+        _add(shown, (skill, reason), [line for line in found if (line.skill, line.foretold) == (skill, reason)])
+    shown.add_section()
+    _add(shown, ("succeeds", ""), [line for line in found if line.foretold == "success"])
+    _add(shown, ("fails", ""), [line for line in found if line.foretold != "success"])
+    _add(shown, ("all", ""), found)
+    return shown
+
+
+def _add(shown: Table, name: tuple[str, str], lines: Sequence[Compared]) -> None:
+    counts = Counter(line.verdict for line in lines)
+    judged = len(lines) - counts["slip"]
+    share = f"{counts['agree']} ({100 * counts['agree'] / judged:.1f}%)" if judged else "0"
+    shown.add_row(*name, str(len(lines)), share, str(counts["slip"]), str(counts["disagree"]))
+
+
+if __name__ == "__main__":
+    typer.run(main)
