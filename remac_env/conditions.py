@@ -82,20 +82,22 @@ def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place |
     """Where `place to target` puts what the robot holds, or None when there is no room.
 
     On a fixture: a free slot at the robot's station, a lit burner before others; else a vessel that belongs there and
-    has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full or what is held is too big for it.
+    has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full. Neither where it is too big.
     """
     held = world.robots[robot].holding
     if target in scene.objects:
         small = held is None or scene.objects[held].small
         full = len(contents(world, target)) >= scene.objects[target].holds
         return Place("vessel", target) if small and not full and held != target else None
+    kind = scene.fixtures[target].kind
+    if held is not None and kind in scene.objects[held].too_big_for:
+        return None
     here = world.robots[robot].station
     slots = [name for name in scene.fixtures[target].slots if scene.slots[name].station == here]
     free = [name for name in slots if occupant(world, name) is None]
     lit = [name for name in free if name in world.fixtures[target].on]
     if free:
         return Place("slot", (lit + free)[0])
-    kind = scene.fixtures[target].kind
     vessels = [name for slot in slots if (name := occupant(world, slot)) and kind in scene.objects[name].vessel_in]
     places = (landing(scene, world, robot, name) for name in vessels)
     return next((place for place in places if place is not None), None)
@@ -131,6 +133,12 @@ def _accessible(scene: Scene, world: WorldState, target: str) -> bool:
 
 def _placed(scene: Scene, world: WorldState, target: str) -> bool:
     return target in scene.fixtures or base_place(world, target).relation == "slot"
+
+
+def _graspable(scene: Scene, world: WorldState, target: str) -> bool:
+    place = base_place(world, target)
+    around = scene.fixtures[scene.slots[place.where].fixture].kind if place.relation == "slot" else ""
+    return around not in scene.objects[target].too_big_for
 
 
 def _room(scene: Scene, world: WorldState, robot: str, target: str) -> bool:
@@ -179,6 +187,7 @@ PREDICATES: dict[str, Predicate] = {
     "placed": _placed,
     "accessible": _accessible,
     "unloaded": lambda scene, world, name: not contents(world, name),
+    "graspable": _graspable,
     "room": _room,
     "no_vessel_needed": _no_vessel_needed,
     "inside": _within,
@@ -207,6 +216,7 @@ SENTENCES: dict[str, str] = {
     "placed": "the {0} is in its place: neither in a gripper nor on the floor",
     "accessible": "no shut door is in front of the {0}",
     "unloaded": "nothing lies on or in the {0}",
+    "graspable": "the gripper has room to take hold of the {0} where it is",
     "room": "the {1} has room for what {0} holds",
     "no_vessel_needed": "what {0} holds may touch the {1} without a vessel",
     "inside": "the {0} is on or in the {1}",

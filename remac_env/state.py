@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, TypeVar
 
-Key = TypeVar("Key", bound=str)
-Value = TypeVar("Value")
+Key, Value = TypeVar("Key", bound=str), TypeVar("Value")
 
 STATE_VERSION = 1
 """Raised whenever the meaning of WorldState changes."""
@@ -123,9 +122,9 @@ class FixtureFacts:
 class ObjectFacts:
     """A thing that can be carried.
 
-    `needs_vessel_in` and `vessel_in` name fixture kinds: meat needs a vessel in a sink, a bowl is a vessel there.
-    `holds` is how many things fit on or in it; `seasons`: it is a shaker; `small`: it fits into a vessel; `washable`:
-    running water leaves it washed.
+    `needs_vessel_in`, `vessel_in` and `too_big_for` name fixture kinds: meat needs a vessel in a sink, a bowl is one, and
+    a plate leaves no room for a hand in a microwave. `holds`: how many things fit on or in it; `seasons`: it is a shaker;
+    `small`: it fits into a vessel; `washable`: water leaves it washed.
     """
 
     name: str
@@ -136,6 +135,7 @@ class ObjectFacts:
     seasons: bool = False
     small: bool = True
     washable: bool = False
+    too_big_for: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)

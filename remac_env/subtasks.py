@@ -141,6 +141,7 @@ def _for_pick_up(robot: str, target: str) -> tuple[Requirement, ...]:
         _refuse("not_at_station", "at", robot, target),
         _refuse("loaded", "unloaded", target),
         _attempt("door_closed", "accessible", target),
+        _attempt("blocked", "graspable", target),
     )
 
 

@@ -42,6 +42,7 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             seasons=category.seasons,
             small=category.small,
             washable="washable" in category.attributes,
+            too_big_for=category.too_big_for,
         )
         for noun, category in things.items()
     }

@@ -60,7 +60,8 @@ class PhysicsBackend:
 
     def reset(self, start: Start) -> WorldState:
         """Put the kitchen into this start; what follows depends on nothing that went before."""
-        self._episode, self._played = _Episode(start, self._worlds), []
+        before = None if self._episode is None else self._episode.simulation
+        self._episode, self._played = _Episode(start, self._worlds, before), []
         return self._episode.world
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
@@ -101,12 +102,12 @@ class PhysicsBackend:
 class _Episode:
     """One start and what has become of it."""
 
-    def __init__(self, start: Start, worlds: Worlds) -> None:
+    def __init__(self, start: Start, worlds: Worlds, before: Simulation | None) -> None:
         self.start = start
         self._layout: Layout = worlds.layout(start.layout, start.style)
         self._things: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
         robots = tuple(start.scene.robots)
-        self.simulation = Simulation(_model(self._layout, robots, tuple(self._things.items())), robots)
+        self.simulation = Simulation(_model(self._layout, robots, tuple(self._things.items())), robots, before)
         self._marks = {name: state.marks for name, state in start.world.objects.items()}
         on = frozenset().union(*(state.on for state in start.world.fixtures.values()))
         # Knobs and levers show whether they are on; what a push button started has to be remembered.

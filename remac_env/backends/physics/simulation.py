@@ -99,11 +99,15 @@ class RobotHandle:
 
 
 class Simulation:
-    """Model, data and clock, with the robots called ``robots``."""
+    """Model, data and clock, with the robots called ``robots``.
 
-    def __init__(self, model: mujoco.MjModel, robots: Iterable[str]) -> None:
+    ``before``: a simulation that has ended; its data are used again where it was of the same model.
+    """
+
+    def __init__(self, model: mujoco.MjModel, robots: Iterable[str], before: Simulation | None = None) -> None:
         self.model = model
-        self.data = mujoco.MjData(model)
+        again = before is not None and before.model is model
+        self.data: mujoco.MjData = before.data if before and again else mujoco.MjData(model)
         self.robots = {name: RobotHandle(model, self.data, name) for name in robots}
         self.ticks = 0
 

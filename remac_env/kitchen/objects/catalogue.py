@@ -25,7 +25,9 @@ GraspMode = Literal["side", "rim", "handle"]
 Attribute = Literal["washable", "microwavable", "cookable", "freezable"]
 
 _NEEDED = ("group", "mass", "friction", "rest_height", "body", "grasp")
-_FURTHER = ("roles", "attributes", "needs_vessel_in", "vessel_in", "holds", "inside_height", "look", "color")
+_FURTHER = (
+    "roles", "attributes", "needs_vessel_in", "vessel_in", "too_big_for", "holds", "inside_height", "look", "color",
+)  # fmt: skip
 _GRASP_KEYS = ("mode", "height", "width", "reach", "lean", "any_yaw")
 GROUPS_AS_NOUNS = ("vegetable", "fish", "meat")
 """Groups whose name is a noun that any thing of the group may go by."""
@@ -62,9 +64,9 @@ class Category:
     """A kind of thing.
 
     mass: kg. friction: sliding, torsional (m), rolling (m). rest_height: height of the body's frame over the surface
-    it rests on, m. roles: nouns that it may go by. needs_vessel_in, vessel_in: kinds of fixtures. holds: how many
-    things it takes. inside_height: of its inner floor over its frame, m. look: name of the drawn shape, "" to draw the
-    colliders in `color` (red, green, blue in 0..1).
+    it rests on, m. roles: nouns that it may go by. needs_vessel_in, vessel_in: kinds of fixtures; too_big_for: those in
+    which a hand has no room beside it. holds: how many things it takes. inside_height: of its inner floor over its
+    frame, m. look: name of the drawn shape, "" to draw the colliders in `color` (red, green, blue in 0..1).
     """
 
     name: str
@@ -78,6 +80,7 @@ class Category:
     attributes: frozenset[str] = frozenset()
     needs_vessel_in: frozenset[str] = frozenset()
     vessel_in: frozenset[str] = frozenset()
+    too_big_for: frozenset[str] = frozenset()
     holds: int = 0
     inside_height: float = 0.0
     look: str = ""
@@ -171,6 +174,7 @@ class _Reader:
             attributes=frozenset(self._words("attributes", given.get("attributes", []), get_args(Attribute))),
             needs_vessel_in=frozenset(self._words("needs_vessel_in", given.get("needs_vessel_in", []))),
             vessel_in=frozenset(self._words("vessel_in", given.get("vessel_in", []))),
+            too_big_for=frozenset(self._words("too_big_for", given.get("too_big_for", []))),
             holds=int(self._number("holds", given.get("holds", 0))),
             inside_height=self._number("inside_height", given.get("inside_height", 0.0)),
             look=given.get("look", ""),

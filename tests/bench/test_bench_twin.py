@@ -1,0 +1,61 @@
+"""The comparison of the backends sees what it should, and finds nothing in an episode that goes well."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+import twin
+
+import remac_env
+from remac_env.subtasks import Outcome, failure
+
+
+@pytest.fixture
+def kitchen():
+    env = remac_env.parallel_env("OpenCabinetPnP", robots=1)
+    env.reset(seed=11)
+    yield env
+    env.close()
+
+
+def driven(env) -> tuple:
+    """The world before a drive to the cabinet, the joint subtask, and what came of it."""
+    before, subtask = env.world, env.vocabulary.parse("navigate to cabinet")
+    _, _, _, _, infos = env.step({"robot_0": env.vocabulary.encode(subtask.text)})
+    return before, {"robot_0": subtask}, {"robot_0": Outcome(**infos["robot_0"]["outcome"])}
+
+
+def test_a_round_as_foretold_agrees(kitchen) -> None:
+    (line,) = twin.compare(kitchen, *driven(kitchen))
+    assert (line.verdict, line.foretold, line.happened, line.differs) == ("agree", "success", "success", "")
+    assert line.layout == kitchen.start.layout
+
+
+@pytest.mark.parametrize(
+    ("happened", "verdict"),
+    [(failure("blocked", "planted"), "disagree"), (failure("slipped", "planted"), "slip")],
+)
+def test_a_planted_outcome_is_found(kitchen, happened: Outcome, verdict: str) -> None:
+    before, joint, _ = driven(kitchen)
+    (line,) = twin.compare(kitchen, before, joint, {"robot_0": happened})
+    assert (line.verdict, line.happened) == (verdict, happened.reason)
+    assert "planted" in line.differs
+
+
+def test_a_world_that_differs_is_found(kitchen) -> None:
+    before, joint, outcomes = driven(kitchen)
+    ajar = before.with_fixture("cabinet", door="ajar")
+    (line,) = twin.compare(kitchen, ajar, joint, outcomes)
+    assert line.verdict == "disagree"
+    assert "door='ajar'" in line.differs and "door='closed'" in line.differs
+
+
+def test_commands_are_spread_over_skills_and_reasons() -> None:
+    lines = twin.play("OpenMicrowavePnP", 1, 77, 12)
+    assert [line for line in lines if line.verdict != "agree"] == []
+    strata = {(line.skill, line.foretold) for line in lines}
+    assert len(strata) >= 8
+    assert {"success"} < {reason for _, reason in strata}
+    again = twin.play("OpenMicrowavePnP", 1, 77, 12)
+    assert [replace(line) for line in again] == lines
