@@ -23,7 +23,6 @@ def report(
     csv: Annotated[
         str | None, typer.Option(help="Write FILE.csv with the results, or every table into a folder.")
     ] = None,
-,
     pages: Annotated[bool, typer.Option(help="Also write FOLDER/leaderboard.html with a page an episode.")] = True,
 ) -> None:
     """Print the tables of a folder's records, and write them as pages: FOLDER/leaderboard.html."""
