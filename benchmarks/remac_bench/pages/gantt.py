@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from remac_bench.pages.text import visible
 from remac_bench.records import Record
 
 LEFT, RIGHT, TOP = 84.0, 12.0, 30.0
 """Room for the robots' names, behind the last bar, and for the axis, in the picture's units (about pixels)."""
 
-WIDTH, LANE, BAR = 1080.0, 46.0, 28.0
+WIDTH, LANE, BAR = 1080.0, 58.0, 38.0
 """Of the picture, of a robot's lane and of its bar."""
 
 LETTER = 6.3
@@ -25,13 +27,14 @@ TICKS = 10
 
 @dataclass(frozen=True, kw_only=True)
 class Bar:
-    """A robot's subtask in a round. `label`: as much of it as the bar holds."""
+    """A robot's subtask in a round. `label`: as much of it as the bar holds, in at most two lines."""
 
     round: int
     x: float
     y: float
     width: float
-    label: str
+    height: float
+    label: tuple[str, ...]
     title: str
     status: str
 
@@ -76,7 +79,7 @@ def draw(record: Record, spans: Sequence[tuple[float, float]], *, alarms: Mappin
         if not _idle(record, number, robot)
     )
     marks = tuple(
-        (min(at(spans[number][0]), latest) + 3, lanes[robot] + 5, number, wrong)
+        (min(at(spans[number][0]), latest) + 3, lanes[robot] + 3, number, wrong)
         for (number, robot), wrong in alarms.items()
         if robot in lanes
     )
@@ -104,19 +107,26 @@ def _idle(record: Record, number: int, robot: str) -> bool:
 def _bar(number: int, robot: str, record: Record, *, x: float, y: float, scale: float) -> Bar:
     outcome = record.outcomes[number][robot]
     width = round(max(outcome.seconds * scale - 2, LEAST), 1)
-    room = int((width - 10) / LETTER)
     text = outcome.subtask
-    label = text if len(text) <= room else f"{text[: room - 1].rstrip()}\u2026" if room > 3 else ""
     why = f" ({outcome.reason})" if outcome.reason else ""
     return Bar(
         round=number,
         x=x,
         y=y,
         width=width,
-        label=label,
+        height=BAR,
+        label=_label(text, int((width - 10) / LETTER)),
         title=f"round {number}, {robot}: {text[:200]}: {outcome.status}{why}, {outcome.seconds:.1f} s",
         status="ok" if outcome.status == "success" else "bad",
     )
+
+
+def _label(text: str, room: int) -> tuple[str, ...]:
+    """The text in one or two lines of at most `room` letters."""
+    if room < 4:
+        return ()
+    lines = textwrap.wrap(visible(text[:200]), room, max_lines=2, placeholder="\u2026")
+    return tuple(lines)
 
 
 def _ticks(total: float) -> list[float]:
