@@ -15,7 +15,7 @@ LEFT, RIGHT, TOP = 84.0, 12.0, 30.0
 WIDTH, LANE, BAR = 1080.0, 58.0, 38.0
 """Of the picture, of a robot's lane and of its bar."""
 
-LETTER = 6.3
+LETTER = 5.9
 """Width of a letter in a bar."""
 
 LEAST = 5.0
@@ -115,7 +115,7 @@ def _bar(number: int, robot: str, record: Record, *, x: float, y: float, scale: 
         y=y,
         width=width,
         height=BAR,
-        label=_label(text, int((width - 10) / LETTER)),
+        label=_label(text, int((width - 6) / LETTER)),
         title=f"round {number}, {robot}: {text[:200]}: {outcome.status}{why}, {outcome.seconds:.1f} s",
         status="ok" if outcome.status == "success" else "bad",
     )
