@@ -138,8 +138,8 @@ def test_what_cannot_be_seen_is_made_visible(text: str, seen: str) -> None:
 
 
 def test_long_texts_are_folded_and_pages_stay_small(tmp_path: Path) -> None:
-    loud = ExchangeEntry(round=0, role="planner", messages=[("user", "<\u202e" * 500_000)], reply="<" * 1_000_000)
-    big = spoken(tmp_path, exchanges=[loud] * 120)
+    loud = ExchangeEntry(round=0, role="planner", messages=[("user", "<\u202e" * 250_000)], reply="<" * 1_000_000)
+    big = spoken(tmp_path, exchanges=[loud] * 30)
     html = page(big, folder=tmp_path)
     assert len(html.encode()) <= PAGE_MAX
     assert "characters left out" in html

@@ -102,12 +102,22 @@ def page(record: Record, *, folder: Path, siblings: Sequence[Record] = (), blame
         folder: of the records; videos and pictures are looked up there.
         siblings: the records of the same job.
     """
-    limit, view = TEXT_MAX, _view(record, folder, siblings, blame)
+    limit, view = _fitting(record), _view(record, folder, siblings, blame)
     while True:
         html = render("episode.html", limit=limit, view=view, record=record, most=LIST_MAX)
         if limit < 100 or len(html.encode("utf-8", "replace")) <= PAGE_MAX:
             return html
         limit //= 4
+
+
+def _fitting(record: Record) -> int:
+    """The longest limit with which the exchanges alone may fit; escaped, they may still be longer."""
+    texts = [text for each in record.exchanges for _, text in each.messages]
+    lengths = [len(text) for text in (*texts, *(t for each in record.exchanges for t in (each.reply, each.reasoning)))]
+    limit = TEXT_MAX
+    while limit >= 100 and sum(min(length, limit) for length in lengths) > PAGE_MAX:
+        limit //= 4
+    return limit
 
 
 def _view(record: Record, folder: Path, siblings: Sequence[Record], blame: Blame | None) -> View:
