@@ -1,8 +1,8 @@
 """Makes the pictures of the pages: `python docs/make_screenshots.py [DIR] [--to FOLDER]`.
 
-DIR is a folder that `remac bench report` has written pages into; without one a small suite is played. Needs Chromium and
-its driver (Debian: `apt-get install chromium chromium-driver`) and `pip install selenium`. With --to, each page is taken
-in light and dark, wide and as narrow as a phone; without, the two pictures of the docs are made anew.
+DIR is a folder that `remac bench report` has written pages into; without one a small suite is played. Needs Chromium
+and its driver (Debian: `apt-get install chromium chromium-driver`) and `pip install selenium`. With --to, each page is
+taken in light and dark, wide and as narrow as a phone; without, the two pictures of the docs are made anew.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import numpy as np
 
 FOLDER = Path(__file__).parent / "pictures"
 SIZES = {"desktop": (1240, 900), "phone": (375, 812)}
+TALL = (1240, 1060)
 """Width and height of the window, CSS pixels."""
 
 
@@ -36,8 +37,8 @@ def main() -> None:
         folder = given.folder or played(Path(spare))
         pages = {"leaderboard": folder / "leaderboard.html", "episode": _with_video(folder)}
         if given.to is None:
-            for name, page in pages.items():
-                shoot(driver, page, FOLDER / f"{name}.png", size=SIZES["desktop"], scheme="light", seek=name == "episode")
+            shoot(driver, pages["leaderboard"], FOLDER / "leaderboard.png", size=SIZES["desktop"], scheme="light")
+            shoot(driver, pages["episode"], FOLDER / "episode.png", size=TALL, scheme="dark", seek=True)
             return
         given.to.mkdir(parents=True, exist_ok=True)
         for name, page in pages.items():
@@ -73,7 +74,14 @@ def browser() -> Iterator[Any]:
 
 
 def shoot(
-    driver: Any, page: Path, target: Path, *, size: tuple[int, int], scheme: str, whole: bool = False, seek: bool = False
+    driver: Any,
+    page: Path,
+    target: Path,
+    *,
+    size: tuple[int, int],
+    scheme: str,
+    whole: bool = False,
+    seek: bool = False,
 ) -> None:
     """Save a page as PNG. `whole`: all of it, not the first screen alone. `seek`: choose the third bar of the plan."""
     metrics = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 600}
@@ -108,11 +116,12 @@ def _clip(driver: Any, whole: bool) -> dict[str, Any]:
 
 
 def _with_video(folder: Path) -> Path:
-    """The page of the episode with the most rounds among those with a video."""
+    """The page of the episode with most robots, then with most bars, among those with a video."""
     pages = [page for page in sorted((folder / "episodes").glob("*.html")) if "<video" in page.read_text("utf-8")]
     if not pages:
         raise SystemExit(f"no episode in {folder} has a video: run with --video first, then `remac bench report`")
-    return max(pages, key=lambda page: page.read_text("utf-8").count('class="bar'))
+    texts = {page: page.read_text("utf-8") for page in pages}
+    return max(texts, key=lambda page: ("2 robots" in texts[page], texts[page].count('class="bar')))
 
 
 if __name__ == "__main__":

@@ -17,7 +17,10 @@ from remac_bench.records import CheckEntry, ErrorEntry, ExchangeEntry, OutcomeEn
 from remac_bench.store import Store
 from remac_bench.worker import Work, play_job
 
-EVIL = '</bdi></script><script>document.title="owned"</script><img src=x onerror=alert(1)>"\'\x1b[31m\u202eabc\x00\u2028{{7*7}}'
+EVIL = (
+    '</bdi></script><script>document.title="owned"</script><img src=x onerror=alert(1)>'
+    "\"'\x1b[31m\u202eabc\x00\u2028{{7*7}}"
+)
 """Markup, quotes, terminal and bidi controls, a null byte, and a template's own marks."""
 
 VOID = {"meta", "input", "img", "link", "br", "hr"}
@@ -54,7 +57,9 @@ def hostile(**changes: Any) -> Record:
         "planner_errors": [EVIL],
         "truth_readers": [EVIL],
         "exchanges": [
-            ExchangeEntry(round=0, role=EVIL, label=EVIL, messages=[(EVIL, EVIL)], reply=EVIL, error=EVIL, pictures=[EVIL])
+            ExchangeEntry(
+                round=0, role=EVIL, label=EVIL, messages=[(EVIL, EVIL)], reply=EVIL, error=EVIL, pictures=[EVIL]
+            )
         ],
         "video": VideoEntry(path="https://example.org/x.webm"),
         "error": ErrorEntry(kind="agent", type=EVIL, message=EVIL, where=[EVIL]),

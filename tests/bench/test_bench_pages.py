@@ -1,4 +1,4 @@
-"""Pages: the numbers of the report, links that lead somewhere, hostile text as text. Each check sees a planted fault."""
+"""Pages: the report's numbers, links that lead somewhere, hostile text as text. Each check sees a planted fault."""
 
 from __future__ import annotations
 
@@ -97,18 +97,16 @@ def test_every_link_leads_somewhere(run: Path) -> None:
 def test_own_pages_are_clean_and_the_check_sees_what_is_not(run: Path) -> None:
     for path in [run / "leaderboard.html", *(run / "episodes").iterdir()]:
         assert alien(path.read_text("utf-8")) == [], path.name
-    faults = ["<script>1</script>", '<i onclick="x">', '<a href="https://example.org/">', '<p style="x">', "\u202e", "\x1b"]
-    for fault in faults:
+    faults = ["<script>1</script>", '<i onclick="x">', '<a href="https://example.org/">', '<p style="x">']
+    for fault in (*faults, "\u202e", "\x1b"):
         assert alien(leaderboard(run).replace("</main>", f"{fault}</main>")), fault
 
 
 def test_hostile_text_is_shown_as_text(tmp_path: Path) -> None:
     evil = hostile()
     Store(tmp_path).append([evil, record(job="calm")])
-    blame = Blame(
-        job=evil.job, iteration=0, setting=EVIL, task=EVIL, agent=EVIL, method=EVIL, seed=0, label="planner", round=0, what=EVIL
-    )
-    write_blames(tmp_path, [blame])
+    texts = dict.fromkeys(("setting", "task", "agent", "method", "what"), EVIL)
+    write_blames(tmp_path, [Blame(job=evil.job, iteration=0, seed=0, label="planner", round=0, **texts)])
     write_pages(tmp_path)
     files = [tmp_path / "leaderboard.html", *(tmp_path / "episodes").iterdir()]
     assert len(files) == 3 and all(path.resolve().is_relative_to(tmp_path.resolve()) for path in files)
@@ -201,9 +199,9 @@ def test_the_video_is_the_folders_own(tmp_path: Path) -> None:
     assert (gantt.attributes["data-starts"], gantt.attributes["data-video"]) == ("0.0 8.0", "0.0")
 
 
-def _results(money: float | None) -> Sheet:
+def _results(money: float) -> Sheet:
     row = {"task": Cell(text="T"), "agent": Cell(text="A"), "tsr": Cell(text="50%", value=0.5, low=0.2, high=0.8)}
-    row |= {"seconds_all": Cell(text="9", value=9.0)} | ({} if money is None else {"money": Cell(text="m", value=money)})
+    row |= {"seconds_all": Cell(text="9", value=9.0), "money": Cell(text="m", value=money)}
     return Sheet(key="results", title="t", columns=(Column(key="task", title="Task"),), rows=(row,))
 
 
@@ -219,7 +217,8 @@ def test_a_table_as_a_picture_shows_every_number() -> None:
     sheet = _results(3.0)
     columns = tuple(Column(key=key, title=key) for key in sheet.rows[0])
     drawing = lay_out(Sheet(key="k", title="Title", columns=columns, rows=sheet.rows))
-    assert [word.text for word in drawing.words] == ["Title", *(t for key in sheet.rows[0] for t in (key, sheet.rows[0][key].text))]
+    shown = [text for key, cell in sheet.rows[0].items() for text in (key, cell.text)]
+    assert [word.text for word in drawing.words] == ["Title", *shown]
     picture = paint(drawing)
     assert picture.min() < 80 and picture.max() == 255
 

@@ -54,9 +54,8 @@ def lay_out(sheet: Sheet) -> Drawing:
     """A sheet with the columns that hold something, in the style of printed tables: three rules and no others."""
     columns = [column for column in sheet.columns if any(column.key in row for row in sheet.rows)]
     texts = [[_short(row.get(column.key, _DASH).text) for column in columns] for row in sheet.rows]
-    widths = [
-        LETTER * max(len(column.title), *(len(line[index]) for line in texts), 1) for index, column in enumerate(columns)
-    ]
+    longest = [max(len(column.title), *(len(line[at]) for line in texts), 1) for at, column in enumerate(columns)]
+    widths = [LETTER * letters for letters in longest]
     lefts = [MARGIN + sum(widths[:index]) + GAP * index for index in range(len(columns))]
     title = _short(sheet.title, 110)
     width = max(MARGIN + sum(widths) + GAP * max(0, len(columns) - 1), MARGIN + LETTER * len(title)) + MARGIN
