@@ -12,11 +12,14 @@ from remac_bench.metrics import ALL_TASKS
 INTERVAL = 84.0
 """Width of an interval's plot from 0 to 1, in pixels."""
 
-BOX = (720.0, 340.0)
+BOX = (720.0, 270.0)
 """Width and height of the plot of success against money."""
 
 MARGINS = (58.0, 20.0, 20.0, 48.0)
 """Left, right, top, bottom."""
+
+LETTER, LINE = 7.6, 15.0
+"""Width of a letter of a name in that plot, and height of its line."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,17 +100,22 @@ def scatter(sheet: Sheet) -> Scatter | None:
 
 
 def _dots(points: Sequence[tuple[str, float, Cell]], most: float) -> list[Dot]:
+    """Names stand beside their dots where no other dot is, one under the other where they would overlap."""
     dots: list[Dot] = []
+    taken: list[tuple[float, float, float]] = []
+    places = [_x(cost, most) for _, cost, _ in points]
     for name, cost, cell in sorted(points, key=lambda point: (-(point[2].value or 0.0), point[1])):
-        x, y = _x(cost, most), _y(cell.value or 0.0)
-        right = x < BOX[0] * 0.72
-        label = y + 16 if y < BOX[1] / 2 else y - 8
-        step = 15 if y < BOX[1] / 2 else -15
-        while any(abs(label - dot.label_y) < 13 and abs(x - dot.x) < 150 for dot in dots):
-            label += step
+        short = name if len(name) <= 40 else f"{name[:39]}\u2026"
+        x, y, width = _x(cost, most), _y(cell.value or 0.0), LETTER * len(short) + 9
+        room = x + width < BOX[0] - MARGINS[1]
+        right = room and (x - width < MARGINS[0] or not any(0 < other - x < width for other in places))
+        left, label = (x if right else x - width), y + (LINE if y < BOX[1] / 2 else -8)
+        while any(abs(label - line) < LINE - 1 and left < end and begin < left + width for begin, end, line in taken):
+            label += LINE if y < BOX[1] / 2 else -LINE
+        taken.append((left, left + width, label))
         dots.append(
             Dot(
-                name=name if len(name) <= 40 else f"{name[:39]}\u2026",
+                name=short,
                 x=x,
                 y=y,
                 low=_y(cell.low or 0.0),
