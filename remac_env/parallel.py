@@ -191,7 +191,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
 
     def recorded_rounds(self) -> list[float]:
         """When each round begins in that video, seconds from its beginning; empty where nothing was recorded."""
-        return self._pictures.begins()
+        return self._pictures.begins(self._running().rounds)
 
     # -- what the episode is ----------------------------------------------------------------------------------------
 

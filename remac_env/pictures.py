@@ -87,16 +87,20 @@ class Pictures:
         chosen = spread(len(moments))
         return video.write(path, (self._stage(moments[index]).picture(quality=VIDEO) for index in chosen))
 
-    def begins(self) -> list[float]:
-        """When each round begins in the video that `save` draws, seconds from its beginning."""
+    def begins(self, rounds: int) -> list[float]:
+        """When each of this many rounds begins in the video that `save` draws, seconds from its beginning."""
         from remac_env.rendering.video import FPS
 
         moments = self._tape.frames if self._tape is not None else ()
         shown = [moments[index].round for index in spread(len(moments))]
-        return [
-            round(next(index for index, over in enumerate(shown) if over >= number) / FPS, 3)
-            for number in range(max(shown, default=0))
-        ]
+        if not shown:
+            return []
+        # A round too short for a picture of its own begins with the next one that there is.
+        firsts = (
+            next((index for index, over in enumerate(shown) if over >= number), len(shown) - 1)
+            for number in range(rounds)
+        )
+        return [round(index / FPS, 3) for index in firsts]
 
     def close(self) -> None:
         """Free renderers and window. May be called twice."""
