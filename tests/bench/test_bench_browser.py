@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import shutil
+import threading
 from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
@@ -184,6 +187,23 @@ def test_a_deep_link_shows_its_round(driver: Any, run: Path) -> None:
     top = driver.execute_script("return document.getElementById('round-3').getBoundingClientRect().top")
     assert 0 <= top < 900
     assert driver.find_elements("css selector", ".bar.now[data-round='3']")
+
+
+def test_pages_work_from_a_web_server_too(driver: Any, run: Path) -> None:
+    handler = partial(SimpleHTTPRequestHandler, directory=str(run))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        driver.get("about:blank")
+        driver.get_log("browser")
+        driver.get(f"http://127.0.0.1:{server.server_port}/episodes/{episode(run).name}")
+        assert driver.execute_async_script(
+            """const video = document.querySelector("video"), [done] = arguments;
+            if (video.readyState) done(true);
+            video.onloadedmetadata = () => done(true); video.onerror = () => done(false);"""
+        )
+        assert [text for text in complaints(driver) if "favicon" not in text] == []
+        driver.get("about:blank")
+        server.shutdown()
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

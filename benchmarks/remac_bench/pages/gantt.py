@@ -122,11 +122,11 @@ def _bar(number: int, robot: str, record: Record, *, x: float, y: float, scale: 
 
 
 def _label(text: str, room: int) -> tuple[str, ...]:
-    """The text in one or two lines of at most `room` letters."""
+    """The text in one or two lines of at most `room` letters; words that are longer are cut, so that more are seen."""
     if room < 4:
         return ()
-    lines = textwrap.wrap(visible(text[:200]), room, max_lines=2, placeholder="\u2026")
-    return tuple(lines)
+    words = (word if len(word) <= room else f"{word[: room - 1]}\u2026" for word in visible(text[:200]).split())
+    return tuple(textwrap.wrap(" ".join(words), room, max_lines=2, placeholder="\u2026"))
 
 
 def _ticks(total: float) -> list[float]:
