@@ -128,6 +128,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         sparse = self.options.reward == "sparse"
         before = 0.0 if sparse else episode.progress
         episode.advance(subtasks, invalid, self._backend.run_round(subtasks))
+        self._film()
         reward = float(episode.end == "success") if sparse else episode.progress - before
         truncated = episode.end == "truncated"
         terminated = episode.end is not None and not truncated
@@ -189,6 +190,10 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         """
         return self._pictures.save(path)
 
+    def recorded_rounds(self) -> list[float]:
+        """When each round begins in that video, seconds from its beginning; empty where nothing was recorded."""
+        return self._pictures.begins(self._running().rounds)
+
     # -- what the episode is ----------------------------------------------------------------------------------------
 
     @property
@@ -240,7 +245,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
 
     def _moment(self) -> Moment:
         positions = None if self._backend is None else self._backend.positions()
-        return Moment(self.start, self.world, positions)
+        return Moment(self.start, self.world, positions, self._running().rounds)
 
     def _film(self) -> None:
         """Called by the backend once a control period."""

@@ -26,11 +26,15 @@ Picture = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Moment:
-    """What there is to see: the joint positions of physics (None: posed by the world) and the world as last known."""
+    """What there is to see: the joint positions of physics (None: posed by the world) and the world as last known.
+
+    `round`: how many rounds are over.
+    """
 
     start: Start
     world: WorldState
     positions: NDArray[np.float64] | None
+    round: int = 0
 
 
 class Pictures:
@@ -82,6 +86,21 @@ class Pictures:
         moments = self._tape.frames
         chosen = spread(len(moments))
         return video.write(path, (self._stage(moments[index]).picture(quality=VIDEO) for index in chosen))
+
+    def begins(self, rounds: int) -> list[float]:
+        """When each of this many rounds begins in the video that `save` draws, seconds from its beginning."""
+        from remac_env.rendering.video import FPS
+
+        moments = self._tape.frames if self._tape is not None else ()
+        shown = [moments[index].round for index in spread(len(moments))]
+        if not shown:
+            return []
+        # A round too short for a picture of its own begins with the next one that there is.
+        firsts = (
+            next((index for index, over in enumerate(shown) if over >= number), len(shown) - 1)
+            for number in range(rounds)
+        )
+        return [round(index / FPS, 3) for index in firsts]
 
     def close(self) -> None:
         """Free renderers and window. May be called twice."""

@@ -45,7 +45,7 @@ class Recorder:
                 path = self.folder / self._name
                 path.parent.mkdir(parents=True, exist_ok=True)
                 self._method("save_recording")(path)
-                return VideoEntry(path=self._name)
+                return VideoEntry(path=self._name, rounds=self._method("recorded_rounds")())
             except (RemacError, OSError) as error:
                 self._problem = f"{type(error).__name__}: {error}"
         return VideoEntry(error=self._problem)

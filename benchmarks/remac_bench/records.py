@@ -82,9 +82,13 @@ class ExchangeEntry(Model):
 
 
 class VideoEntry(Model):
-    """The video of an episode, its path relative to the records' folder, or why there is none."""
+    """The video of an episode, its path relative to the records' folder, or why there is none.
+
+    `rounds`: when each round begins in it, seconds of the video.
+    """
 
     path: str | None = None
+    rounds: list[float] = Field(default_factory=list)
     error: str | None = None
 
 

@@ -56,6 +56,10 @@ class Sampler(Generic[Moment]):
         return tuple(self._kept)
 
 
+FPS = 15.0
+"""Frames a second of a video."""
+
+
 def spread(count: int, limit: int = MAX_FRAMES) -> NDArray[np.int64]:
     """Indices of at most `limit` of `count` things, evenly spread, the first and the last among them."""
     if count <= limit:
@@ -63,7 +67,7 @@ def spread(count: int, limit: int = MAX_FRAMES) -> NDArray[np.int64]:
     return np.linspace(0, count - 1, limit).round().astype(np.int64)
 
 
-def write(path: str | os.PathLike[str], frames: Iterable[Picture], *, fps: float = 15.0) -> int:
+def write(path: str | os.PathLike[str], frames: Iterable[Picture], *, fps: float = FPS) -> int:
     """Write pictures, uint8 (height, width, 3) and all of one size, as a WebM file; more than 150 are thinned evenly.
 
     Returns the number of frames written. The file appears whole or not at all.

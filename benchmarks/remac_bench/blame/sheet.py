@@ -46,7 +46,7 @@ def read_blames(folder: str | Path) -> list[Blame]:
     if not path.exists():
         return []
     try:
-        return [Blame.model_validate_json(line) for line in path.read_text("utf-8").splitlines() if line]
+        return [Blame.model_validate_json(line) for line in path.read_text("utf-8").split("\n") if line]
     except (ValidationError, UnicodeDecodeError) as error:
         raise RecordFileError(f"{path} holds no labels; `remac bench blame {folder}` writes it anew") from error
 

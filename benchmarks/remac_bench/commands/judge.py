@@ -23,11 +23,16 @@ def report(
     csv: Annotated[
         str | None, typer.Option(help="Write FILE.csv with the results, or every table into a folder.")
     ] = None,
+    pages: Annotated[bool, typer.Option(help="Also write FOLDER/leaderboard.html with a page an episode.")] = True,
 ) -> None:
-    """Print the tables of a folder's records."""
+    """Print the tables of a folder's records, and write them as pages: FOLDER/leaderboard.html."""
     from remac_bench.report import board_markdown, board_tables, read_board, write_csv
 
     board = read_board(folder)
+    if pages:
+        from remac_bench.pages import write_pages
+
+        typer.echo(f"pages: {write_pages(folder, board)}", err=True)
     if csv is not None:
         for path in write_csv(board, csv):
             typer.echo(str(path), err=True)

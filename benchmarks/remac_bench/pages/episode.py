@@ -1,0 +1,216 @@
+"""What an episode's page shows, taken from its record."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from remac_bench.blame.labels import Blame
+from remac_bench.pages.gantt import Gantt, draw
+from remac_bench.pages.rendering import TEXT_MAX, render
+from remac_bench.pages.text import slug
+from remac_bench.records import CheckEntry, ExchangeEntry, OutcomeEntry, Record
+from remac_bench.store import PICTURES, VIDEOS
+
+PAGE_MAX = 9_000_000
+"""Bytes of a page: mail and browsers take it, and the issue asks for less than 10 MB."""
+
+LIST_MAX = 400
+"""Entries of one list on a page; how many more there are is said."""
+
+_VIDEO = re.compile(rf"{VIDEOS}/[A-Za-z0-9_.-]+\.webm")
+_DIGEST = re.compile(r"[A-Za-z0-9]{1,128}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """A verdict beside the truth. `wrong`: they differ."""
+
+    entry: CheckEntry
+    when: str
+
+    @property
+    def wrong(self) -> bool:
+        """Whether the verdict is not the truth; not where the truth is not known."""
+        return self.entry.truth is not None and self.entry.truth != self.entry.verdict
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exchange:
+    """A question to a model with its answer, and the pictures that went with it: links, None for one that is lost."""
+
+    entry: ExchangeEntry
+    pictures: tuple[str | None, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Round:
+    """All that happened in a round; `number` counts from 0 and is the index of the record's outcomes."""
+
+    number: int
+    start: float
+    end: float
+    outcomes: Mapping[str, OutcomeEntry]
+    changes: tuple[tuple[str, str, str], ...]
+    checks: tuple[Check, ...]
+    exchanges: tuple[Exchange, ...]
+
+    @property
+    def failed(self) -> bool:
+        """Whether a subtask did."""
+        return any(outcome.status != "success" for outcome in self.outcomes.values())
+
+    @property
+    def wrong(self) -> int:
+        """How many verdicts are not the truth."""
+        return sum(check.wrong for check in self.checks)
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """A page: the record and what is computed from it. `siblings`: the job's other iterations, number and link."""
+
+    record: Record
+    rounds: tuple[Round, ...]
+    after: Round | None
+    gantt: Gantt
+    video: str | None
+    siblings: tuple[tuple[int, str], ...]
+    blame: Blame | None
+    options: str
+
+    @property
+    def tokens(self) -> int:
+        """Of prompts and answers."""
+        return self.record.usage.prompt_tokens + self.record.usage.completion_tokens
+
+
+def page_name(record: Record) -> str:
+    """The file name of an episode's page."""
+    return f"{slug(record.job)}-{record.iteration}.html"
+
+
+def page(record: Record, *, folder: Path, siblings: Sequence[Record] = (), blame: Blame | None = None) -> str:
+    """The page of an episode, below 10 MB: where its texts are too long for that, they lose their middle.
+
+    Args:
+        folder: of the records; videos and pictures are looked up there.
+        siblings: the records of the same job.
+    """
+    limit, view = _fitting(record), _view(record, folder, siblings, blame)
+    while True:
+        html = render("episode.html", limit=limit, view=view, record=record, most=LIST_MAX)
+        if limit < 100 or len(html.encode("utf-8", "replace")) <= PAGE_MAX:
+            return html
+        limit //= 4
+
+
+def _fitting(record: Record) -> int:
+    """The longest limit with which the exchanges alone may fit; escaped, they may still be longer."""
+    texts = [text for each in record.exchanges for _, text in each.messages]
+    lengths = [len(text) for text in (*texts, *(t for each in record.exchanges for t in (each.reply, each.reasoning)))]
+    limit = TEXT_MAX
+    while limit >= 100 and sum(min(length, limit) for length in lengths) > PAGE_MAX:
+        limit //= 4
+    return limit
+
+
+def _view(record: Record, folder: Path, siblings: Sequence[Record], blame: Blame | None) -> View:
+    spans = round_spans(record)
+    rounds = tuple(_round(record, number, span, folder) for number, span in enumerate(spans))
+    end = spans[-1][1] if spans else 0.0
+    after = _round(record, len(spans), (end, end), folder)
+    return View(
+        record=record,
+        rounds=rounds,
+        after=after if after.checks or after.exchanges else None,
+        gantt=draw(record, spans, alarms=_alarms(rounds)),
+        video=_video(record, folder),
+        siblings=tuple((each.iteration, page_name(each)) for each in sorted(siblings, key=lambda each: each.iteration)),
+        blame=blame,
+        options=json.dumps({"options": record.options, "versions": record.versions}, indent=1, ensure_ascii=False),
+    )
+
+
+def round_spans(record: Record) -> list[tuple[float, float]]:
+    """When each round begins and ends, simulated seconds: it is as long as its slowest robot."""
+    spans, now = [], 0.0
+    for outcomes in record.outcomes:
+        begun, now = now, now + max((outcome.seconds for outcome in outcomes.values()), default=0.0)
+        spans.append((begun, now))
+    return spans
+
+
+def _round(record: Record, number: int, span: tuple[float, float], folder: Path) -> Round:
+    # The checks after a round count it as played; those before it do not.
+    before = [Check(entry=each, when="before") for each in record.pre_checks if each.round == number]
+    after = [Check(entry=each, when="after") for each in record.post_checks if each.round == number + 1]
+    worlds = list(pairwise(record.worlds))
+    return Round(
+        number=number,
+        start=span[0],
+        end=span[1],
+        outcomes=record.outcomes[number] if number < len(record.outcomes) else {},
+        changes=tuple(changes(*worlds[number])) if number < len(worlds) else (),
+        checks=(*before, *after),
+        exchanges=tuple(
+            Exchange(entry=each, pictures=tuple(_picture(digest, folder) for digest in each.pictures))
+            for each in record.exchanges
+            if each.round == number
+        ),
+    )
+
+
+def _alarms(rounds: Iterable[Round]) -> dict[tuple[int, str], bool]:
+    """Round and robot -> whether one of the verdicts that called a condition false there was wrong."""
+    alarms: dict[tuple[int, str], bool] = {}
+    for each in rounds:
+        for check in each.checks:
+            if not check.entry.verdict:
+                spot = (each.number, check.entry.robot)
+                alarms[spot] = alarms.get(spot, False) or check.wrong
+    return alarms
+
+
+def changes(before: Any, after: Any) -> list[tuple[str, str, str]]:
+    """What differs between two worlds as plain values: ("vegetable place", "on counter.5", "held by robot_0")."""
+    old, new = dict(_leaves(before)), dict(_leaves(after))
+    return [
+        (" ".join(path[1:]) or "world", _worded(old.get(path)), _worded(new.get(path)))
+        for path in dict.fromkeys([*old, *new])
+        if old.get(path) != new.get(path)
+    ]
+
+
+def _leaves(value: Any, path: tuple[str, ...] = ()) -> Iterable[tuple[tuple[str, ...], Any]]:
+    if isinstance(value, Mapping) and len(path) < 3:
+        for key, inner in value.items():
+            yield from _leaves(inner, (*path, str(key)))
+    else:
+        yield path, value
+
+
+def _worded(value: Any) -> str:
+    if value is None or value == []:
+        return "\u2013"
+    if isinstance(value, list):
+        return " ".join(str(part) for part in value)
+    return str(value)
+
+
+def _video(record: Record, folder: Path) -> str | None:
+    """Where the video lies as seen from the page; a record that names a place of its own choosing has none."""
+    path = record.video.path if record.video else None
+    if path is None or not _VIDEO.fullmatch(path) or not (folder / path).is_file():
+        return None
+    return f"../{path}"
+
+
+def _picture(digest: str, folder: Path) -> str | None:
+    known = _DIGEST.fullmatch(digest) and (folder / PICTURES / f"{digest}.png").is_file()
+    return f"../{PICTURES}/{digest}.png" if known else None

@@ -1,0 +1,243 @@
+"""The pages in a real Chromium: filters, sorting, the video, deep links, phones, the keyboard, no outside request."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import threading
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pages_helpers import hostile, real_run, spoken
+from remac_bench.pages import write_pages
+from remac_bench.pages.episode import page_name
+from remac_bench.report import read_records
+from remac_bench.store import Store
+
+pytestmark = pytest.mark.long
+
+CHROMIUM, DRIVER = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")
+SCHEMES = ("light", "dark")
+
+
+@pytest.fixture(scope="module")
+def driver() -> Iterator[Any]:
+    if not (CHROMIUM and DRIVER):
+        pytest.skip("no Chromium with its driver on this machine: apt-get install chromium chromium-driver")
+    webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed: pip install '.[dev]'")
+    options = webdriver.ChromeOptions()
+    # No sandbox: it does not start as root, and the pages are our own files.
+    for flag in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"):
+        options.add_argument(flag)
+    options.binary_location = CHROMIUM
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    made = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+    made.set_script_timeout(30)
+    yield made
+    made.quit()
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = real_run(tmp_path_factory.mktemp("run"), video="last")
+    Store(folder).append([spoken(folder)])
+    write_pages(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def evil(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("evil")
+    Store(folder).append([hostile()])
+    write_pages(folder)
+    return folder
+
+
+def visit(driver: Any, path: Path, fragment: str = "", *, width: int = 1240, scheme: str = "light") -> None:
+    """Open a page anew, with nothing left in the logs; `about:blank` between, or a fragment would not reload it."""
+    driver.get("about:blank")
+    metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    features = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", features)
+    driver.get_log("browser")
+    driver.get_log("performance")
+    driver.get(path.resolve().as_uri() + fragment)
+
+
+def complaints(driver: Any) -> list[str]:
+    """Errors on the console, those of the content policy among them; a picture that is lost is none of ours."""
+    return [entry["message"] for entry in driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+
+
+def requests(driver: Any) -> set[str]:
+    """Addresses that the page asked for."""
+    told = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
+    return {m["params"]["request"]["url"] for m in told if m["method"] == "Network.requestWillBeSent"}
+
+
+def outside(driver: Any, folder: Path) -> set[str]:
+    """Those that do not lie in the run's folder; a player's own icons are `data:`, which asks nobody."""
+    return {url for url in requests(driver) if not url.startswith((folder.resolve().as_uri(), "about:", "data:"))}
+
+
+def episode(folder: Path, method: str = "REMAC") -> Path:
+    record = next(r for r in read_records(folder) if r.method == method and r.scored and r.video)
+    return folder / "episodes" / page_name(record)
+
+
+def too_wide(driver: Any) -> int:
+    """Pixels by which the page can be scrolled sideways."""
+    return int(driver.execute_script("const d = document.documentElement; return d.scrollWidth - d.clientWidth"))
+
+
+def column(driver: Any, key: str) -> list[str]:
+    """What a column of the results shows."""
+    return driver.execute_script(
+        """const head = document.querySelector(`table[data-sheet^=results] th[data-key=${arguments[0]}]`);
+        const rows = [...head.closest("table").tBodies[0].rows].filter((row) => row.offsetParent);
+        return rows.map((row) => row.cells[head.cellIndex].textContent.trim());""",
+        key,
+    )
+
+
+def test_a_filter_leaves_only_its_rows(driver: Any, run: Path) -> None:
+    visit(driver, run / "leaderboard.html")
+    assert {"CC", "REMAC"} <= set(column(driver, "agent"))
+    driver.find_element("css selector", "select[data-filter=method] option[value=REMAC]").click()
+    assert set(column(driver, "agent")) == {"REMAC"}
+    shown = "return [...document.querySelectorAll('#episodes tbody tr')].filter((row) => row.offsetParent).length"
+    assert driver.execute_script(shown) == 2
+    driver.find_element("css selector", "button[type=reset]").click()
+    driver.execute_async_script("setTimeout(arguments[0], 50)")
+    assert "CC" in column(driver, "agent")
+    assert complaints(driver) == []
+
+
+def test_sorting_by_mouse_and_by_keyboard(driver: Any, run: Path) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    visit(driver, run / "leaderboard.html")
+    head = driver.find_element("css selector", "table[data-sheet^=results] th[data-key=seconds]")
+    button = head.find_element("css selector", "button")
+    button.click()
+    seconds = [float(text) for text in column(driver, "seconds") if text not in ("-", "\u2013")]
+    assert head.get_attribute("aria-sort") == "descending" and seconds == sorted(seconds, reverse=True)
+    assert len(set(seconds)) > 2
+    button.send_keys(Keys.ENTER)
+    seconds = [float(text) for text in column(driver, "seconds") if text not in ("-", "\u2013")]
+    assert head.get_attribute("aria-sort") == "ascending" and seconds == sorted(seconds)
+    focus = "const s = getComputedStyle(document.activeElement); return [s.outlineStyle, parseFloat(s.outlineWidth)]"
+    style, width = driver.execute_script(focus)
+    assert style == "solid" and width > 1
+
+
+def test_copying_as_markdown_and_csv(driver: Any, run: Path) -> None:
+    visit(driver, run / "leaderboard.html")
+    driver.execute_script("window.copied = []; navigator.clipboard.writeText = async (text) => { copied.push(text); };")
+    for button in driver.find_elements("css selector", "#ranking [data-copy]"):
+        button.click()
+    markdown, csv = driver.execute_script("return copied")[:2]
+    assert markdown.startswith("| Method |") and "| REMAC |" in markdown
+    assert csv.splitlines()[0].startswith("Method,Rank") and "TSR,TSR low,TSR high" in csv
+    widths = {line.count(",") for line in csv.splitlines() if '"' not in line}
+    assert len(widths) == 1
+
+
+def test_an_episode_opens_and_its_video_goes_with_the_plan(driver: Any, run: Path) -> None:
+    visit(driver, run / "leaderboard.html")
+    link = driver.find_element("css selector", f"#episodes a[href$='{episode(run).name}']")
+    link.click()
+    assert driver.current_url.endswith(episode(run).name)
+    state = driver.execute_async_script(
+        """const [done] = arguments, video = document.querySelector("video"), lines = [];
+        const x = () => Number(document.querySelector(".playhead").getAttribute("x1"));
+        const go = async () => { await video.play(); lines.push(x());
+          video.addEventListener("ended", () => { lines.push(x()); done({lines, time: video.currentTime}); }); };
+        if (video.readyState > 1) go(); else video.addEventListener("loadeddata", go, {once: true});"""
+    )
+    assert state["time"] > 0 and state["lines"][1] > state["lines"][0] + 500
+    assert outside(driver, run) == set() and complaints(driver) == []
+
+
+def test_a_bar_seeks_the_video(driver: Any, run: Path) -> None:
+    visit(driver, episode(run))
+    record = next(r for r in read_records(run) if page_name(r) == episode(run).name)
+    assert record.video is not None and len(record.video.rounds) == record.rounds
+    time = driver.execute_async_script(
+        """const [done] = arguments, video = document.querySelector("video");
+        const click = new MouseEvent("click", {bubbles: true, cancelable: true});
+        const go = () => { video.addEventListener("seeked", () => done(video.currentTime), {once: true});
+          document.querySelector(".bar[data-round='2']").dispatchEvent(click); };
+        if (video.readyState > 1) go(); else video.addEventListener("loadeddata", go, {once: true});"""
+    )
+    assert time == pytest.approx(record.video.rounds[2], abs=0.02)
+    assert driver.current_url.endswith("#round-2")
+    assert driver.find_element("css selector", ".round.now").get_attribute("id") == "round-2"
+
+
+def test_a_deep_link_shows_its_round(driver: Any, run: Path) -> None:
+    visit(driver, episode(run), "#round-3")
+    driver.execute_async_script("requestAnimationFrame(() => setTimeout(arguments[0], 200))")
+    assert driver.execute_script("return document.querySelector('.round:target').id") == "round-3"
+    top = driver.execute_script("return document.getElementById('round-3').getBoundingClientRect().top")
+    assert 0 <= top < 900
+    assert driver.find_elements("css selector", ".bar.now[data-round='3']")
+
+
+def test_pages_work_from_a_web_server_too(driver: Any, run: Path) -> None:
+    handler = partial(SimpleHTTPRequestHandler, directory=str(run))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        driver.get("about:blank")
+        driver.get_log("browser")
+        driver.get(f"http://127.0.0.1:{server.server_port}/episodes/{episode(run).name}")
+        assert driver.execute_async_script(
+            """const video = document.querySelector("video"), [done] = arguments;
+            if (video.readyState) done(true);
+            video.onloadedmetadata = () => done(true); video.onerror = () => done(false);"""
+        )
+        assert [text for text in complaints(driver) if "favicon" not in text] == []
+        driver.get("about:blank")
+        server.shutdown()
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_phones_scroll_down_only(driver: Any, run: Path, evil: Path, scheme: str) -> None:
+    for path in [page for folder in (run, evil) for page in sorted(folder.rglob("*.html"))]:
+        visit(driver, path, width=375, scheme=scheme)
+        driver.execute_script("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+        assert too_wide(driver) == 0, path.name
+    driver.execute_script("document.querySelector('main').insertAdjacentHTML('beforeend', '<hr width=900>')")
+    assert too_wide(driver) > 0
+
+
+def test_the_scheme_is_the_readers(driver: Any, run: Path) -> None:
+    seen = []
+    for scheme in SCHEMES:
+        visit(driver, run / "leaderboard.html", scheme=scheme)
+        seen.append(driver.execute_script("return getComputedStyle(document.body).backgroundColor"))
+    light, dark = (sum(int(part) for part in text[4:-1].split(",")) for text in seen)
+    assert light > 600 and dark < 150
+
+
+def test_hostile_text_does_nothing(driver: Any, evil: Path) -> None:
+    assert len(list(evil.rglob("*.html"))) == 2
+    for path in evil.rglob("*.html"):
+        visit(driver, path)
+        assert driver.title != "owned" and not driver.find_elements("css selector", "img[src=x]")
+        assert complaints(driver) == [] and outside(driver, evil) == set()
+
+
+def test_the_policy_stops_what_would_get_in(driver: Any, run: Path, tmp_path: Path) -> None:
+    spoilt = tmp_path / "spoilt.html"
+    html = (run / "leaderboard.html").read_text("utf-8")
+    bad = '<script>document.title = "owned"</script><img src="http://127.0.0.1:9/x.png">'
+    spoilt.write_text(html.replace("</main>", f"{bad}</main>"), "utf-8")
+    visit(driver, spoilt)
+    assert driver.title != "owned"
+    assert len([text for text in complaints(driver) if "Content Security Policy" in text]) >= 2

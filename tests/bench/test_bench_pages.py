@@ -1,0 +1,251 @@
+"""Pages: the report's numbers, links that lead somewhere, hostile text as text. Each check sees a planted fault."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import pytest
+from bench_helpers import record
+from pages_helpers import EVIL, Element, alien, hostile, parse, real_run, spoken
+from remac_bench.blame.labels import Blame
+from remac_bench.blame.sheet import write_blames
+from remac_bench.board import Board, Cell, Column, Sheet
+from remac_bench.cli import app
+from remac_bench.pages import write_pages
+from remac_bench.pages.episode import PAGE_MAX, changes, page, page_name, round_spans
+from remac_bench.pages.pictures import lay_out, paint
+from remac_bench.pages.plots import scatter
+from remac_bench.pages.text import visible
+from remac_bench.records import ExchangeEntry, OutcomeEntry, VideoEntry
+from remac_bench.report import read_board, read_records
+from remac_bench.store import Store
+from typer.testing import CliRunner
+
+DASH = Cell(text="-")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = real_run(tmp_path_factory.mktemp("run"))
+    Store(folder).append([spoken(folder)])
+    write_pages(folder)
+    return folder
+
+
+def leaderboard(folder: Path) -> str:
+    return (folder / "leaderboard.html").read_text("utf-8")
+
+
+def differences(html: str, board: Board) -> list[str]:
+    """Where the tables of a page are not those of a board: every cell by what it shows and by the number behind it."""
+    found, root = [], parse(html)
+    for sheet in board.sheets:
+        (table,) = root.all("table", **{"data-sheet": sheet.key})
+        keys = [head.attributes["data-key"] for head in table.all("th")]
+        rows = table.all("tbody")[0].all("tr")
+        if len(rows) != len(sheet.rows) or {key for row in sheet.rows for key in row} - set(keys):
+            found.append(f"{sheet.key}: {len(rows)} rows, {keys}")
+        for line, row in zip(rows, sheet.rows, strict=False):
+            for key, cell in zip(keys, line.all("td"), strict=True):
+                told = row.get(key, DASH)
+                text = cell.all("bdi")[0].text
+                number = cell.attributes.get("data-value")
+                if text != told.text or (told.value is not None and float(number or "nan") != told.value):
+                    found.append(f"{sheet.key} {key}: {text} ({number}) for {told}")
+    return found
+
+
+def dead_links(folder: Path, path: Path) -> list[str]:
+    """Links and sources of a page that lead nowhere."""
+    root = parse(path.read_text("utf-8"))
+    names = {each.attributes.get("id") for each in root.walk()}
+    dead = []
+    for each in root.walk():
+        target = each.attributes.get("href") or each.attributes.get("src")
+        if target is None:
+            continue
+        file, _, fragment = target.partition("#")
+        if file and not (path.parent / file).is_file():
+            dead.append(target)
+        if not file and fragment not in names:
+            dead.append(target)
+    return dead
+
+
+def test_tables_are_the_reports(run: Path) -> None:
+    board = read_board(run)
+    assert len(board.sheets) >= 5
+    assert differences(leaderboard(run), board) == []
+    assert differences(leaderboard(run).replace('<bdi class="cell">100%', '<bdi class="cell">99%', 1), board)
+    assert differences(leaderboard(run).replace('data-value="1.0"', 'data-value="0.9"', 1), board)
+
+
+def test_every_link_leads_somewhere(run: Path) -> None:
+    pages = [run / "leaderboard.html", *(run / "episodes").iterdir()]
+    assert len(pages) == 1 + len(read_records(run))
+    assert {path.name: dead_links(run, path) for path in pages if dead_links(run, path)} == {}
+    for sheet in read_board(run).sheets:
+        assert (run / "tables" / f"{sheet.key}.svg").is_file()
+        assert cv2.imread(str(run / "tables" / f"{sheet.key}.png")).shape[2] == 3
+    bad = run / "episodes" / "bad.html"
+    bad.write_text('<a href="#round-3">x</a><img src="../no.png">', "utf-8")
+    assert dead_links(run, bad) == ["#round-3", "../no.png"]
+    bad.unlink()
+
+
+def test_own_pages_are_clean_and_the_check_sees_what_is_not(run: Path) -> None:
+    for path in [run / "leaderboard.html", *(run / "episodes").iterdir()]:
+        assert alien(path.read_text("utf-8")) == [], path.name
+    faults = ["<script>1</script>", '<i onclick="x">', '<a href="https://example.org/">', '<p style="x">']
+    for fault in (*faults, "\u202e", "\x1b"):
+        assert alien(leaderboard(run).replace("</main>", f"{fault}</main>")), fault
+
+
+def test_hostile_text_is_shown_as_text(tmp_path: Path) -> None:
+    evil = hostile()
+    Store(tmp_path).append([evil, record(job="calm")])
+    texts = dict.fromkeys(("setting", "task", "agent", "method", "what"), EVIL)
+    write_blames(tmp_path, [Blame(job=evil.job, iteration=0, seed=0, label="planner", round=0, **texts)])
+    write_pages(tmp_path)
+    files = [tmp_path / "leaderboard.html", *(tmp_path / "episodes").iterdir()]
+    assert len(files) == 3 and all(path.resolve().is_relative_to(tmp_path.resolve()) for path in files)
+    for path in files:
+        assert alien(path.read_text("utf-8")) == [], path.name
+    html = (tmp_path / "episodes" / page_name(evil)).read_text("utf-8")
+    shown = parse(html).text
+    assert '<script>document.title="owned"</script>' in shown and "\u241b[31m\u27e8U+202E\u27e9abc\u2400" in shown
+    assert "{{7*7}}" in shown and "example.org" not in html
+    for picture in (tmp_path / "tables").glob("*.svg"):
+        assert "<script" not in picture.read_text("utf-8")
+    assert alien(html.replace("&lt;script&gt;", "<script>"))
+
+
+@pytest.mark.parametrize(
+    ("text", "seen"),
+    [
+        ("plain\ttext\n", "plain\ttext\n"),
+        ("\x00\x1b\x7f", "\u2400\u241b\u2421"),
+        ("a\u202eb\u2066", "a\u27e8U+202E\u27e9b\u27e8U+2066\u27e9"),
+        ("\x9b\ud800\u2028", "\u27e8U+009B\u27e9\u27e8U+D800\u27e9\u27e8U+2028\u27e9"),
+        ("\u65e5\u672c \u05d0", "\u65e5\u672c \u05d0"),
+    ],
+)
+def test_what_cannot_be_seen_is_made_visible(text: str, seen: str) -> None:
+    assert visible(text) == seen
+
+
+def test_long_texts_are_folded_and_pages_stay_small(tmp_path: Path) -> None:
+    loud = ExchangeEntry(round=0, role="planner", messages=[("user", "<\u202e" * 250_000)], reply="<" * 1_000_000)
+    big = spoken(tmp_path, exchanges=[loud] * 30)
+    html = page(big, folder=tmp_path)
+    assert len(html.encode()) <= PAGE_MAX
+    assert "characters left out" in html
+    one = page(spoken(tmp_path, exchanges=[loud]), folder=tmp_path)
+    assert parse(one).all("details", class_="long")
+    assert not parse(page(spoken(tmp_path), folder=tmp_path)).all("details", class_="long")
+
+
+def test_an_episode_shows_its_rounds(run: Path) -> None:
+    each = next(r for r in read_records(run) if r.method == "REMAC" and r.iteration == 0)
+    root = parse((run / "episodes" / page_name(each)).read_text("utf-8"))
+    rounds = [part for part in root.all("article", class_="round") if part.attributes["id"].startswith("round-")]
+    assert [part.attributes["id"] for part in rounds] == [f"round-{number}" for number in range(each.rounds)]
+    for number, part in enumerate(rounds):
+        for outcome in each.outcomes[number].values():
+            assert outcome.subtask in part.text
+        conditions = [c.condition for c in each.pre_checks if c.round == number]
+        conditions += [c.condition for c in each.post_checks if c.round == number + 1]
+        assert all(condition in part.text for condition in conditions)
+    busy = sum(o.subtask != "wait" for outcomes in each.outcomes for o in outcomes.values())
+    assert len(root.all("a", class_="bar")) == busy
+    assert all(text in root.text for text in each.reflections)
+    spans = round_spans(each)
+    assert spans[-1][1] == pytest.approx(each.sim_seconds) and spans[0][0] == 0.0
+
+
+def test_wrong_verdicts_stand_out(tmp_path: Path) -> None:
+    html = page(hostile(), folder=tmp_path)
+    assert len(parse(html).all("tr", class_="wrong")) == 1
+    right = hostile().model_copy(update={"pre_checks": [hostile().pre_checks[0].model_copy(update={"truth": True})]})
+    assert parse(page(right, folder=tmp_path)).all("tr", class_="wrong") == []
+
+
+def test_images_that_a_checker_saw(run: Path) -> None:
+    root = parse((run / "episodes" / "spoken-0.html").read_text("utf-8"))
+    (picture,) = root.all("img")
+    assert picture.attributes["src"] == "../pictures/a1b2c3.png"
+    assert "an image that is not in the folder" in root.text and "9 tokens, $0.2500" in root.text
+
+
+def test_what_changed_in_a_world() -> None:
+    before = {"robots": {"robot_0": {"holding": None}}, "objects": {"pan": {"place": ["slot", "counter.1"]}}}
+    after = {"robots": {"robot_0": {"holding": "pan"}}, "objects": {"pan": {"place": ["held", "robot_0"]}}}
+    assert changes(before, after) == [
+        ("robot_0 holding", "\u2013", "pan"),
+        ("pan place", "slot counter.1", "held robot_0"),
+    ]
+    assert changes(before, before) == []
+
+
+def test_the_video_is_the_folders_own(tmp_path: Path) -> None:
+    (tmp_path / "videos").mkdir()
+    (tmp_path / "videos" / "a.webm").write_bytes(b"film")
+    outcomes = [{"robot_0": OutcomeEntry(subtask="pick up pan", status="success", seconds=8.0)}]
+    for path, there in [("videos/a.webm", 1), ("videos/../x.webm", 0), ("videos/b.webm", 0), ("/etc/passwd", 0)]:
+        one = record(video=VideoEntry(path=path, rounds=[0.0]), outcomes=outcomes)
+        assert len(parse(page(one, folder=tmp_path)).all("video")) == there, path
+    (gantt,) = parse(page(one, folder=tmp_path)).all("svg", class_="gantt")
+    assert (gantt.attributes["data-starts"], gantt.attributes["data-video"]) == ("0.0 8.0", "0.0")
+
+
+def _results(money: float) -> Sheet:
+    row = {"task": Cell(text="T"), "agent": Cell(text="A"), "tsr": Cell(text="50%", value=0.5, low=0.2, high=0.8)}
+    row |= {"seconds_all": Cell(text="9", value=9.0), "money": Cell(text="m", value=money)}
+    return Sheet(key="results", title="t", columns=(Column(key="task", title="Task"),), rows=(row,))
+
+
+def test_success_is_plotted_against_money_where_there_was_any() -> None:
+    paid, free = scatter(_results(3.0)), scatter(_results(0.0))
+    assert paid is not None and "dollars" in paid.axis and paid.note == ""
+    assert free is not None and "seconds" in free.axis and "No entry spent money" in free.note
+    (dot,) = paid.dots
+    assert dot.high < dot.y < dot.low and dot.x == paid.x_ticks[-1][0]
+
+
+def test_a_table_as_a_picture_shows_every_number() -> None:
+    sheet = _results(3.0)
+    columns = tuple(Column(key=key, title=key) for key in sheet.rows[0])
+    drawing = lay_out(Sheet(key="k", title="Title", columns=columns, rows=sheet.rows))
+    shown = [text for key, cell in sheet.rows[0].items() for text in (key, cell.text)]
+    assert [word.text for word in drawing.words] == ["Title", *shown]
+    picture = paint(drawing)
+    assert picture.min() < 80 and picture.max() == 255
+
+
+def test_the_command_writes_pages_unless_told_not_to(tmp_path: Path) -> None:
+    Store(tmp_path).append([record()])
+    assert CliRunner().invoke(app, ["bench", "report", str(tmp_path), "--no-pages"]).exit_code == 0
+    assert not (tmp_path / "leaderboard.html").exists()
+    result = CliRunner().invoke(app, ["bench", "report", str(tmp_path)])
+    assert result.exit_code == 0 and "leaderboard.html" in result.stderr
+    (tmp_path / "episodes" / "old.html").write_text("old", "utf-8")
+    assert CliRunner().invoke(app, ["bench", "report", str(tmp_path)]).exit_code == 0
+    assert {path.name for path in (tmp_path / "episodes").iterdir()} == {"j0-0.html"}
+
+
+def test_a_folder_that_cannot_be_written_is_said_in_one_line(tmp_path: Path) -> None:
+    Store(tmp_path).append([record()])
+    (tmp_path / "episodes").write_text("in the way", "utf-8")
+    result = CliRunner().invoke(app, ["bench", "report", str(tmp_path)])
+    assert result.exit_code == 1 and "--no-pages" in result.stderr and result.stderr.count("\n") == 1
+
+
+def _names(root: Element) -> list[str]:
+    return [each.tag for each in root.walk()]
+
+
+def test_headings_sort_by_button(run: Path) -> None:
+    root = parse(leaderboard(run))
+    heads = root.all("th")
+    assert heads and all(_names(head) == ["button"] for head in heads)
