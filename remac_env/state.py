@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, TypeVar
 
-Key, Value = TypeVar("Key", bound=str), TypeVar("Value")
+Key = TypeVar("Key", bound=str)
+Value = TypeVar("Value")
 
 STATE_VERSION = 1
 """Raised whenever the meaning of WorldState changes."""
@@ -97,10 +98,10 @@ class SlotFacts:
 
 @dataclass(frozen=True, slots=True)
 class FixtureFacts:
-    """A thing that stays where it is.
+    """A thing that stays where it is. `switches` are what `turn on` and `turn off` act on.
 
-    `switches` are what `turn on` and `turn off` act on; a fixture that has one switch per slot (a stove) lists its
-    slots. `shut_to_run`: it can only be switched on with its door closed. `wets`: where its water runs.
+    A fixture that has one switch per slot (a stove) lists its slots. `shut_to_run`: it can only be switched on with its
+    door closed. `wets`: where its water runs.
     """
 
     name: str
@@ -122,8 +123,8 @@ class FixtureFacts:
 class ObjectFacts:
     """A thing that can be carried.
 
-    `needs_vessel_in`, `vessel_in` and `too_big_for` name fixture kinds: meat needs a vessel in a sink, a bowl is one, and
-    a plate leaves no room for a hand in a microwave. `holds`: how many things fit on or in it; `seasons`: it is a shaker;
+    `needs_vessel_in`, `vessel_in`, `too_big_for` name fixture kinds: meat needs a vessel in a sink, a bowl is one, and
+    a plate leaves no room for a hand in a microwave. `holds`: how many things fit on or in it; `seasons`: a shaker;
     `small`: it fits into a vessel; `washable`: water leaves it washed.
     """
 
@@ -182,9 +183,7 @@ class Scene:
 
     def conflicting(self, first: str, second: str) -> bool:
         """True when two robots cannot stand at these stations at the same time."""
-        if ASIDE in (first, second):
-            return False
-        return first == second or frozenset((first, second)) in self.conflicts
+        return ASIDE not in (first, second) and (first == second or frozenset((first, second)) in self.conflicts)
 
 
 @dataclass(frozen=True, slots=True)
