@@ -2,6 +2,7 @@
 
 Runs the chains of skill_chains.toml over seeds. Things on worktops stand up to 0.10 m from the middle of their slots,
 at any yaw (handles within starts.HANDLE_YAW of the robot); things behind doors anywhere where a start may put them.
+With several values of --perception-noise it prints how success falls with it.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ SPREAD = 0.10
 _APART = 0.02  # m of air that stays between two things
 _DRAWS = 1000  # of the places of all things, until none overlap
 
+_VERBS = ("pick up", "place", "open", "close", "turn on", "turn off", "season")
 CHAINS = Path(__file__).with_name("skill_chains.toml")
 ROBOT = "robot_0"
 
@@ -96,22 +98,26 @@ def main(
     first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...")] = 0,
     only: Annotated[str, typer.Option(help="Run only chains whose name contains this.")] = "",
     perception_noise: Annotated[
-        float, typer.Option(help="m, added to the poses that controllers see.")
-    ] = 0.0,
+        str, typer.Option(help="m, of the poses that controllers see; several with commas between them.")
+    ] = "0",
     style: Annotated[str | None, typer.Option(help="A style's name; by default each seed picks.")] = None,
     layout: Annotated[str | None, typer.Option(help="A layout's name; by default each seed picks.")] = None,
     processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
 ) -> None:
     """Print a table of first-try success for every skill."""
     chains = [chain for chain in tomllib.loads(CHAINS.read_text("utf-8"))["chain"] if only in chain["name"]]
-    jobs = [
-        _Job(chain, first_seed + index, style, layout, perception_noise) for chain in chains for index in range(trials)
-    ]
+    noises = [float(value) for value in perception_noise.split(",")]
+    seeds = range(first_seed, first_seed + trials)
+    jobs = [_Job(chain, seed, style, layout, noise) for noise in noises for chain in chains for seed in seeds]
     console = make_console()
-    found: list[Trial] = []
+    curve: dict[float, list[Trial]] = {noise: [] for noise in noises}
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for part in pool.map(_play, jobs):
-            found += part
+        for job, part in zip(jobs, pool.map(_play, jobs), strict=True):
+            curve[job.perception_noise] += part
+    if len(noises) > 1:
+        console.print(_curve(curve))
+        return
+    found = curve[noises[0]]
     console.print(_table(found))
     for trial in found:
         if trial.outcome is None:
@@ -182,6 +188,19 @@ def _table(trials: list[Trial]) -> Table:
             groups[trial.label].append(trial.outcome)
     for label, outcomes in groups.items():
         table.add_row(*_row(label, outcomes))
+    return table
+
+
+def _curve(curve: Mapping[float, list[Trial]]) -> Table:
+    """First tries of each sort of skill that succeed, and of all that touch things, a row a noise."""
+    table = Table("noise, m", *_VERBS, "all of these", "95% interval", title="Skills under perception noise")
+    for noise, trials in curve.items():
+        tried = [(t.label, t.outcome.success) for t in trials if t.outcome is not None]
+        sorts = {verb: [good for label, good in tried if label.startswith(verb)] for verb in _VERBS}
+        every = [good for goods in sorts.values() for good in goods]
+        low, high = wilson(sum(every), len(every))
+        shares = (f"{sum(goods) / len(goods):.1%}" if goods else "-" for goods in (*sorts.values(), every))
+        table.add_row(f"{noise:g}", *shares, f"{low:.1%} - {high:.1%} of {len(every)}")
     return table
 
 
