@@ -194,6 +194,7 @@ def make_record(
         layout=episode.get("layout", job.options.layout),
         starts=job.options.starts,
         seed=job.seed,
+        goal=shared.get("goal", ""),
         digest=episode.get("digest"),
         robots=job.options.robots,
         backend=job.options.backend,

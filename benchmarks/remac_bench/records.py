@@ -99,6 +99,7 @@ class Record(Model):
         schema_version: written as `schema`.
         job: key of the job that the episode belongs to; `iteration` counts from 0 within it.
         agent: the method with the options in which it departs from its defaults; `method` is its bare name.
+        goal: the goal's sentence, as the planner was told it; empty where the episode never began.
         digest: name of the exact start; None, like style and layout, where the episode never began.
         scored: this is the job's last iteration and no infrastructure error; only scored records count.
         success: the goal held at the end, and the agent did not crash.
@@ -131,6 +132,7 @@ class Record(Model):
     layout: str | None = None
     starts: str
     seed: int
+    goal: str = ""
     digest: str | None = None
     robots: int
     backend: str

@@ -62,9 +62,8 @@ class KitchenSense:
         for name in sorted(options, key=lambda name: -len(self.fixtures[name].slots)):
             # Whether there is room can only be seen from where the robot stands; a long surface has other
             # parts.
-            stations = {self.request.view.scene.slots[slot].station for slot in self.fixtures[name].slots}
             if (
-                len(stations) > 1
+                not self._one_station(name)
                 or not self.true("at", self.robot, name)
                 or self.true("room", self.robot, name)
             ):
@@ -78,10 +77,23 @@ class KitchenSense:
         surface = self.open_surface(self.held, avoid=avoid)
         return None if surface is None else (go(surface), put(surface))
 
-    def move_away(self, thing: str, *, avoid: Sequence[str] = ()) -> tuple[Subtask, ...] | None:
-        """Steps, with an empty hand, that bring `thing` to an open surface."""
-        surface = self.open_surface(thing, avoid=avoid)
-        return None if surface is None else (go(thing), take(thing), go(surface), put(surface))
+    def move_away(self, thing: str) -> tuple[Subtask, ...] | None:
+        """Steps, with an empty hand, that bring `thing` from the target to an open surface."""
+        surface = self.open_surface(thing, avoid=(self.target,))
+        if surface is None:
+            return None
+        # By the name of what it is in: a plan that is there already needs no second way.
+        named = self.target in self.objects or self._one_station(self.target)
+        way = () if named and self._can_put_here(surface) else (go(surface),)
+        return (go(self.target if named else thing), take(thing), *way, put(surface))
+
+    def _can_put_here(self, surface: str) -> bool:
+        """Whether an empty hand could take something from the target and put it there without a step."""
+        here = self.held is None and all(self.true("at", self.robot, name) for name in (self.target, surface))
+        return here and self.true("room", self.robot, surface)
+
+    def _one_station(self, fixture: str) -> bool:
+        return len({self.request.view.scene.slots[slot].station for slot in self.fixtures[fixture].slots}) == 1
 
     def with_empty_hand(self, work: Sequence[Subtask]) -> tuple[Subtask, ...] | None:
         """Put down what is held, do `work`, fetch the thing if it is needed, come back to the target."""

@@ -99,7 +99,7 @@ def _loaded(sense: KitchenSense) -> Advice | None:
     load = next(
         (n for n in sense.objects if n != sense.target and sense.true("directly_on", n, sense.target)), None
     )
-    work = None if load is None else sense.move_away(load, avoid=(sense.target,))
+    work = None if load is None else sense.move_away(load)
     if load is None or work is None:
         return None
     return _advice(
@@ -183,7 +183,7 @@ def _no_room(sense: KitchenSense) -> Advice | None:
     if kind and len(getattr(facts, "slots", ())) > 1 and sense.request.executed[-1:] != (go(sense.target),):
         return _advice(sense, f"another part of the {sense.target} may have room", (go(sense.target),))
     thing = sense.lowest(others)
-    work = None if thing is None else sense.move_away(thing, avoid=(sense.target,))
+    work = None if thing is None else sense.move_away(thing)
     if thing is None or work is None:
         return None
     return _advice(sense, f"the {thing} is in the way", sense.with_empty_hand(work), remedy=work)

@@ -45,6 +45,7 @@ def hostile(**changes: Any) -> Record:
         "style": EVIL,
         "layout": EVIL,
         "starts": EVIL,
+        "goal": EVIL,
         "end": EVIL,
         "success": False,
         "rounds": 1,

@@ -149,6 +149,7 @@ def test_long_texts_are_folded_and_pages_stay_small(tmp_path: Path) -> None:
 def test_an_episode_shows_its_rounds(run: Path) -> None:
     each = next(r for r in read_records(run) if r.method == "REMAC" and r.iteration == 0)
     root = parse((run / "episodes" / page_name(each)).read_text("utf-8"))
+    assert [part.text.strip() for part in root.all("p", class_="goal")] == [each.goal] and each.goal.startswith("place")
     rounds = [part for part in root.all("article", class_="round") if part.attributes["id"].startswith("round-")]
     assert [part.attributes["id"] for part in rounds] == [f"round-{number}" for number in range(each.rounds)]
     for number, part in enumerate(rounds):
