@@ -1,6 +1,6 @@
 """Makes the pictures of the pages: `python docs/make_screenshots.py [DIR] [--to FOLDER]`.
 
-DIR is a folder that `remac bench report` has written pages into; without one a small suite is played. Needs Chromium
+DIR is a folder that `remac bench report` has written pages into; without one four tasks are played. Needs Chromium
 and its driver (Debian: `apt-get install chromium chromium-driver`) and `pip install selenium`. With --to, each page is
 taken in light and dark, wide and as narrow as a phone; without, the two pictures of the docs are made anew.
 """
@@ -23,6 +23,7 @@ import numpy as np
 
 FOLDER = Path(__file__).parent / "pictures"
 SIZES = {"desktop": (1240, 900), "phone": (375, 812)}
+TASKS = "OpenCabinetPnP,OpenMicrowavePnP,DefrostInBowl,HeatOnStove"
 TALL = (1240, 1060)
 """Width and height of the window, CSS pixels."""
 
@@ -49,8 +50,9 @@ def main() -> None:
 
 
 def played(folder: Path) -> Path:
-    """The smallest suite with videos and pages."""
-    run = ["bench", "run", "--suite", "smoke", "--out", str(folder), "--video", "first", "--optimum"]
+    """Four tasks in physics, in one kitchen, with videos and pages."""
+    run = ["bench", "run", "--tasks", TASKS, "--seeds", "0:3", "--style", "coastal", "--layout", "l_shaped_large"]
+    run += ["--out", str(folder), "--video", "first", "--optimum"]
     for arguments in (run, ["bench", "report", str(folder)]):
         subprocess.run([sys.executable, "-m", "remac_bench", *arguments], check=True, stdout=subprocess.DEVNULL)
     return folder
