@@ -40,7 +40,7 @@ from remac_env.tasks.spec import Role, TaskSpec
 SPREAD = 0.10
 """m, how far things on worktops may stand from the middle of their slots, along and across."""
 
-_APART = 0.02  # m of air that stays between two things
+_APART = 0.05  # m of air that stays between two things, room for a hand
 _DRAWS = 1000  # of the places of all things, until none overlap
 
 _VERBS = ("pick up", "place", "open", "close", "turn on", "turn off", "season")
