@@ -52,10 +52,10 @@ def main(
     only: Annotated[str, typer.Option(help="Measure only the groups whose name contains this.")] = "",
 ) -> None:
     """Measure and print."""
-    figures: list[Figure] = []
-    for name, group in GROUPS.items():
-        if only in name:
-            figures += group()
+    chosen = [group for name, group in GROUPS.items() if only in name]
+    if not chosen:
+        raise typer.BadParameter(f"no group has {only!r} in its name; choose from {', '.join(GROUPS)}")
+    figures = [figure for group in chosen for figure in group()]
     table = Table("figure", "median", "unit", "aim", title="Speed, CPU time of one core")
     for figure in figures:
         table.add_row(figure.name, f"{figure.value:,.4g}", figure.unit, figure.aim)
