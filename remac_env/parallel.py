@@ -248,7 +248,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         return Moment(self.start, self.world, positions, self._running().rounds)
 
     def _film(self) -> None:
-        """Called by the backend once a control period."""
+        """Called by the backend once a control period, and after each round: the symbolic one has no periods."""
         self._pictures.film(self._moment)
 
     def _observation_space(self) -> spaces.Dict:

@@ -6,7 +6,6 @@ import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from remac_bench.records import CheckEntry, ExchangeEntry, OutcomeEntry, Record
 from remac_bench.store import PICTURES, VIDEOS
 
 PAGE_MAX = 9_000_000
-"""Bytes of a page: mail and browsers take it, and the issue asks for less than 10 MB."""
+"""Bytes of a page: mail and browsers take it; pages stay below 10 MB."""
 
 LIST_MAX = 400
 """Entries of one list on a page; how many more there are is said."""
@@ -150,13 +149,13 @@ def _round(record: Record, number: int, span: tuple[float, float], folder: Path)
     # The checks after a round count it as played; those before it do not.
     before = [Check(entry=each, when="before") for each in record.pre_checks if each.round == number]
     after = [Check(entry=each, when="after") for each in record.post_checks if each.round == number + 1]
-    worlds = list(pairwise(record.worlds))
+    worlds = record.worlds[number : number + 2]
     return Round(
         number=number,
         start=span[0],
         end=span[1],
         outcomes=record.outcomes[number] if number < len(record.outcomes) else {},
-        changes=tuple(changes(*worlds[number])) if number < len(worlds) else (),
+        changes=tuple(changes(*worlds)) if len(worlds) == 2 else (),
         checks=(*before, *after),
         exchanges=tuple(
             Exchange(entry=each, pictures=tuple(_picture(digest, folder) for digest in each.pictures))

@@ -54,5 +54,6 @@ def _file(name: str) -> str:
     return resources.files("remac_bench.pages").joinpath(name).read_text("utf-8")
 
 
+@cache
 def _hash(text: str) -> str:
     return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
