@@ -149,7 +149,8 @@ def _spread(start: Start, worlds: TaskWorlds) -> Start:
     radius = {noun: max(worlds.categories[start.categories[noun]].size[:2]) for noun in open_ones}
     for _ in range(_DRAWS):
         drawn = {noun: rng.uniform(-SPREAD, SPREAD, 2) for noun in open_ones}
-        at = {noun: drawn[noun] + slots[noun].center[:2] for noun in open_ones}
+        local = {noun: drawn[noun] + slots[noun].center[:2] for noun in open_ones}
+        at = {noun: np.array(layout.frame(slots[noun].fixture).point(*local[noun])) for noun in open_ones}
         if all(np.hypot(*(at[a] - at[b])) > radius[a] + radius[b] + _APART for a, b in combinations(open_ones, 2)):
             moved = {noun: replace(start.offsets[noun], dx=float(d[0]), dy=float(d[1])) for noun, d in drawn.items()}
             return replace(start, offsets={**start.offsets, **moved})

@@ -1,9 +1,10 @@
 """Do the two backends tell the same story? `python benchmarks/twin.py --seeds 70000:70040`.
 
 In physics, robots do what was done least so far: of all (skill, reason) that the table foretells for some command, the
-rarest is chosen, half of the time among those that succeed. Each round is foretold by the table from the world before
-it, and compared: outcomes robot by robot, and the whole world after it. Where physics slips or drops and the table does
-not, the round is listed apart; anything else is a disagreement, printed with what differs.
+rarest is chosen, half of the time among those that succeed. Where a pair needs a preparation (a full hand before a
+closed door), one robot's shortest way there is searched for and gone, half of the rounds. Each round is foretold by the
+table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where physics slips
+or drops and the table does not, the round is listed apart; anything else is a disagreement, printed with what differs.
 """
 
 from __future__ import annotations
@@ -26,16 +27,28 @@ from rich.table import Table
 
 import remac_env
 from remac_env.backends.symbolic import SymbolicBackend
+from remac_env.oracle import search_plan
 from remac_env.parallel import KitchenParallelEnv
+from remac_env.rounds import transition
 from remac_env.seeding import generator
-from remac_env.state import WorldState
-from remac_env.subtasks import Outcome, Subtask
+from remac_env.state import Scene, WorldState
+from remac_env.subtasks import SKILLS, Outcome, Subtask
 
 SLIPS = ("slipped", "dropped")
 """Reasons that physics alone may give: the table does not know them."""
 
 Stratum = tuple[str, str]
 """A skill and the reason that the table foretells, "success" where there is none."""
+
+STRATA: tuple[Stratum, ...] = tuple(
+    (skill.name, reason)
+    for skill in SKILLS.values()
+    for reason in dict.fromkeys(r.reason for r in skill.requires("robot", "target") if r.mark != "advise")
+    if reason not in ("not_at_station", "station_occupied")
+)
+"""The pairs that need a preparation; robots that are elsewhere, and claims, come about by themselves."""
+
+_FAR, _STATES = 8, 1500  # rounds and states up to which a preparation is searched for
 
 
 @dataclass(frozen=True)
@@ -61,8 +74,9 @@ def play(task: str, robots: int, seed: int, rounds: int) -> list[Compared]:
     env = remac_env.parallel_env(task, robots=robots, starts="mixed", max_rounds=rounds)
     env.reset(seed=seed)
     chance, seen, found = generator(seed, "twin", task, robots), Counter[Stratum](), list[Compared]()
+    errands = {name: _Errands(chance) for name in env.agents}
     while env.agents:
-        joint = _choose(env, seen, chance)
+        joint = _choose(env, seen, chance, errands)
         before = env.world
         _, _, _, _, infos = env.step({name: env.vocabulary.encode(subtask.text) for name, subtask in joint.items()})
         outcomes = {name: Outcome(**info["outcome"]) for name, info in infos.items()}
@@ -92,24 +106,75 @@ def compare(
         yield Compared(*where, subtask.text, subtask.skill, table, real, verdict, "; ".join(differs))
 
 
-def _choose(env: KitchenParallelEnv, seen: Counter[Stratum], chance: np.random.Generator) -> dict[str, Subtask]:
-    """For each robot a command of the rarest stratum; half of the time one that succeeds."""
+class _Errands:
+    """What one robot prepares: pairs of skill and reason in an order of its own, each until it has come about."""
+
+    def __init__(self, chance: np.random.Generator) -> None:
+        self._wanted = [STRATA[k] for k in chance.permutation(len(STRATA))]
+
+    def next(self, env: KitchenParallelEnv, name: str, commands: Sequence[Subtask]) -> Subtask | None:
+        """The next command towards the first pair that can be reached, or None; a pair is left once it is tried."""
+        scene = replace(env.start.scene, robots=(name,))
+        while self._wanted:
+            skill, reason = self._wanted[0]
+            ripe = [subtask for subtask in commands if subtask.skill == skill]
+            plan = search_plan(
+                scene,
+                env.world,
+                lambda world, ripe=ripe, reason=reason: any(foretell(scene, world, name, s) == reason for s in ripe),
+                commands=[subtask for subtask in commands if subtask.skill not in ("wait", "done")],
+                max_rounds=_FAR,
+                max_states=_STATES,
+            )
+            if plan is not None and plan.rounds:
+                return plan.rounds[0][name]
+            self._wanted.pop(0)
+            if plan is not None:
+                return next(s for s in ripe if foretell(scene, env.world, name, s) == reason)
+        return None
+
+
+def foretell(scene: Scene, world: WorldState, robot: str, subtask: Subtask) -> str:
+    """What the table foretells for one robot's command while the others stand still: a reason or "success"."""
+    _, outcomes = transition(scene, world, {robot: subtask})
+    return outcomes[robot].reason or "success"
+
+
+def _choose(
+    env: KitchenParallelEnv, seen: Counter[Stratum], chance: np.random.Generator, errands: Mapping[str, _Errands]
+) -> dict[str, Subtask]:
+    """For each robot its errand's next command, or one of the rarest stratum; half of those succeed."""
     scene, joint = env.start.scene, {}
+    parsed = [env.vocabulary.parse(text) for text in env.vocabulary.commands(scene)]
+    commands = [subtask for subtask in parsed if subtask is not None and subtask.skill != "done"]
     for name in env.agents:
-        strata: dict[Stratum, list[Subtask]] = {}
-        for text in env.vocabulary.commands(scene):
-            subtask = env.vocabulary.parse(text)
-            if subtask is not None and subtask.skill != "done":
-                _, foretold = _foretold(env, env.world, {name: subtask})
-                strata.setdefault((subtask.skill, foretold[name].reason or "success"), []).append(subtask)
-        legal = [key for key in strata if key[1] == "success" and key[0] != "wait"]
-        illegal = [key for key in strata if key[1] != "success"]
-        keys = legal if legal and (not illegal or chance.random() < 0.5) else illegal
-        rarest = sorted(key for key in keys if seen[key] == min(seen[k] for k in keys))
-        key = rarest[int(chance.integers(len(rarest)))]
-        joint[name] = strata[key][int(chance.integers(len(strata[key])))]
-        seen[key] += 1
+        errand = errands[name].next(env, name, _about_few(env, commands)) if chance.random() < 0.5 else None
+        joint[name] = errand or _rarest(env, name, commands, seen, chance)
+        seen[joint[name].skill, foretell(scene, env.world, name, joint[name])] += 1
     return joint
+
+
+def _about_few(env: KitchenParallelEnv, commands: Sequence[Subtask]) -> list[Subtask]:
+    """The commands about fixtures, the goal's things and one more, so that searches stay small."""
+    scene, named = env.start.scene, env.goal.names()
+    others = [name for name, facts in scene.objects.items() if name not in named and facts.small]
+    few = {*scene.fixtures, *named, *others[:1], *(name for name, facts in scene.objects.items() if facts.seasons), ""}
+    return [subtask for subtask in commands if subtask.target in few]
+
+
+def _rarest(
+    env: KitchenParallelEnv, name: str, commands: Sequence[Subtask], seen: Counter[Stratum], chance: np.random.Generator
+) -> Subtask:
+    """A command of the stratum seen least."""
+    strata: dict[Stratum, list[Subtask]] = {}
+    for subtask in commands:
+        strata.setdefault((subtask.skill, foretell(env.start.scene, env.world, name, subtask)), []).append(subtask)
+    legal = [key for key in strata if key[1] == "success" and key[0] != "wait"]
+    illegal = [key for key in strata if key[1] != "success"]
+    keys = legal if legal and (not illegal or chance.random() < 0.5) else illegal
+    least = sorted(key for key in keys if seen[key] == min(seen[k] for k in keys))
+    options = strata[least[int(chance.integers(len(least)))]]
+    return options[int(chance.integers(len(options)))]
 
 
 def _foretold(

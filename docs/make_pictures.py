@@ -16,23 +16,33 @@ from remac_env.kitchen import layout, style
 from remac_env.kitchen.objects import add_object, catalogue
 from remac_env.oracle import solve
 from remac_env.rendering.renderer import BEAUTY, Renderer
+from remac_env.rendering.stage import Stage
+from remac_env.state import Place
 
 FOLDER = Path(__file__).parent / "pictures"
 EPISODE = {"task": "OpenCabinetPnP", "seed": 4, "rounds": 2}
 LAYOUT = "one_wall_large"
 TILE = (480, 270)
 """Width and height of a picture on a sheet, pixels."""
+INSIDE = ("cabinet", "microwave")
+"""Fixtures into which side cameras look while their doors are open."""
+CHECKER_SIZE = 512
+"""Side of the pictures that checkers look at, pixels."""
+INSIDE_TILE = (240, 240)
 OBJECT_TILE = (128, 128)
 """The size at which every thing must be recognisable, pixels."""
 
 
 def main() -> None:
-    """Write kitchen.png (two robots at work) and sheets of all styles, layouts and things."""
+    """Write kitchen.png (two robots at work) and sheets of all styles, layouts, side views and things."""
     FOLDER.mkdir(exist_ok=True)
     _write("kitchen.png", at_work(**EPISODE))
-    _write("styles.jpg", sheet({name: kitchen(name, LAYOUT) for name in style.names()}, columns=3))
+    _write("styles.jpg", sheet({name: closer(kitchen(name, LAYOUT)) for name in style.names()}, columns=3))
     looks = cycle(style.names())
     _write("layouts.jpg", sheet({name: kitchen(next(looks), name) for name in layout.names()}, columns=2))
+    looks = cycle(style.names())
+    views = {f"{name}: {fixture}": one for name in layout.names() for fixture, one in inside(next(looks), name).items()}
+    _write("inside.jpg", sheet(views, columns=4, tile=INSIDE_TILE, letters=0.42))
     _write("objects.png", objects())
 
 
@@ -58,6 +68,32 @@ def kitchen(look: str, plan: str) -> NDArray[np.uint8]:
     return picture
 
 
+def closer(picture: NDArray[np.uint8], share: float = 0.80) -> NDArray[np.uint8]:
+    """The upper middle of a picture, `share` of its width and height: the wall with the fixtures."""
+    height, width, _ = picture.shape
+    left, top = round(width * (1 - share) / 2), round(0.04 * height)
+    return np.ascontiguousarray(picture[top : top + round(share * height), left : left + round(share * width)])
+
+
+def inside(look: str, plan: str) -> dict[str, NDArray[np.uint8]]:
+    """What a checker sees of the vegetable in the open cabinet and in the open microwave."""
+    env = remac_env.parallel_env(EPISODE["task"], robots=1, backend="symbolic", style=look, layout=plan)
+    env.reset(seed=0)
+    stage = Stage(env.start, env.worlds.layout(plan, look), env.worlds.categories)
+    views = {}
+    for fixture in INSIDE:
+        facts = env.start.scene.fixtures[fixture]
+        world = env.world.with_fixture(fixture, door="open").with_robot("robot_0", station=facts.station)
+        slot = Place("slot", facts.slots[0])
+        below = next((noun for noun, item in world.objects.items() if item.place == slot), None)
+        world = world.with_object("vegetable", place=Place("vessel", below) if below else slot)
+        stage.show_world(env.start, world)
+        views[fixture] = stage.observe("robot_0", world, size=CHECKER_SIZE)["side"]
+    stage.close()
+    env.close()
+    return views
+
+
 def objects() -> NDArray[np.uint8]:
     """Every category of the catalogue as it rests, from the side from which robots see it."""
     return sheet({name: thing(name) for name in catalogue.load()}, columns=10, tile=OBJECT_TILE, letters=0.36)
@@ -74,9 +110,7 @@ def thing(category: str, size: tuple[int, int] = OBJECT_TILE) -> NDArray[np.uint
     spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.30] * 3, [0.15] * 3
     spec.visual.map.znear = 0.02
     spec.worldbody.add_light(pos=[-0.4, -0.6, 1.2], dir=[0.3, 0.45, -0.9], diffuse=[0.62] * 3, castshadow=True)
-    spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_PLANE, size=[2, 2, 0.1], group=1, rgba=[0.66, 0.63, 0.58, 1.0]
-    )
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[2, 2, 0.1], group=1, rgba=[0.66, 0.63, 0.58, 1.0])
     add_object(spec, spec.worldbody, "thing", facts, looks=True)
     away = np.array([-0.35, -0.80, 0.60]) / np.linalg.norm([-0.35, -0.80, 0.60])
     at = np.array(middle) + [0, 0, facts.rest_height] + away * reach * 4.0

@@ -28,9 +28,8 @@ class Whereabouts:
         """The label of the place from which a fixture or object is used."""
         if target not in self._facts.fixtures:
             return self._things.get(target, f"by the {target}")
-        fixture = self._facts.fixtures[target]
-        stations = {self._facts.slots[name].station for name in fixture.slots} or {fixture.station}
-        return next(iter(stations)) if len(stations) == 1 else f"{target}, visit {next(self._visits)}"
+        stations = self._facts.stations_of(target)
+        return stations[0] if len(stations) == 1 else f"{target}, visit {next(self._visits)}"
 
     def goal(self, robot: str, step: Subtask) -> str:
         """The label at which this step would leave the robot."""

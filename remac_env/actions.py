@@ -32,6 +32,8 @@ def check_token(value: Any, name: str) -> int:
     Raises:
         ActionError: unless it is an integer, or a NumPy array of one integer. Floats, NaN and booleans are refused.
     """
+    if type(value) is int:
+        return value
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):

@@ -48,9 +48,7 @@ def condition(predicate: str, *args: str) -> Condition:
 def stations_of(scene: Scene, world: WorldState, target: str) -> tuple[str, ...]:
     """The stations from which `target` can be used; empty for an object that is held or on the floor."""
     if target in scene.fixtures:
-        fixture = scene.fixtures[target]
-        slots = [scene.slots[name].station for name in fixture.slots]
-        return tuple(dict.fromkeys(slots or [fixture.station]))
+        return scene.stations_of(target)
     place = base_place(world, target)
     return (scene.slots[place.where].station,) if place.relation == "slot" else ()
 
@@ -65,17 +63,14 @@ def destination(scene: Scene, world: WorldState, robot: str, target: str) -> str
     if len(options) < 2:
         return options[0] if options else None
     here = world.robots[robot].station
-    free = [name for name in options if _free_slot_at(scene, world, target, name)]
-    taken = [state.station for other, state in world.robots.items() if other != robot]
-    quiet = [name for name in free if not any(scene.conflicting(name, other) for other in taken)]
-    if here in free:
+    full = {item.place.where for item in world.objects.values() if item.place.relation == "slot"}
+    roomy = {scene.slots[name].station for name in scene.fixtures[target].slots if name not in full}
+    if here in roomy:
         return here
-    return (quiet or free or list(options))[0]
-
-
-def _free_slot_at(scene: Scene, world: WorldState, fixture: str, station: str) -> bool:
-    slots = (name for name in scene.fixtures[fixture].slots if scene.slots[name].station == station)
-    return any(occupant(world, name) is None for name in slots)
+    free = [name for name in options if name in roomy]
+    taken = [state.station for other, state in world.robots.items() if other != robot]
+    quiet = (name for name in free if not any(scene.conflicting(name, other) for other in taken))
+    return next(quiet, (free or options)[0])
 
 
 def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place | None:

@@ -51,9 +51,10 @@ class Terms:
         }
 
     @cached_property
-    def text(self) -> str:
-        """What every robot is told of the kitchen."""
-        return describe(self.scene, list(self.commands), self.sentence)
+    def texts(self) -> dict[str, str]:
+        """What each robot is told of itself and of the kitchen."""
+        kitchen = describe(self.scene, list(self.commands), self.sentence)
+        return {robot: f"You are {robot}.\n{kitchen}" for robot in self.scene.robots}
 
 
 @dataclass
@@ -78,8 +79,8 @@ class Episode:
         self.seconds += result.seconds
         self.rounds += 1
         said = {name for name, subtask in subtasks.items() if subtask.skill == "done"}
-        quiet = {name for name, subtask in subtasks.items() if subtask.skill in ("done", "wait")}
-        self.done = frozenset((self.done & quiet) | said)
+        waits = {name for name, subtask in subtasks.items() if subtask.skill == "wait"}
+        self.done = frozenset((self.done & waits) | said)
         for _, goal in self.terms.phases[self.phases_done :]:
             if not goal.holds(self.terms.scene, self.world):
                 break
@@ -129,12 +130,16 @@ class Episode:
         outcome = self.outcomes.get(robot)
         if outcome is None:
             return None
-        return {name: getattr(outcome, name) for name in ("status", "reason", "detail", "seconds")}
+        return {
+            "status": outcome.status,
+            "reason": outcome.reason,
+            "detail": outcome.detail,
+            "seconds": outcome.seconds,
+        }
 
     def _text(self, robot: str) -> str:
-        terms = self.terms
-        lines = [f"You are {robot}.", terms.text]
-        if terms.options.text == "states":
-            lines.append(describe_states(terms.scene, self.world))
-        lines.append(describe_outcome(self.outcomes.get(robot), feedback=terms.options.feedback))
-        return "\n".join(line for line in lines if line)
+        options, text = self.terms.options, self.terms.texts[robot]
+        if options.text == "states":
+            text += "\n" + describe_states(self.terms.scene, self.world)
+        last = describe_outcome(self.outcomes.get(robot), feedback=options.feedback)
+        return f"{text}\n{last}" if last else text

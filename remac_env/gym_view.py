@@ -46,8 +46,8 @@ class KitchenEnv(gymnasium.Env[dict[str, Any], Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """Begin the episode of this seed; see KitchenParallelEnv.reset."""
-        super().reset(seed=seed)
         observations, infos = self.parallel.reset(seed=seed, options=options)
+        super().reset(seed=None if seed is None else int(seed))  # second: the kitchen's own error for a bad seed
         self._begun = self._running = True
         return self._flat(observations), self._info(infos)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from remac_env.state import Scene, WorldState, inside
+from remac_env.state import Scene, WorldState, supports
 
 WASHED = "washed"
 """The mark of a thing on which water has run."""
@@ -17,7 +17,10 @@ def washed(scene: Scene, world: WorldState) -> WorldState:
         if not world.fixtures[tap].on:
             continue
         for thing in scene.washables:
-            marks = world.objects[thing].marks
-            if WASHED not in marks and any(inside(scene, world, thing, basin) for basin in basins):
-                world = world.with_object(thing, marks=marks | {WASHED})
+            item = world.objects[thing]
+            if WASHED in item.marks or item.place.relation in ("held", "floor"):
+                continue
+            around = supports(scene, world, thing)
+            if any(basin in around for basin in basins):
+                world = world.with_object(thing, marks=item.marks | {WASHED})
     return world

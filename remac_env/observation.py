@@ -2,16 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.state import ASIDE, Scene, WorldState, base_place, supports
+from remac_env.state import ASIDE, FixtureState, FrozenMap, ObjectState, Scene, WorldState
 from remac_env.vocabulary import Vocabulary
 
 _DOORS = ("closed", "ajar", "open")
 _MARKS = ("washed", "seasoned")
 _FIXTURE_SIZE = 5
 _ROBOTS = 2  # blocks: the robot itself, then the other one (zeros where there is none)
+
+
+@dataclass(frozen=True, slots=True)
+class _Things:
+    """What all robots see alike of one state of the objects and fixtures.
+
+    values: (size,). held: for each held thing the place of "held by oneself", and who holds it. at_station: for each
+    station the positions of the things that are used from it.
+    """
+
+    scene: Scene
+    objects: FrozenMap[ObjectState]
+    fixtures: FrozenMap[FixtureState]
+    values: NDArray[np.float32]
+    held: list[tuple[int, str]]
+    at_station: dict[str, list[int]]
+
+    def are(self, scene: Scene, world: WorldState) -> bool:
+        """Whether this is the very state of the things in that world: equal ones are not looked for."""
+        return self.scene is scene and self.objects is world.objects and self.fixtures is world.fixtures
 
 
 class Facts:
@@ -28,21 +51,60 @@ class Facts:
         self.objects = tuple(noun.name for noun in vocabulary.nouns if noun.kind == "object")
         f, o = len(self.fixtures), len(self.objects)
         self._at = {name: index for index, name in enumerate((*self.fixtures, *self.objects))}
-        self._robot_size, self._object_size = 1 + f + 2 * o, f + o + 6
-        self._objects_from = _ROBOTS * self._robot_size
-        self._fixtures_from = self._objects_from + o * self._object_size
-        self.size = self._fixtures_from + f * _FIXTURE_SIZE
+        self._robot_size, object_size = 1 + f + 2 * o, f + o + 6
+        objects_from = _ROBOTS * self._robot_size
+        fixtures_from = objects_from + o * object_size
+        self._object_starts = {name: objects_from + i * object_size for i, name in enumerate(self.objects)}
+        self._fixture_starts = {name: fixtures_from + i * _FIXTURE_SIZE for i, name in enumerate(self.fixtures)}
+        self._things: _Things | None = None
+        self.size = fixtures_from + f * _FIXTURE_SIZE
 
     def vector(self, scene: Scene, world: WorldState, robot: str) -> NDArray[np.float32]:
         """The world as `robot` sees it; shape (size,), values 0 or 1."""
+        return self.vectors(scene, world, (robot,))[robot]
+
+    def vectors(self, scene: Scene, world: WorldState, robots: Iterable[str]) -> dict[str, NDArray[np.float32]]:
+        """The world as each of `robots` sees it; what they see alike is worked out once."""
+        things = self._things
+        if things is None or not things.are(scene, world):
+            # Most rounds move robots alone: what was seen of the things last time is then seen again.
+            things = self._things = self._see_things(scene, world)
+        blocks = {name: self._robot(scene, world, name, things) for name in scene.robots}
+        told: dict[str, NDArray[np.float32]] = {}
+        for robot in robots:
+            ones = blocks[robot] + [place + (holder != robot) for place, holder in things.held]
+            others = (name for name in scene.robots if name != robot)
+            for index, name in zip(range(1, _ROBOTS), others, strict=False):
+                ones += [index * self._robot_size + place for place in blocks[name]]
+            values = told[robot] = things.values.copy()
+            values[ones] = 1.0
+        return told
+
+    def _see_things(self, scene: Scene, world: WorldState) -> _Things:
+        at, slots, objects = self._at, scene.slots, world.objects
         ones: list[int] = []
-        order = [robot, *(name for name in scene.robots if name != robot)]
-        for index, name in enumerate(order[:_ROBOTS]):
-            ones += self._robot(scene, world, name, index * self._robot_size)
-        for name in world.objects:
-            ones += self._object(scene, world, name, robot)
+        held: list[tuple[int, str]] = []
+        at_station: dict[str, list[int]] = {}
+        for name, item in objects.items():
+            start = self._object_starts[name]
+            ones.append(start)
+            first, place = start + 1, item.place
+            rest = first + len(at)
+            if place.relation == "held":
+                held.append((rest, place.where))
+            elif place.relation == "floor":
+                ones.append(rest + 2)
+            while place.relation == "vessel":
+                ones.append(first + at[place.where])
+                place = objects[place.where].place
+            if place.relation == "slot":
+                slot = slots[place.where]
+                ones += [first + at[around] for around in (place.where, slot.fixture) if around in at]
+                at_station.setdefault(slot.station, []).append(at[name])
+            if item.marks:
+                ones += [rest + 3 + _MARKS.index(mark) for mark in item.marks if mark in _MARKS]
         for name, state in world.fixtures.items():
-            start = self._fixtures_from + self._at[name] * _FIXTURE_SIZE
+            start = self._fixture_starts[name]
             ones.append(start)
             if state.door is not None:
                 ones.append(start + 1 + _DOORS.index(state.door))
@@ -50,28 +112,13 @@ class Facts:
                 ones.append(start + 1 + len(_DOORS))
         values = np.zeros(self.size, dtype=np.float32)
         values[ones] = 1.0
-        return values
+        return _Things(scene, objects, world.fixtures, values, held, at_station)
 
-    def _robot(self, scene: Scene, world: WorldState, robot: str, start: int) -> list[int]:
-        """Places of the ones in a robot's block."""
-        state, first = world.robots[robot], start + 1
-        ones = [start] if state.station == ASIDE else [first + self._at[n] for n in scene.used_from(state.station)]
-        for name in world.objects:
-            place = base_place(world, name)
-            if place.relation == "slot" and scene.slots[place.where].station == state.station:
-                ones.append(first + self._at[name])
+    def _robot(self, scene: Scene, world: WorldState, robot: str, things: _Things) -> list[int]:
+        """Places of the ones in a robot's block, from the beginning of the block."""
+        state = world.robots[robot]
+        ones = [0] if state.station == ASIDE else [1 + self._at[name] for name in scene.used_from(state.station)]
+        ones += [1 + index for index in things.at_station.get(state.station, ())]
         if state.holding is not None:
-            ones.append(first + self._at[state.holding] + len(self.objects))
+            ones.append(1 + self._at[state.holding] + len(self.objects))
         return ones
-
-    def _object(self, scene: Scene, world: WorldState, name: str, robot: str) -> list[int]:
-        """Places of the ones in an object's block."""
-        start = self._objects_from + (self._at[name] - len(self.fixtures)) * self._object_size
-        item, first = world.objects[name], start + 1
-        ones = [start, *(first + self._at[other] for other in supports(scene, world, name) if other in self._at)]
-        rest = first + len(self._at)
-        if item.place.relation == "held":
-            ones.append(rest + (item.place.where != robot))
-        elif item.place.relation == "floor":
-            ones.append(rest + 2)
-        return [*ones, *(rest + 3 + _MARKS.index(mark) for mark in item.marks if mark in _MARKS)]

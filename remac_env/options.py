@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,9 +73,7 @@ class Options:
 
     def _check_real(self, name: str, least: float, most: float) -> None:
         value = getattr(self, name)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise OptionError(f"{name} {value!r} is not valid; valid: numbers {least}..{most}")
-        if not least <= value <= most:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
             raise OptionError(f"{name} {value!r} is not valid; valid: numbers {least}..{most}")
 
     @property

@@ -62,7 +62,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         self.observation_spaces = {name: self._observation_space() for name in self.possible_agents}
         self._backend: Backend | None = None
         self._episode: Episode | None = None
-        self._pictures = Pictures(self.worlds, title=str(self.metadata["name"]))
+        self._pictures = Pictures(self.worlds)
         self._closed = False
         self._seeds = np.random.default_rng()
 
@@ -104,7 +104,9 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         self._episode = Episode(self._terms(start, names), self._backend.reset(start))
         self._film()
         self._mask = np.zeros(len(self.vocabulary), np.int8)
-        self._mask[list(self._episode.terms.commands.values())] = 1
+        legal = list(self._episode.terms.commands.values())
+        self._mask[legal] = 1
+        self._legal = {token: self.vocabulary.subtask(token) for token in legal}
         self.agents = list(self.possible_agents)
         return self._observations(), self._infos()
 
@@ -168,7 +170,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         """The facts as each robot sees them, one after the other; shape (robots * n,)."""
         episode = self._running()
         scene = episode.terms.scene
-        return np.concatenate([self._facts.vector(scene, episode.world, name) for name in scene.robots])
+        return np.concatenate(list(self._facts.vectors(scene, episode.world, scene.robots).values()))
 
     def close(self) -> None:
         """Free the simulator and the renderer. May be called twice."""
@@ -218,7 +220,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
 
     def _terms(self, start: Start, names: Mapping[str, str]) -> Terms:
         spec = self.worlds.spec
-        commands = {text: self.vocabulary.encode(text) for text in self.vocabulary.commands(start.scene)}
+        commands = self.vocabulary.legal(start.scene)
         sentence = spec.sentence(self.options.wording, self.worlds.nouns(start, names))
         phases = tuple((name, goal.bind(names)) for name, goal in spec.phases)
         return Terms(spec, self.options, start, spec.goal.bind(names), sentence, commands, phases)
@@ -237,9 +239,8 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         """Subtasks of legal tokens; the others wait and are `invalid`."""
         subtasks, invalid = {}, {}
         for name, token in tokens.items():
-            legal = 0 <= token < len(self.vocabulary) and bool(self._mask[token])
-            subtasks[name] = self.vocabulary.subtask(token) if legal else WAIT
-            if not legal:
+            subtasks[name] = self._legal.get(token, WAIT)
+            if token not in self._legal:
                 invalid[name] = failure("invalid", f"token {token} names nothing in this kitchen")
         return subtasks, invalid
 
@@ -262,17 +263,14 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         return spaces.Dict(parts)
 
     def _observations(self) -> Told:
-        return {name: self._observe(name) for name in self.agents}
-
-    def _observe(self, name: str) -> dict[str, Any]:
         episode = self._running()
-        seen: dict[str, Any] = {
-            "observation": self._facts.vector(episode.terms.scene, episode.world, name),
-            "action_mask": self._mask.copy(),
-        }
+        facts = self._facts.vectors(episode.terms.scene, episode.world, self.agents)
+        seen: Told = {name: {"observation": facts[name], "action_mask": self._mask.copy()} for name in self.agents}
         if self.options.obs == "state+images":
-            seen |= self._pictures.observe(self._moment(), name, size=self.options.image_size)
+            for name in self.agents:
+                seen[name] |= self._pictures.observe(self._moment(), name, size=self.options.image_size)
         return seen
 
     def _infos(self) -> Told:
-        return {name: self._running().info(name) for name in self.agents}
+        episode = self._running()
+        return {name: episode.info(name) for name in self.agents}

@@ -40,21 +40,22 @@ class Moment:
 class Pictures:
     """The pictures of one environment."""
 
-    def __init__(self, worlds: TaskWorlds, *, title: str) -> None:
-        self._worlds, self._title = worlds, title
+    def __init__(self, worlds: TaskWorlds) -> None:
+        self._worlds = worlds
         self._shown: Stage | None = None
+        self._posed: Moment | None = None
         self._window: Window | None = None
         self._tape: Sampler[Moment] | None = None
 
     def render(self, moment: Moment, *, human: bool) -> Picture | None:
-        """The whole kitchen, uint8 (height, width, 3); with `human` it goes to a window instead."""
-        picture = self._stage(moment).picture()
+        """The whole kitchen, uint8 (height, width, 3); with `human` a window shows it instead."""
+        stage = self._stage(moment)
         if not human:
-            return picture
+            return stage.picture()
         from remac_env.rendering.window import Window
 
-        self._window = self._window or Window(self._title)
-        self._window.show(picture)
+        self._window = self._window or Window()
+        stage.show_in(self._window)
         return None
 
     def observe(self, moment: Moment, robot: str, *, size: int) -> dict[str, Picture]:
@@ -108,7 +109,7 @@ class Pictures:
             self._shown.close()
         if self._window is not None:
             self._window.close()
-        self._shown = self._window = None
+        self._shown = self._window = self._posed = None
 
     def _stage(self, moment: Moment) -> Stage:
         """The stage of this kitchen, posed like the moment; kept while episodes have the same things in them."""
@@ -120,8 +121,21 @@ class Pictures:
             if self._shown is not None:
                 self._shown.close()
             self._shown = Stage(start, self._worlds.layout(start.layout, start.style), self._worlds.categories)
+            self._posed = None
+        if self._posed is not None and _looks_alike(self._posed, moment):
+            return self._shown
         if moment.positions is None:
             self._shown.show_world(start, moment.world)
         else:
             self._shown.show_positions(moment.positions, moment.world)
+        self._posed = moment
         return self._shown
+
+
+def _looks_alike(one: Moment, other: Moment) -> bool:
+    """Whether two moments of one kitchen are posed alike for certain, as when several robots look at one."""
+    if one.start is not other.start or one.world != other.world:
+        return False
+    if one.positions is None or other.positions is None:
+        return one.positions is other.positions
+    return np.array_equal(one.positions, other.positions)

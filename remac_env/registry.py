@@ -1,11 +1,10 @@
-"""Names and makers of environments. Importing this loads no simulator."""
+"""Names and makers of environments. Importing this loads neither a simulator nor Gymnasium."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import gymnasium
-
+from remac_env.gymnasium_ids import enter_ids
 from remac_env.tasks import add, get, names
 from remac_env.tasks.spec import TaskSpec
 
@@ -31,7 +30,7 @@ def register_task(spec: TaskSpec) -> None:
 
     validate(spec)
     add(spec)
-    _register_gymnasium(spec.name)
+    enter_ids(names)
 
 
 def parallel_env(
@@ -92,12 +91,4 @@ def env(task: str, robots: int = 2, **options: Any) -> KitchenAECEnv:
     return KitchenAECEnv(parallel_env(task, robots, **options))
 
 
-def _register_gymnasium(task: str) -> None:
-    name = f"RemacKitchen-{task}-v0"
-    if name not in gymnasium.registry:
-        # The kitchen checks its own order of calls and never returns a time limit of Gymnasium's.
-        gymnasium.register(id=name, entry_point="remac_env.gym_view:KitchenEnv", kwargs={"task": task})
-
-
-for _name in names():
-    _register_gymnasium(_name)
+enter_ids(names)

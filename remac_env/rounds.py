@@ -6,26 +6,45 @@ object, both get `station_occupied`; arriving where another stands is allowed if
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
-from remac_env.conditions import destination
+from remac_env.conditions import PREDICATES, Predicate, destination
 from remac_env.marks import washed
 from remac_env.state import ASIDE, Scene, WorldState
-from remac_env.subtasks import Outcome, Reason, Requirement, Subtask, drop, failure
+from remac_env.subtasks import Mark, Outcome, Reason, Requirement, Subtask, drop, failure
 
 NAVIGATION = ("navigate to", "navigate aside")
 
+SUCCESS = Outcome("success")
+"""What the table says of a subtask that does what it says; it took no time yet."""
+
+_SETTLED_BY_ALL = ("station_free",)
+"""Requirements that hang on where the other robots go in the same round."""
+
 
 def first_false(
-    scene: Scene, world: WorldState, robot: str, subtask: Subtask, mark: str, *, skip: tuple[str, ...] = ()
+    scene: Scene, world: WorldState, robot: str, subtask: Subtask, mark: Mark, *, skip: tuple[str, ...] = ()
 ) -> Requirement | None:
     """The first requirement of this mark that is false, or None; predicates in `skip` are not looked at."""
-    for requirement in subtask.requirements(robot):
-        if requirement.mark != mark or requirement.condition.predicate in skip:
-            continue
-        if not requirement.condition.holds(scene, world):
+    for requirement, predicate, holds, args in _tests(subtask.skill, subtask.target, robot).get(mark, ()):
+        if predicate not in skip and not holds(scene, world, *args):
             return requirement
     return None
+
+
+_Test = tuple[Requirement, str, Predicate, tuple[str, ...]]
+
+
+@lru_cache(maxsize=4096)
+def _tests(skill: str, target: str, robot: str) -> dict[Mark, list[_Test]]:
+    """The requirements of each mark, with predicate, its function and arguments: found once, not in every round."""
+    tests: dict[Mark, list[_Test]] = {}
+    for requirement in Subtask(skill, target).requirements(robot):
+        condition = requirement.condition
+        test = (requirement, condition.predicate, PREDICATES[condition.predicate], condition.args)
+        tests.setdefault(requirement.mark, []).append(test)
+    return tests
 
 
 def settle_claims(
@@ -38,44 +57,45 @@ def settle_claims(
         that it keeps or goes to.
     """
     refused: dict[str, Outcome] = {}
+    picks: list[tuple[str, str]] = []
+    goals: dict[str, str | None] = {}
     for robot, subtask in subtasks.items():
-        false = first_false(scene, world, robot, subtask, "refuse", skip=("station_free",))
+        false = first_false(scene, world, robot, subtask, "refuse", skip=_SETTLED_BY_ALL)
         if false is not None:
-            refused[robot] = failure(false.reason, f"not true: {false.condition.sentence}")
-    if len(subtasks) > 1:
-        _settle_objects(subtasks, refused)
+            refused[robot] = false.outcome
+        elif subtask.skill == "pick up":
+            picks.append((robot, subtask.target))
+        elif subtask.skill in NAVIGATION:
+            aside = subtask.skill == "navigate aside"
+            goals[robot] = ASIDE if aside else destination(scene, world, robot, subtask.target)
+    if len(picks) > 1:
+        _settle_objects(picks, refused)
     stations = {robot: state.station for robot, state in world.robots.items()}
-    goals = {
-        robot: ASIDE if subtask.skill == "navigate aside" else destination(scene, world, robot, subtask.target)
-        for robot, subtask in subtasks.items()
-        if robot not in refused and subtask.skill in NAVIGATION
-    }
-    while clash := _clashes(scene, stations, goals):
+    while goals and (clash := _clashes(scene, stations, goals)):
         for robot in clash:
             refused[robot] = failure("station_occupied", f"{goals[robot]} is claimed or in use")
         goals = {robot: goal for robot, goal in goals.items() if robot not in clash}
-    return refused, stations | {robot: str(goal) for robot, goal in goals.items()}
+    for robot, goal in goals.items():
+        stations[robot] = str(goal)
+    return refused, stations
 
 
-def _settle_objects(subtasks: Mapping[str, Subtask], refused: dict[str, Outcome]) -> None:
+def _settle_objects(picks: Sequence[tuple[str, str]], refused: dict[str, Outcome]) -> None:
     """Two robots that reach for one object both stop."""
-    picks = [(r, s.target) for r, s in subtasks.items() if s.skill == "pick up" and r not in refused]
     for robot, target in picks:
         if any(other != robot and target == wanted for other, wanted in picks):
             refused[robot] = failure("station_occupied", f"another robot reaches for the {target}")
 
 
-def _clashes(scene: Scene, stations: Mapping[str, str], goals: Mapping[str, str | None]) -> set[str]:
-    """Robots whose goal another robot keeps or also claims."""
-    clash = set()
-    for robot, goal in goals.items():
-        for other, here in stations.items():
-            if other == robot or goal is None:
-                continue
-            end = goals.get(other, here)
-            if end is not None and scene.conflicting(goal, end):
-                clash.add(robot)
-    return clash
+def _clashes(scene: Scene, stations: Mapping[str, str], goals: Mapping[str, str | None]) -> list[str]:
+    """Robots whose goal another robot keeps or also claims, in the order of the goals."""
+    ends = {**stations, **goals}
+    return [
+        robot
+        for robot, goal in goals.items()
+        if goal is not None
+        and any(end is not None and other != robot and scene.conflicting(goal, end) for other, end in ends.items())
+    ]
 
 
 def attempt(
@@ -85,10 +105,11 @@ def attempt(
     false = first_false(scene, world, robot, subtask, "attempt")
     if false is not None:
         after = drop(world, robot) if false.drops else world
-        return failure(false.reason, f"not true: {false.condition.sentence}"), after
+        return false.outcome, after
     if subtask.skill in NAVIGATION:
-        return Outcome("success"), world.with_robot(robot, station=station)
-    return Outcome("success"), subtask.effect(scene, world, robot)
+        stays = world.robots[robot].station == station
+        return SUCCESS, world if stays else world.with_robot(robot, station=station)
+    return SUCCESS, subtask.effect(scene, world, robot)
 
 
 def merge(world: WorldState, results: Mapping[str, WorldState]) -> WorldState | None:

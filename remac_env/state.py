@@ -6,13 +6,11 @@ and hashable; equal states are equal and hash equal, and no clock is in them.
 
 from __future__ import annotations
 
-from collections.abc import ItemsView, Iterator, KeysView, Mapping, ValuesView
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, TypeVar
+from typing import Literal
 
-Key = TypeVar("Key", bound=str)
-Value = TypeVar("Value")
+from remac_env.frozen import FrozenMap
 
 STATE_VERSION = 1
 """Raised whenever the meaning of WorldState changes."""
@@ -28,63 +26,6 @@ OPEN_MIN = 0.90
 
 Relation = Literal["slot", "vessel", "held", "floor"]
 Door = Literal["closed", "ajar", "open"]
-
-
-class FrozenMap(Mapping[str, Value]):
-    """An immutable, hashable mapping from names; equality ignores order."""
-
-    __slots__ = ("_data", "_hash")
-
-    def __init__(self, data: Mapping[str, Value]) -> None:
-        self._data = dict(data)
-        self._hash: int | None = None
-
-    def __getitem__(self, key: str) -> Value:
-        return self._data[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._data)
-
-    def __len__(self) -> int:
-        return len(self._data)
-
-    # The views of the dict itself: those of Mapping are written in Python, and searches spend their time in them.
-
-    def __contains__(self, key: object) -> bool:
-        return key in self._data
-
-    def keys(self) -> KeysView[str]:
-        """The names."""
-        return self._data.keys()
-
-    def values(self) -> ValuesView[Value]:
-        """The values."""
-        return self._data.values()
-
-    def items(self) -> ItemsView[str, Value]:
-        """The pairs."""
-        return self._data.items()
-
-    def __reduce__(self) -> tuple[object, ...]:
-        # Hashes of strings differ from process to process: the kept one must not travel.
-        return FrozenMap, (self._data,)
-
-    def __hash__(self) -> int:
-        if self._hash is None:
-            self._hash = hash(frozenset(self._data.items()))
-        return self._hash
-
-    def __eq__(self, other: object) -> bool:
-        if isinstance(other, FrozenMap):
-            return self._data == other._data
-        return NotImplemented
-
-    def __repr__(self) -> str:
-        return repr(self._data)
-
-    def with_(self, key: str, value: Value) -> FrozenMap[Value]:
-        """A copy in which `key` has `value`."""
-        return FrozenMap({**self._data, key: value})
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,12 +111,18 @@ class Scene:
         return tuple(name for name, facts in self.objects.items() if facts.washable)
 
     @cached_property
+    def _stations_of(self) -> dict[str, tuple[str, ...]]:
+        of = {name: [self.slots[slot].station for slot in facts.slots] for name, facts in self.fixtures.items()}
+        return {name: tuple(dict.fromkeys(at or [self.fixtures[name].station])) for name, at in of.items()}
+
+    @cached_property
     def _fixtures_at(self) -> dict[str, tuple[str, ...]]:
-        at: dict[str, list[str]] = {name: [] for name in self.stations}
-        for name, facts in self.fixtures.items():
-            for station in {self.slots[slot].station for slot in facts.slots} or {facts.station}:
-                at[station].append(name)
-        return {station: tuple(names) for station, names in at.items()}
+        at = self._stations_of
+        return {station: tuple(name for name in at if station in at[name]) for station in self.stations}
+
+    def stations_of(self, fixture: str) -> tuple[str, ...]:
+        """The stations from which a fixture can be used: those of its slots, in their order, else its own."""
+        return self._stations_of[fixture]
 
     def used_from(self, station: str) -> tuple[str, ...]:
         """The fixtures that can be used from a station."""
@@ -183,7 +130,9 @@ class Scene:
 
     def conflicting(self, first: str, second: str) -> bool:
         """True when two robots cannot stand at these stations at the same time."""
-        return ASIDE not in (first, second) and (first == second or frozenset((first, second)) in self.conflicts)
+        if first == second:
+            return first != ASIDE
+        return frozenset((first, second)) in self.conflicts and ASIDE not in (first, second)
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,6 +170,10 @@ class FixtureState:
     on: frozenset[str] = frozenset()
 
 
+_KEPT = "(what it holds)"
+"""Says that a robot goes on holding what it holds; compared by identity, so that no name can mean it."""
+
+
 @dataclass(frozen=True)
 class WorldState:
     """The changeable part of a kitchen at rest."""
@@ -240,19 +193,22 @@ class WorldState:
         # As in FrozenMap: the hash that is kept must not travel to another process.
         return WorldState, (self.robots, self.objects, self.fixtures)
 
-    def with_robot(self, name: str, **changes: object) -> WorldState:
-        """A copy in which robot `name` has other `station` or `holding`."""
-        robot = replace(self.robots[name], **changes)  # type: ignore[arg-type]
+    def with_robot(self, name: str, *, station: str | None = None, holding: str | None = _KEPT) -> WorldState:
+        """A copy in which robot `name` has another station (None keeps it), or holds something else (None: nothing)."""
+        old = self.robots[name]
+        robot = RobotState(old.station if station is None else station, old.holding if holding is _KEPT else holding)
         return WorldState(self.robots.with_(name, robot), self.objects, self.fixtures)
 
-    def with_object(self, name: str, **changes: object) -> WorldState:
-        """A copy in which object `name` has another `place` or `marks`."""
-        item = replace(self.objects[name], **changes)  # type: ignore[arg-type]
+    def with_object(self, name: str, *, place: Place | None = None, marks: frozenset[str] | None = None) -> WorldState:
+        """A copy in which object `name` has another place or other marks; None keeps what it has."""
+        old = self.objects[name]
+        item = ObjectState(old.place if place is None else place, old.marks if marks is None else marks)
         return WorldState(self.robots, self.objects.with_(name, item), self.fixtures)
 
-    def with_fixture(self, name: str, **changes: object) -> WorldState:
-        """A copy in which fixture `name` has another `door` or `on`."""
-        fixture = replace(self.fixtures[name], **changes)  # type: ignore[arg-type]
+    def with_fixture(self, name: str, *, door: Door | None = None, on: frozenset[str] | None = None) -> WorldState:
+        """A copy in which fixture `name` has its door otherwise or other switches on; None keeps what it has."""
+        old = self.fixtures[name]
+        fixture = FixtureState(old.door if door is None else door, old.on if on is None else on)
         return WorldState(self.robots, self.objects, self.fixtures.with_(name, fixture))
 
 
@@ -281,15 +237,21 @@ def base_place(world: WorldState, name: str) -> Place:
     return place
 
 
+# Fields are compared one by one below, where making a Place to compare with would take most of the time.
+
+
 def contents(world: WorldState, vessel: str) -> list[str]:
     """The objects directly on or in `vessel`."""
-    return [name for name, item in world.objects.items() if item.place == Place("vessel", vessel)]
+    objects = world.objects.items()
+    return [name for name, item in objects if item.place.where == vessel and item.place.relation == "vessel"]
 
 
 def occupant(world: WorldState, slot: str) -> str | None:
     """The object that stands in `slot` itself, or None."""
-    place = Place("slot", slot)
-    return next((name for name, item in world.objects.items() if item.place == place), None)
+    for name, item in world.objects.items():
+        if item.place.where == slot and item.place.relation == "slot":
+            return name
+    return None
 
 
 def door_state(angle: float) -> Door:

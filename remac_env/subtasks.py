@@ -68,6 +68,16 @@ class Requirement:
     reason: Reason
     drops: bool = False
 
+    @property
+    def outcome(self) -> Outcome:
+        """How a subtask ends for which this is the first requirement that is false."""
+        return _untrue(self.reason, self.condition.predicate, self.condition.args)
+
+
+@lru_cache(maxsize=4096)
+def _untrue(reason: Reason, predicate: str, args: tuple[str, ...]) -> Outcome:
+    return failure(reason, f"not true: {Condition(predicate, args).sentence}")
+
 
 @dataclass(frozen=True, slots=True)
 class Skill:

@@ -89,7 +89,7 @@ def _check_places(spec: TaskSpec) -> None:
 
 
 def _check_fixtures(spec: TaskSpec, layout: Layout) -> None:
-    usable = [name for name, fixture in layout.fixtures.items() if fixture.station is not None]
+    usable = list(dict.fromkeys(f.noun for f in layout.fixtures.values() if f.station is not None))
     where = f"of task {spec.name} in layout {layout.name}"
     for name in (*spec.fixtures, *(role.at for role in spec.roles)):
         check_choice(f"fixture {where}", name, usable)

@@ -42,6 +42,7 @@ class Vocabulary:
         self.version = version
         self._subtasks = tuple(_subtasks(self.nouns))
         self._tokens = {subtask.text: token for token, subtask in enumerate(self._subtasks)}
+        self._targets = tuple((s.text, s.target, SKILLS[s.skill].target) for s in self._subtasks)
 
     def __len__(self) -> int:
         return len(self._subtasks)
@@ -93,13 +94,22 @@ class Vocabulary:
 
     def mask(self, scene: Scene) -> NDArray[np.int8]:
         """1 for every token whose noun exists in this kitchen; shape (len,). Grammar, not feasibility."""
+        mask = np.zeros(len(self), np.int8)
+        mask[list(self.legal(scene).values())] = 1
+        return mask
+
+    def legal(self, scene: Scene) -> dict[str, int]:
+        """Text -> token of every legal command of this kitchen, in token order."""
         kinds = _kinds(scene)
-        fits = ((SKILLS[s.skill].target, kinds.get(s.target, ("none",))) for s in self._subtasks)
-        return np.array([kind in able for kind, able in fits], dtype=np.int8)
+        return {
+            text: token
+            for token, (text, target, kind) in enumerate(self._targets)
+            if kind in kinds.get(target, ("none",))
+        }
 
     def commands(self, scene: Scene) -> tuple[str, ...]:
         """Every legal command of this kitchen as text, in token order."""
-        return tuple(s.text for s, legal in zip(self._subtasks, self.mask(scene), strict=True) if legal)
+        return tuple(self.legal(scene))
 
     def _nearest(self, text: str) -> str:
         near = difflib.get_close_matches(normalise(str(text)), self._tokens, n=3, cutoff=0.4)

@@ -19,7 +19,7 @@ from remac_env.seeding import digest
 KEPT_SEEDS = 900_000
 """Seeds from here on are kept for judging: no suite uses them."""
 
-CELLS = ("seed", "all")
+CELLS = ("seed", "all", "held out")
 """Cells of a block: the one that each seed picks, or every style and layout of the task's rows of the style table."""
 
 TABLE = "table"
@@ -128,7 +128,7 @@ def _folder() -> Path:
 def _block_jobs(block: Block, agent: Mapping[str, Any], backend: str | None) -> list[Job]:
     jobs = []
     for task in block.tasks:
-        for cell in _cells(task) if block.cells == "all" else [{}]:
+        for cell in _cells(task, block.cells):
             kitchen = {**block.kitchen, **cell, **({} if backend is None else {"backend": backend})}
             jobs += make_jobs(
                 tasks=[task],
@@ -143,11 +143,23 @@ def _block_jobs(block: Block, agent: Mapping[str, Any], backend: str | None) -> 
     return jobs
 
 
-def _cells(task: str) -> list[dict[str, str]]:
+def _cells(task: str, which: str) -> list[dict[str, str]]:
+    """The cells of a task that `which`, one of CELLS, means; an empty one where the seed picks.
+
+    Held out: the layouts that the task's row of the table leaves out, in the styles that it leaves out, if it does.
+    """
+    from remac_env.kitchen import layout as layouts
+    from remac_env.kitchen import style as styles
     from remac_env.tasks import get
 
+    if which == "seed":
+        return [{}]
     spec = get(task)
-    return [{"style": style, "layout": layout} for style in spec.styles for layout in spec.layouts]
+    looks, plans = spec.styles, spec.layouts
+    if which == "held out":
+        plans = tuple(name for name in layouts.names() if name not in spec.layouts)
+        looks = tuple(name for name in styles.names() if name not in spec.styles) or spec.styles
+    return [{"style": style, "layout": layout} for style in looks for layout in plans]
 
 
 def _read(file: str, data: Mapping[str, Any]) -> Suite:

@@ -93,7 +93,7 @@ class KitchenSense:
         return here and self.true("room", self.robot, surface)
 
     def _one_station(self, fixture: str) -> bool:
-        return len({self.request.view.scene.slots[slot].station for slot in self.fixtures[fixture].slots}) == 1
+        return len(self.request.view.scene.stations_of(fixture)) == 1
 
     def with_empty_hand(self, work: Sequence[Subtask]) -> tuple[Subtask, ...] | None:
         """Put down what is held, do `work`, fetch the thing if it is needed, come back to the target."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from remac_env.errors import LifecycleError, OptionError
 from remac_env.rounds import settle_claims, transition
 from remac_env.seeding import generator
 from remac_env.state import Scene, WorldState
-from remac_env.subtasks import SKILLS, Outcome, Subtask, failure
+from remac_env.subtasks import SKILLS, WAIT, Outcome, Subtask, failure
 
 
 class SymbolicBackend:
@@ -42,10 +41,11 @@ class SymbolicBackend:
         """One round by the table; seconds are the table's nominal ones."""
         if self._start is None or self._world is None:
             raise LifecycleError("the symbolic backend needs reset(start) before run_round")
-        slipped = self._slips(self._start.scene, self._world, subtasks)
-        accepted = {robot: Subtask("wait") if robot in slipped else s for robot, s in subtasks.items()}
-        world, outcomes = transition(self._start.scene, self._world, accepted)
-        outcomes = outcomes | {robot: failure("slipped", "a seeded slip") for robot in slipped}
+        scene = self._start.scene
+        slipped = self._slips(scene, self._world, subtasks)
+        accepted = {robot: WAIT if robot in slipped else s for robot, s in subtasks.items()} if slipped else subtasks
+        world, outcomes = transition(scene, self._world, accepted)
+        outcomes |= {robot: failure("slipped", "a seeded slip") for robot in slipped}
         timed = {robot: _timed(outcome, subtasks[robot]) for robot, outcome in outcomes.items()}
         self._world = world
         if self.watch is not None:
@@ -71,4 +71,5 @@ class SymbolicBackend:
 def _timed(outcome: Outcome, subtask: Subtask) -> Outcome:
     """An outcome with nominal seconds: a refusal takes none."""
     refused = not outcome.success and outcome.reason not in ("dropped", "door_closed", "blocked", "slipped")
-    return replace(outcome, seconds=0.0 if refused else SKILLS[subtask.skill].seconds)
+    seconds = 0.0 if refused else SKILLS[subtask.skill].seconds
+    return outcome if seconds == outcome.seconds else Outcome(outcome.status, outcome.reason, outcome.detail, seconds)

@@ -19,6 +19,9 @@ Make = tuple[str, str]
 
 COLLIDER_GROUP = 3
 DRAWN_GROUP = 1
+FINE_GROUP, COARSE_GROUP = 2, 4
+"""Boards and bars are there twice: fine for large pictures, coarse for small ones. MuJoCo's viewer hides group 4."""
+DRAWN_GROUPS = (DRAWN_GROUP, FINE_GROUP, COARSE_GROUP)
 
 SWITCHED = "/glow_"
 """Between a switch's name and a number, in the names of geoms that are seen only while it is on."""
@@ -53,7 +56,7 @@ class Canvas:
         self._spec = spec
         self._ground = spec.worldbody
         self._bodies: dict[str, Any] = {}
-        self._coats: dict[_Coat, list[Mesh]] = {}
+        self._coats: dict[_Coat, list[tuple[Mesh, Mesh]]] = {}
         self._shared: set[str] = set()
         self._switched: dict[str, int] = {}
 
@@ -84,15 +87,19 @@ class Canvas:
                 castshadow=False,
             )
 
-    def paint(self, body: str, mesh: Mesh, material: str, switch: str | None, opacity: float | None) -> None:
-        """Keep a shape, in the frame of its body, until `finish`."""
-        self._coats.setdefault(_Coat(body, material, switch, opacity), []).append(mesh)
+    def paint(
+        self, body: str, fine: Mesh, coarse: Mesh, material: str, switch: str | None, opacity: float | None
+    ) -> None:
+        """Keep a shape, in the frame of its body, until `finish`: for large and for small pictures."""
+        self._coats.setdefault(_Coat(body, material, switch, opacity), []).append((fine, coarse))
 
     def finish(self) -> None:
         """Turn all that was painted into geoms."""
-        for number, (coat, meshes) in enumerate(self._coats.items()):
-            add_mesh(self._spec, f"coat_{number}", merge(*meshes))
-            self.draw(coat.body, coat.material, coat.switch, coat.opacity, meshname=f"coat_{number}")
+        for number, (coat, pairs) in enumerate(self._coats.items()):
+            for group, meshes in zip((FINE_GROUP, COARSE_GROUP), zip(*pairs, strict=True), strict=True):
+                name = f"coat_{number}/{group}"
+                add_mesh(self._spec, name, merge(*meshes))
+                self.draw(coat.body, coat.material, coat.switch, coat.opacity, meshname=name, group=group)
         self._coats.clear()
 
     def share(self, name: str, mesh: Mesh) -> None:
@@ -111,8 +118,8 @@ class Canvas:
             opacity = 0.0
         if opacity is not None:
             shape["rgba"] = [*(float(value) for value in self._spec.material(material).rgba[:3]), opacity]
-        shape.setdefault("type", mujoco.mjtGeom.mjGEOM_MESH)
-        self._bodies[body].add_geom(contype=0, conaffinity=0, group=DRAWN_GROUP, mass=0.0, material=material, **shape)
+        shape = {"type": mujoco.mjtGeom.mjGEOM_MESH, "group": DRAWN_GROUP, **shape}
+        self._bodies[body].add_geom(contype=0, conaffinity=0, mass=0.0, material=material, **shape)
 
 
 class Part:
@@ -202,8 +209,8 @@ class Part:
     ) -> None:
         """Draw a box with bevelled edges; world_grain lets neighbouring slabs share one pattern."""
         if self.looks:
-            box = board(_point(low), _point(high), radius, segments, world_grain)
-            self._canvas.paint(self._name, box, material, switch, opacity)
+            fine, coarse = (board(_point(low), _point(high), edge, segments, world_grain) for edge in (radius, 0.0))
+            self._canvas.paint(self._name, fine, coarse, material, switch, opacity)
 
     def drawn_cylinder(
         self, start: Vector, end: Vector, radius: float, material: str, *, switch: str | None = None
@@ -255,8 +262,8 @@ class Part:
         self, start: Vector, end: Vector, radius: float, material: str, switch: str | None, *, round_ends: bool
     ) -> None:
         if self.looks:
-            mesh = bar(_point(start), _point(end), radius, round_ends)
-            self._canvas.paint(self._name, mesh, material, switch, None)
+            fine, coarse = (bar(_point(start), _point(end), radius, ends) for ends in (round_ends, False))
+            self._canvas.paint(self._name, fine, coarse, material, switch, None)
 
     def _solid(self, **options: Any) -> None:
         options.setdefault("friction", _FURNITURE_FRICTION)

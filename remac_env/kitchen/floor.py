@@ -55,14 +55,12 @@ class Floor:
         if not self.free[cell]:
             return seen
         seen[cell] = True
+        # Unbroken runs of free cells along each axis, by number: a run is reached all at once, so that few turns do.
+        rows, columns = _runs(self.free), _runs(self.free.T)
         count = 0
         while count < (count := int(seen.sum())):
-            grown = seen.copy()
-            grown[1:] |= seen[:-1]
-            grown[:-1] |= seen[1:]
-            grown[:, 1:] |= seen[:, :-1]
-            grown[:, :-1] |= seen[:, 1:]
-            seen = grown & self.free
+            seen = _whole_runs(seen, rows) & self.free
+            seen = _whole_runs(seen.T, columns).T & self.free
         return seen
 
     def holds(self, cells: NDArray[np.bool_], place: Place) -> bool:
@@ -121,3 +119,17 @@ class Floor:
 
     def _place(self, cell: tuple[int, int]) -> Place:
         return self._low[0] + _CELL * (cell[0] + 0.5), self._low[1] + _CELL * (cell[1] + 0.5)
+
+
+def _runs(free: NDArray[np.bool_]) -> NDArray[np.int_]:
+    """For every cell of a grid the number of the unbroken run of free cells, along its row, that it lies in."""
+    walled = np.pad(free, ((0, 0), (1, 0)))  # a wall before each row, so that no run goes on into the next
+    runs: NDArray[np.int_] = np.cumsum(~walled, dtype=np.int_).reshape(walled.shape)
+    return runs[:, 1:]
+
+
+def _whole_runs(cells: NDArray[np.bool_], runs: NDArray[np.int_]) -> NDArray[np.bool_]:
+    """The cells, and all others of the runs that they lie in."""
+    reached = np.zeros(int(runs[-1, -1]) + 1, dtype=np.bool_)
+    reached[runs[cells]] = True
+    return reached[runs]

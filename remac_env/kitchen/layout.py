@@ -82,6 +82,10 @@ class Layout:
         """The frame in which a fixture's measures and slots are given."""
         return self.walls[self.fixtures[fixture].wall].frame
 
+    def noun(self, slot: Slot) -> str:
+        """What robots and planners call the fixture that a slot is in."""
+        return self.fixtures[slot.fixture].noun
+
     def facing(self, station: Station) -> Frame:
         """The frame of the wall that a station faces; that of the room for parking places."""
         return self.walls[station.wall].frame if station.wall else WORLD
@@ -137,13 +141,17 @@ def read(path: Path, models: Models = NO_MODELS) -> Layout:
     return parse(text, name=path.stem, file=path.name, models=models)
 
 
-def parse(text: str, *, name: str, file: str, models: Models = NO_MODELS) -> Layout:
-    """Build a layout from TOML text; `file` is what errors call it. Raises KitchenFileError."""
+def parse(text: str, *, name: str, file: str, models: Models = NO_MODELS, certified: bool = True) -> Layout:
+    """Build a layout from TOML text; `file` is what errors call it. Raises KitchenFileError.
+
+    certified: whether it must be put together from certified makes only, each with its station where it was proven.
+    """
+    from remac_env.kitchen.fixtures import certificates
     from remac_env.kitchen.layout_checks import check
 
     try:
         table = Table(tomllib.loads(text), file=file)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # not TOML, too many digits, too deep
         raise KitchenFileError(file, "file", f"not valid TOML ({error})") from error
     version, room = table.whole("version"), Room.parse(table.table("room"))
     walls = {key: _wall(key, entry, room) for key, entry in table.tables("walls").items()}
@@ -163,6 +171,8 @@ def parse(text: str, *, name: str, file: str, models: Models = NO_MODELS) -> Lay
     )
     table.close()
     check(layout, file)
+    if certified:
+        certificates.check(layout, file)
     return layout
 
 
@@ -171,6 +181,8 @@ def _wall(name: str, table: Table, room: Room) -> Wall:
     if table.has("side"):
         side: str | None = table.text("side", choices=room.sides)
         frame = room.sides[str(side)][0]
+    elif not table.has("at"):
+        raise table.error("side", "missing", (*room.sides, "or instead of it at and heading"))
     else:
         side, (x, y), heading = None, table.pair("at"), table.number("heading")
         if heading not in HEADINGS:
@@ -207,6 +219,7 @@ def _fixture(name: str, table: Table, walls: Mapping[str, Wall], models: Models)
         measures = fixture_models.measures(kind, model)
         fixture = KINDS[kind].parse(name, table, measures)
         measures.close()
+        fixture = replace(fixture, make=model)
     else:
         fixture = KINDS[kind].parse(name, table, table)
     table.close()

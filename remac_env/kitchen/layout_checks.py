@@ -69,6 +69,13 @@ def floor(layout: Layout, radius: float = BASE_RADIUS) -> Floor:
 
 
 def _check_references(fixture: Fixture, layout: Layout, file: str) -> None:
+    if fixture.part_of:
+        wholes = [f.name for f in layout.fixtures.values() if f.kind == fixture.kind and f.slots and not f.part_of]
+        if fixture.part_of not in wholes:
+            key = f"fixtures.{fixture.name}.part_of"
+            raise KitchenFileError(file, key, f"{fixture.part_of!r} is no {fixture.kind} with slots of its own", wholes)
+        if not fixture.slots:
+            raise KitchenFileError(file, f"fixtures.{fixture.name}.slots", "a part without slots is mere decoration")
     for station in fixture.stations:
         key = f"fixtures.{fixture.name}.station"
         if station not in layout.stations:
@@ -107,6 +114,7 @@ def _check_room(fixture: Fixture, layout: Layout, file: str) -> None:
             or block.high[0] > right + _TOUCH
             or block.high[1] > WALL_Y + _TOUCH
             or block.low[1] < layout.room.front - _TOUCH
+            or block.low[2] < -_TOUCH
             or block.high[2] > height + _TOUCH
         ):
             raise KitchenFileError(
@@ -132,6 +140,8 @@ def _check_apart(first: Fixture, second: Fixture, layout: Layout, file: str) -> 
 def _check_sweep(fixture: Fixture, layout: Layout, file: str) -> None:
     """Doors swing clear of other fixtures and of the room's walls."""
     points = [layout.frame(fixture.name).space(point) for point in fixture.swept_points]
+    if not points:
+        return
     left, right = layout.room.x
     if any(not left < x < right or y > WALL_Y for x, y, _ in points):
         raise KitchenFileError(file, f"fixtures.{fixture.name}", "its door swings into a wall of the room")
@@ -157,6 +167,9 @@ def _check_stations(layout: Layout, file: str) -> None:
         low, high = _stance(layout, station, skilled=_skilled(layout, station.name))
         if low[0] < layout.room.x[0] or high[0] > layout.room.x[1] or high[1] > WALL_Y:
             raise KitchenFileError(file, f"stations.{station.name}", f"x {station.x:g} is too near a side wall{user}")
+        if station.y < (front := layout.room.front - FREE_FRONT):
+            key = f"stations.{station.name}"
+            raise KitchenFileError(file, key, f"y {station.y:g} is outside the room", f"y from {front:g} up")
         around = Block((*low, 0.0), (*high, TALL))
         for name, block in _standing(layout):
             if around.overlap(block) > _TOUCH:

@@ -13,16 +13,17 @@ if TYPE_CHECKING:
 # keep a directional light out. All lights together light a white wall with about 1.0, so that whites do not burn out.
 _LAMP_X = (-2.0, 0.2, 2.1)
 _LAMP_Y, _LAMP_Z = -2.1, 2.42
-_LAMP_STRENGTH = 0.23
+_LAMP_STRENGTH, _OPEN_LAMP_STRENGTH = 0.165, 0.11
 _LAMP_HIGHLIGHT = 0.10
 _SKY_STRENGTH = 0.26
+_FILL_STRENGTH, _OPEN_FILL_STRENGTH = 0.13, 0.17
 
-BACKDROP = (0.80, 0.79, 0.77)
+BACKDROP = (0.90, 0.90, 0.89)
 """Colour of what lies outside the room, red, green, blue."""
 
 
 def add_lights(spec: mujoco.MjSpec, style: Style | None = None, *, ceiling: bool = True) -> None:
-    """Add head light, lamps, a soft fill and a backdrop, and set clipping and shadow range for a kitchen.
+    """Add head light, lamps, soft fills and a backdrop, and set clipping and shadow range for a kitchen.
 
     Without a style the lamps are warm white; without a ceiling light falls in from above. Call it once for a
     description.
@@ -32,8 +33,9 @@ def add_lights(spec: mujoco.MjSpec, style: Style | None = None, *, ceiling: bool
     tint = (1.0, 0.97, 0.90) if style is None else style.lamp
     _set_scale(spec)
     _set_backdrop(spec)
+    lamps, fill = (_LAMP_STRENGTH, _FILL_STRENGTH) if ceiling else (_OPEN_LAMP_STRENGTH, _OPEN_FILL_STRENGTH)
     head = spec.visual.headlight
-    head.ambient, head.diffuse, head.specular = [0.40, 0.40, 0.41], [0.16] * 3, [0.02] * 3
+    head.ambient, head.diffuse, head.specular = [0.42, 0.42, 0.43], [0.14] * 3, [0.02] * 3
     for number, x in enumerate(_LAMP_X):
         spec.worldbody.add_light(
             name=f"lamp_{number}",
@@ -43,7 +45,7 @@ def add_lights(spec: mujoco.MjSpec, style: Style | None = None, *, ceiling: bool
             cutoff=62,
             exponent=1.2,
             attenuation=[0.72, 0.03, 0.02],
-            diffuse=[_LAMP_STRENGTH * part for part in tint],
+            diffuse=[lamps * part for part in tint],
             specular=[_LAMP_HIGHLIGHT * part for part in tint],
             ambient=[0, 0, 0],
             castshadow=True,
@@ -59,16 +61,17 @@ def add_lights(spec: mujoco.MjSpec, style: Style | None = None, *, ceiling: bool
             ambient=[0, 0, 0],
             castshadow=False,
         )
-    spec.worldbody.add_light(
-        name="fill",
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        pos=[3, -3, 3],
-        dir=[-0.7, 0.5, -0.45],
-        diffuse=[0.12, 0.125, 0.14],
-        specular=[0, 0, 0],
-        ambient=[0, 0, 0],
-        castshadow=False,
-    )
+    for side, name in ((1, "fill_left"), (-1, "fill_right")):
+        spec.worldbody.add_light(
+            name=name,
+            type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+            pos=[-3 * side, -4, 3],
+            dir=[0.65 * side, 0.60, -0.47],
+            diffuse=[fill * part for part in (0.97, 1.0, 1.06)],
+            specular=[0, 0, 0],
+            ambient=[0, 0, 0],
+            castshadow=False,
+        )
 
 
 def _set_scale(spec: mujoco.MjSpec) -> None:
@@ -89,6 +92,7 @@ def _set_backdrop(spec: mujoco.MjSpec) -> None:
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
         rgb1=list(BACKDROP),
+        rgb2=list(BACKDROP),
         width=8,
         height=48,
     )

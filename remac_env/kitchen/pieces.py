@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.kitchen.meshes import Mesh, rounded_box, transform
+from remac_env.kitchen.meshes import Mesh, plain_box, rounded_box, transform
 
 Point = tuple[float, float, float]
 
@@ -20,9 +20,14 @@ _CAP_STEPS = 3  # rings from the equator of a round end to its pole
 
 @lru_cache(maxsize=4096)
 def board(low: Point, high: Point, radius: float, segments: int, world_grain: bool) -> Mesh:
-    """Return a box between two corners, m, with bevelled edges; uv in metres, of the world or from its own middle."""
+    """Return a box between two corners, m, with edges rounded by `radius`, or sharp ones where it is 0.
+
+    uv in metres, of the world or from the middle of the box.
+    """
     half, middle = (np.asarray(high) - low) / 2, (np.asarray(low) + high) / 2
     offset = middle[[0, 2] if half[1] < half[2] else [0, 1]] if world_grain else (0.0, 0.0)
+    if radius == 0:
+        return transform(plain_box(half, uv_offset=offset), position=middle)
     return transform(rounded_box(half, radius=radius, segments=segments, uv_offset=offset), position=middle)
 
 

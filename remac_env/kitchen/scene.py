@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from remac_env.kitchen.layout import Layout
@@ -18,6 +19,9 @@ WATER, BASIN = "faucet", "sink"
 def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence[str]) -> Scene:
     """The facts of a kitchen: the layout's usable fixtures, and `things` (noun -> category)."""
     basins = {name: str(f.station) for name, f in layout.fixtures.items() if f.kind == BASIN}
+    slots_of: dict[str, list[str]] = defaultdict(list)
+    for slot in layout.slots.values():
+        slots_of[layout.noun(slot)].append(slot.name)
     fixtures = {
         name: FixtureFacts(
             name=name,
@@ -25,12 +29,12 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             station=str(fixture.station),
             door=fixture.door,
             switches=tuple(fixture.switches),
-            slots=tuple(slot.name for slot in fixture.slots),
+            slots=tuple(slots_of[name]),
             shut_to_run=fixture.kind in SHUT_TO_RUN,
             wets=tuple(n for n, at in basins.items() if fixture.kind == WATER and at == fixture.station),
         )
         for name, fixture in layout.fixtures.items()
-        if fixture.station is not None
+        if fixture.station is not None and not fixture.part_of
     }
     objects = {
         noun: ObjectFacts(
@@ -46,7 +50,7 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
         )
         for noun, category in things.items()
     }
-    slots = {name: SlotFacts(name, slot.fixture, slot.station) for name, slot in layout.slots.items()}
+    slots = {name: SlotFacts(name, layout.noun(slot), slot.station) for name, slot in layout.slots.items()}
     return Scene(tuple(robots), FrozenMap(fixtures), FrozenMap(slots), FrozenMap(objects), layout.conflicts())
 
 

@@ -136,7 +136,7 @@ def _table(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise KitchenFileError(path, "file", f"cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # not TOML, not UTF-8, too many digits, too deep
         raise KitchenFileError(path, "file", f"is not TOML: {error}") from error
 
 
@@ -153,7 +153,7 @@ def _finish(path: Path, role: str, given: object, base: Finish) -> Finish:
         if key in ("color", "accent"):
             changes[key] = hex_color(path, where, value)
         elif key == "pattern":
-            if value != "" and value not in PATTERNS:
+            if not isinstance(value, str) or (value != "" and value not in PATTERNS):
                 raise KitchenFileError(path, where, f"unknown pattern {value!r}", ['""', *sorted(PATTERNS)])
             changes[key] = value
         else:

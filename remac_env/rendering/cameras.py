@@ -7,6 +7,7 @@ from math import cos, radians, sin, tan
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from remac_env.errors import check_choice
 from remac_env.kitchen.fixtures.base import WALL_Y
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from remac_env.kitchen.layout import Layout
 
 Point = tuple[float, float, float]
+Floats = NDArray[np.float64]
 
 FRONT = "front"
 """The whole kitchen in a square picture, seen from the open side of the room."""
@@ -34,9 +36,7 @@ SIDE = "side/{station}"
 
 _FIELD = 46.0  # vertical, degrees
 _WIDE_FIELD = 33.0  # from further away, so that robots in the foreground do not hide the kitchen
-_ROOM_MARGIN = 1.05
-_FRONT_ASPECT, _FRONT_HEIGHT, _FRONT_LOOKS_AT = 1.0, 2.40, 0.25
-_WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT = 16 / 9, 2.45, 0.85
+_FRONT_ASPECT, _WIDE_ASPECT = 1.0, 16 / 9
 
 # Position relative to what is looked at, by kind of slot: from the right, or from the left where a door opens to the
 # right; steeply down into a basin, almost level into a cupboard.
@@ -46,10 +46,13 @@ _FROM = {
     "basin": (0.30, -0.42, 0.95),
     "cavity": (0.40, -0.95, 0.42),
 }
-# Deep kitchens: degrees above the horizon, and more of them a metre of depth; heights, m, that are to be seen.
-_LEAST_STEEP, _STEEPER, _STEEPEST = 16.0, 9.0, 34.0
-_DEEP_LOOKS_AT, _DEEP_TOP, _BACK_TOP, _ROBOT_TOP = 0.7, 1.4, 2.25, 1.2
+_BETWEEN_LEAVES = 0.25  # of the way to the side, where a door opens to either side
+# Whole kitchens: degrees above the horizon, more of them a metre of depth, and at most; heights that are to be seen, m.
+_LEAST_STEEP, _STEEPER, _STEEPEST = 14.0, 3.5, 27.0
+_FIXTURE_TOP, _WALL_TOP, _ROBOT_TOP = 1.4, 2.25, 1.3
+_ROBOT_HALF = 0.36  # m, of a robot's base
 _FRAMED = 0.98  # of the picture
+_NEAREST, _FURTHEST, _EXACT = 2.0, 34.0, 0.02  # m, distances that are tried
 _FRONT_SLACK = 0.3  # m that fixtures along the back wall stand out
 _WALL_GAP = 0.12  # seen from behind, a wall would be a veil over the picture
 # In the hand's frame: z along the fingers, which end at 0.115, and x away from the robot when it works ahead of itself.
@@ -74,35 +77,57 @@ def fixed_cameras(layout: Layout) -> tuple[Camera, ...]:
 
 
 def front_camera(layout: Layout) -> Camera:
-    """Far enough from the wall for the whole width of the room in a square picture."""
-    return _before_room(layout, FRONT, _FIELD, _FRONT_ASPECT, _FRONT_HEIGHT, _FRONT_LOOKS_AT)
+    """As near as it can be while the whole kitchen is in a square picture."""
+    return _before_room(layout, FRONT, _FIELD, _FRONT_ASPECT)
 
 
 def wide_camera(layout: Layout) -> Camera:
-    """Far enough from the wall for the whole width of the room in a picture of 16 to 9."""
-    return _before_room(layout, WIDE, _WIDE_FIELD, _WIDE_ASPECT, _WIDE_HEIGHT, _WIDE_LOOKS_AT)
+    """As near as it can be while the whole kitchen is in a picture of 16 to 9."""
+    return _before_room(layout, WIDE, _WIDE_FIELD, _WIDE_ASPECT)
 
 
-def _before_room(layout: Layout, name: str, field: float, aspect: float, height: float, looks_at: float) -> Camera:
-    left, right = layout.room.x
-    middle = (left + right) / 2
-    distance = _ROOM_MARGIN * (right - left) / 2 / (tan(radians(field) / 2) * aspect)
+def _before_room(layout: Layout, name: str, field: float, aspect: float) -> Camera:
+    """Before the open side, the higher the deeper the kitchen is, to look over what stands in front."""
     depth = _depth(layout)
-    if depth <= 0.0:
-        return Camera(name, (middle, -distance, height), (middle, 0.0, looks_at), field)
-    # A deep kitchen is seen from above, over what stands in front, from as far as it takes to see all of it.
-    steep = radians(min(_STEEPEST, _STEEPER * depth) + _LEAST_STEEP)
-    target = (middle, -depth / 2, _DEEP_LOOKS_AT)
-    points = [(x, -y, z) for x in (left, right) for y in (0.0, depth) for z in (0.0, _DEEP_TOP)]
-    points += [(x, WALL_Y, _BACK_TOP) for x in (left, right)]
-    places = (*layout.stations.values(), *layout.asides)
-    points += [(place.x, place.y, z) for place in places for z in (0.0, _ROBOT_TOP)]
-    for step in range(200):
-        away = 3.0 + 0.1 * step
-        camera = Camera(name, (middle, target[1] - away * cos(steep), target[2] + away * sin(steep)), target, field)
-        if all(max(map(abs, in_picture(camera, point, aspect))) < _FRAMED for point in points):
-            break
-    return camera
+    steep = radians(min(_STEEPEST, _LEAST_STEEP + _STEEPER * depth))
+    back = np.array([0.0, -cos(steep), sin(steep)])
+    points = np.array(_to_be_seen(layout, depth))
+    middle = np.array([sum(layout.room.x) / 2, -depth / 2, 0.0])
+    near, far = _NEAREST, _FURTHEST
+    while far - near > _EXACT:
+        away = (near + far) / 2
+        _, seen = _centred(name, middle, back * away, field, aspect, points)
+        near, far = (near, away) if seen < _FRAMED else (away, far)
+    return _centred(name, middle, back * far, field, aspect, points)[0]
+
+
+def _centred(
+    name: str, middle: Floats, away: Floats, field: float, aspect: float, points: Floats
+) -> tuple[Camera, float]:
+    """The camera at an offset from its target that has as much above the points as below, and how far out they are.
+
+    The target is above `middle`; 1 is the edge of the picture.
+    """
+    rise = _WALL_TOP / 2
+    for _ in range(6):  # each brings it ten times nearer
+        target = middle + (0.0, 0.0, rise)
+        camera = Camera(name, _point(target + away), _point(target), field)
+        seen = _in_picture(camera, points, aspect)
+        if not np.isfinite(seen).all():
+            return camera, float("inf")
+        rise += float(seen[:, 1].max() + seen[:, 1].min()) / 2 * float(np.linalg.norm(away)) * tan(radians(field) / 2)
+    return camera, float(np.abs(seen).max())
+
+
+def _to_be_seen(layout: Layout, depth: float) -> list[Point]:
+    """What must be in pictures of the whole kitchen: the back wall, the fixtures' ends, robots wherever they may be."""
+    sides = layout.room.x
+    points = [(x, -depth, z) for x in sides for z in (0.0, _FIXTURE_TOP)]
+    points += [(x, y, z) for x in sides for y in (0.0, WALL_Y) for z in (0.0, _WALL_TOP)]
+    for place in (*layout.stations.values(), *layout.asides):
+        points += [(place.x, place.y - _ROBOT_HALF, 0.0), (place.x, place.y, _ROBOT_TOP)]
+        points += [(place.x + side * _ROBOT_HALF, place.y, 0.0) for side in (-1, 1)]
+    return points
 
 
 def _depth(layout: Layout) -> float:
@@ -114,15 +139,22 @@ def _depth(layout: Layout) -> float:
 
 def in_picture(camera: Camera, point: Point, aspect: float) -> tuple[float, float]:
     """Where a point lies in a camera's picture, both within -1..1 when it is seen; infinite where it is behind."""
+    x, y = _in_picture(camera, np.array([point]), aspect)[0]
+    return float(x), float(y)
+
+
+def _in_picture(camera: Camera, points: Floats, aspect: float) -> Floats:
+    """The same for points (n, 3) at once: (n, 2)."""
     back = np.array(camera.position) - np.array(camera.target)
     back /= np.linalg.norm(back)
     right = np.cross((0.0, 0.0, 1.0), back)
     right /= np.linalg.norm(right)
-    offset = np.array(point) - np.array(camera.position)
-    depth, half = float(-offset @ back), tan(radians(camera.field) / 2)
-    if depth <= 0.0:
-        return float("inf"), float("inf")
-    return float(offset @ right) / (half * aspect * depth), float(offset @ np.cross(back, right)) / (half * depth)
+    offsets = points - np.array(camera.position)
+    half = tan(radians(camera.field) / 2)
+    depth = np.maximum(-offsets @ back, 0.0)[:, None]
+    places = offsets @ np.stack([right / (half * aspect), np.cross(back, right) / half], axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(depth > 0.0, places / depth, np.inf)
 
 
 def side_camera(layout: Layout, station: str) -> Camera:
@@ -136,7 +168,10 @@ def side_camera(layout: Layout, station: str) -> Camera:
     else:
         x, (y, z) = frame.local(place.x, place.y)[0], _BARE_STATION
     dx, dy, dz = _FROM[slots[0].kind if slots else "surface"]
-    if any(layout.fixtures[slot.fixture].opens_to == "right" for slot in slots):
+    fixtures = [layout.fixtures[slot.fixture] for slot in slots]
+    if any(len(fixture.leaves) > 1 for fixture in fixtures):
+        dx *= _BETWEEN_LEAVES
+    elif any(fixture.opens_to == "right" for fixture in fixtures):
         dx = -dx
     eye = frame.space((x + dx, y + dy, z + dz))
     (left, right), gap = layout.room.x, _WALL_GAP
@@ -176,3 +211,8 @@ def _turn_towards(position: Iterable[float], target: Iterable[float], up: Point 
     turn = np.empty(4)
     mujoco.mju_mat2Quat(turn, np.stack([right, np.cross(back, right), back], axis=1).ravel())
     return [float(value) for value in turn]
+
+
+def _point(vector: Floats) -> Point:
+    x, y, z = (float(part) for part in vector)
+    return x, y, z

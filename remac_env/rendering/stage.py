@@ -15,14 +15,20 @@ from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rendering.cameras import FRONT, SIDE, WIDE, WRIST, add_cameras
 from remac_env.rendering.posing import pose
-from remac_env.rendering.renderer import BEAUTY, OBSERVATION, Quality, Renderer
+from remac_env.rendering.renderer import BEAUTY, CLOSE, OBSERVATION, Quality, Renderer
+from remac_env.rendering.window import Window
 from remac_env.start import Start
 from remac_env.state import ASIDE, WorldState
 
 RENDER_SIZE = (768, 432)
 """Width and height of `render()` and of videos, pixels."""
 
+SMALL = 256
+"""Pixels on a side up to which observation images are drawn with few triangles."""
+
 Picture = NDArray[np.uint8]
+Shot = tuple[str, int, int, Quality]
+"""A camera, the width and height of its picture, and its quality."""
 
 
 class Stage:
@@ -45,9 +51,11 @@ class Stage:
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)
         self._renderers: dict[tuple[int, int, Quality], Renderer] = {}
+        self._drawn: dict[Shot, Picture] = {}  # of the present pose: robots share the view of the whole kitchen
 
     def show_positions(self, positions: NDArray[np.float64], world: WorldState) -> None:
         """Take over joint positions, qpos of the physics model; switches as `world` says."""
+        self._drawn.clear()
         self._data.qpos[:] = positions
         self._show_switches(world)
         mujoco.mj_kinematics(self._model, self._data)
@@ -55,12 +63,17 @@ class Stage:
 
     def show_world(self, start: Start, world: WorldState) -> None:
         """Pose the kitchen by what is true in it."""
+        self._drawn.clear()
         pose(self._model, self._data, self._layout, self._categories, start, world)
         self._show_switches(world)
 
     def picture(self, *, quality: Quality = BEAUTY, size: tuple[int, int] = RENDER_SIZE) -> Picture:
         """The whole kitchen, uint8 (height, width, 3)."""
         return self._render(WIDE, size, quality)
+
+    def show_in(self, window: Window) -> None:
+        """Show the kitchen in a window that can be looked around in."""
+        window.show(self._model, self._data, WIDE)
 
     def observe(self, robot: str, world: WorldState, *, size: int) -> dict[str, Picture]:
         """The robot's three pictures, uint8 (size, size, 3): the kitchen, from its hand, and of its station.
@@ -70,19 +83,24 @@ class Stage:
         station = world.robots[robot].station
         side = FRONT if station == ASIDE else SIDE.format(station=station)
         cameras = {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side}
-        return {name: self._render(camera, (size, size), OBSERVATION) for name, camera in cameras.items()}
+        quality = OBSERVATION if size <= SMALL else CLOSE
+        return {name: self._render(camera, (size, size), quality) for name, camera in cameras.items()}
 
     def close(self) -> None:
         """Free the renderers. May be called twice."""
         for renderer in self._renderers.values():
             renderer.close()
         self._renderers.clear()
+        self._drawn.clear()
 
     def _render(self, camera: str, size: tuple[int, int], quality: Quality) -> Picture:
-        key = (*size, quality)
-        if key not in self._renderers:
-            self._renderers[key] = Renderer(self._model, *size, quality=quality)
-        return self._renderers[key].render(self._data, camera).copy()
+        shot: Shot = (camera, *size, quality)
+        if shot not in self._drawn:
+            key = (*size, quality)
+            if key not in self._renderers:
+                self._renderers[key] = Renderer(self._model, *size, quality=quality)
+            self._drawn[shot] = self._renderers[key].render(self._data, camera).copy()
+        return self._drawn[shot].copy()
 
     def _show_switches(self, world: WorldState) -> None:
         show_switches(self._model, frozenset().union(*(state.on for state in world.fixtures.values())))

@@ -1,4 +1,4 @@
-"""A window for render_mode="human", where there is a display; elsewhere it says so once and shows nothing."""
+"""A window for render_mode="human": MuJoCo's viewer where there is a display; elsewhere it says so once."""
 
 from __future__ import annotations
 
@@ -7,50 +7,53 @@ import os
 import sys
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+import mujoco
 
 _LOG = logging.getLogger(__name__)
 
 
 class Window:
-    """Shows pictures in a window of the desktop's Tk."""
+    """MuJoCo's passive viewer, which can be turned and zoomed with the mouse; closing it ends no episode."""
 
-    def __init__(self, title: str) -> None:
-        self._root: Any = None
-        self._label: Any = None
-        if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+    def __init__(self) -> None:
+        self._viewer: Any = None
+        self._model: mujoco.MjModel | None = None
+        self._dark = sys.platform.startswith("linux") and not os.environ.get("DISPLAY")
+        if self._dark:
             _LOG.warning("render_mode='human' needs a display; none is set, so nothing is shown")
-            return
-        try:
-            import tkinter
-        except ImportError as error:
-            _LOG.warning("render_mode='human' needs Tk: %s", error)
-            return
-        try:
-            self._root = tkinter.Tk()
-        except tkinter.TclError as error:
-            _LOG.warning("render_mode='human' needs a display: %s", error)
-            return
-        self._root.title(title)
-        self._label = tkinter.Label(self._root)
-        self._label.pack()
 
-    def show(self, picture: NDArray[np.uint8]) -> None:
-        """Replace what is shown; picture: uint8 (height, width, 3)."""
-        if self._root is None:
+    def show(self, model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> None:
+        """Show the model as `data` pose it, at first from the named camera; another model gets another window."""
+        if self._dark:
             return
-        import tkinter
-
-        height, width, _ = picture.shape
-        data = b"P6 %d %d 255 " % (width, height) + picture.tobytes()
-        # Tk forgets a picture that nothing else refers to.
-        self._image = tkinter.PhotoImage(width=width, height=height, data=data, format="PPM")
-        self._label.configure(image=self._image)
-        self._root.update()
+        if self._model is not model:
+            self.close()
+            self._model = model
+            self._viewer = self._opened(model, data, camera)
+        if self._viewer is not None and self._viewer.is_running():
+            self._viewer.sync()
 
     def close(self) -> None:
         """Close the window. May be called twice."""
-        if self._root is not None:
-            self._root.destroy()
-        self._root = None
+        if self._viewer is not None:
+            self._viewer.close()
+        self._viewer = self._model = None
+
+    def _opened(self, model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> Any:
+        """A viewer, or None where the system has none to offer (said once)."""
+        try:
+            # Needs glfw, which wants a display to initialise.
+            import glfw
+            import mujoco.viewer
+
+            if not glfw.init():
+                raise RuntimeError("GLFW finds no display")
+            viewer = mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
+        except (ImportError, RuntimeError) as error:
+            self._dark = True
+            _LOG.warning("render_mode='human' needs a display for MuJoCo's viewer: %s", error)
+            return None
+        with viewer.lock():
+            viewer.cam.type = mujoco.mjtCamera.mjCAMERA_FIXED
+            viewer.cam.fixedcamid = model.camera(camera).id
+        return viewer

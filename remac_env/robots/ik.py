@@ -21,7 +21,8 @@ ARM_WEIGHTS = np.array([0.0, 0.0, 0.0, 0.3, *[1.0] * 7])  # arm and a little tor
 DOOR_WEIGHTS = np.array([0.15, 0.15, 0.05, 0.2, *[1.0] * 7])  # the base helps, slowly
 WRIST_TURNS = np.linspace(panda.LOWER[10], panda.UPPER[10], 36)
 TORSO_HEIGHTS = np.array([0.02, 0.10, 0.18, 0.26, 0.33])
-_ROTATION_WEIGHT = 0.5
+_ROTATION_WEIGHT = 0.5  # m/rad: what a turn counts beside a shift
+_ROW_WEIGHTS = np.array([[1.0]] * 3 + [[_ROTATION_WEIGHT]] * 3)
 _HAND = panda.FLANGE + panda.GRIP_DEPTH
 
 
@@ -42,21 +43,27 @@ class Kinematics:
         self._data = mujoco.MjData(self._model)
         self._site = self._model.site("robot/grip").id
         self._jacobian = np.zeros((6, self._model.nv))
+        self._linear, self._angular, self._columns = self._jacobian[:3], self._jacobian[3:], self._jacobian[:, :11]
+        self._qpos = self._data.qpos[:11]
         self._position = self._data.site_xpos[self._site]
         self._rotation = self._data.site_xmat[self._site].reshape(3, 3)
 
     def forward(self, q: Array) -> tuple[Array, Array]:
         """Grip position (3,) and rotation (3, 3) at ``q``."""
-        self._data.qpos[:11] = q
+        self._qpos[:] = q
         mujoco.mj_kinematics(self._model, self._data)
         return self._position.copy(), self._rotation.copy()
 
     def jacobian(self, q: Array) -> Array:
         """(6, 11): linear then angular velocity of the grip by joint velocity, in the world."""
-        self.forward(q)
+        self._qpos[:] = q
+        mujoco.mj_kinematics(self._model, self._data)
+        self._refresh_jacobian()
+        return self._columns.copy()
+
+    def _refresh_jacobian(self) -> None:
         mujoco.mj_comPos(self._model, self._data)
-        mujoco.mj_jacSite(self._model, self._data, self._jacobian[:3], self._jacobian[3:], self._site)
-        return self._jacobian[:, :11].copy()
+        mujoco.mj_jacSite(self._model, self._data, self._linear, self._angular, self._site)
 
     def track(
         self, q: Array, position: Array, rotation: Array, *, weights: Array = ARM_WEIGHTS, iterations: int = 4,
@@ -64,30 +71,31 @@ class Kinematics:
     ) -> Tracked:
         """Move ``q`` towards a pose by damped least squares, each joint by at most ``largest`` (11,)."""
         start = q
-        error = np.empty(6)
+        error, step = np.empty(6), np.empty(6)
         for iteration in range(iterations + 1):
-            self._data.qpos[:11] = q
+            self._qpos[:] = q
             mujoco.mj_kinematics(self._model, self._data)
             turn = rotation_vector(rotation @ self._rotation.T)
             error[:3] = position - self._position
-            error[3:] = _ROTATION_WEIGHT * turn
-            ep = math.sqrt(float(error[:3] @ error[:3]))
-            er = math.sqrt(float(turn @ turn))
+            error[3:] = turn
+            ep, er = math.sqrt(float(error[:3] @ error[:3])), math.sqrt(float(turn @ turn))
             if iteration == iterations or (ep < 3e-4 and er < 2e-3):
                 break
-            size = math.sqrt(float(error @ error))
+            error[3:] *= _ROTATION_WEIGHT
+            size = math.hypot(ep, _ROTATION_WEIGHT * er)
             if size > 0.3:
                 error *= 0.3 / size
-            mujoco.mj_comPos(self._model, self._data)
-            mujoco.mj_jacSite(self._model, self._data, self._jacobian[:3], self._jacobian[3:], self._site)
-            a = self._jacobian[:, :11].copy()
-            a[3:] *= _ROTATION_WEIGHT
-            weighted = a * weights
-            normal = weighted @ a.T
+            self._refresh_jacobian()
+            scaled = self._columns * _ROW_WEIGHTS
+            weighted = scaled * weights
+            normal = weighted @ scaled.T
             normal.flat[::7] += damping * damping
-            q = np.minimum(panda.UPPER, np.maximum(panda.LOWER, q + weighted.T @ np.linalg.solve(normal, error)))
-        step = np.minimum(largest, np.maximum(-largest, q - start))
-        return Tracked(start + step, ep, er)
+            # MuJoCo's Cholesky: a third of the time of numpy's general solver on six rows.
+            mujoco.mju_cholFactor(normal, 0.0)
+            mujoco.mju_cholSolve(step, normal, error)
+            q = np.minimum(panda.UPPER, np.maximum(panda.LOWER, q + step @ weighted))
+        change = np.minimum(largest, np.maximum(-largest, q - start))
+        return Tracked(start + change, ep, er)
 
 
 def solutions(

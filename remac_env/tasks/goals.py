@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 from remac_env.state import FLOOR, Door, Scene, WorldState, base_place, inside, supports
 
@@ -167,6 +168,10 @@ class All(Goal):
 
     def names(self) -> tuple[str, ...]:
         """The objects and fixtures that the goals speak of, each once."""
+        return self._names
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys(name for goal in self.goals for name in goal.names()))
 
     def bind(self, names: Mapping[str, str]) -> Goal:

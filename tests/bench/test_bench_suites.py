@@ -62,6 +62,20 @@ def test_the_full_suite_plays_every_cell_with_every_method_on_the_same_starts() 
         assert set(played) == starts
 
 
+def test_the_held_out_suite_plays_what_the_table_leaves_out() -> None:
+    from remac_env.kitchen import layout, style
+    from remac_env.tasks import get
+
+    jobs = suites.load("heldout").jobs()
+    for task in TASKS:
+        spec = get(task)
+        played = {(j.options.style, j.options.layout) for j in jobs if j.task == task}
+        looks, plans = {look for look, _ in played}, {plan for _, plan in played}
+        assert plans == set(layout.names()) - set(spec.layouts) and plans
+        assert looks == (set(style.names()) - set(spec.styles) or set(style.names()))
+        assert len(played) == len(looks) * len(plans)
+
+
 def test_held_out_starts_are_in_no_other_suite() -> None:
     held = {seed for block in suites.load("heldout").blocks for seed in block.seeds}
     others = [name for name in suites.names() if name != "heldout"]

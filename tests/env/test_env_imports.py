@@ -19,6 +19,7 @@ RANKS = {
     "remac_env": 9,
     "remac_env.testing": 9,
     "remac_env.registry": 8,
+    "remac_env.gymnasium_ids": 7,
     "remac_env.gym_view": 7,
     "remac_env.aec": 7,
     "remac_env.validate": 7,
@@ -45,6 +46,7 @@ RANKS = {
     "remac_env.marks": 1,
     "remac_env.actions": 0,
     "remac_env.seeding": 0,
+    "remac_env.frozen": 0,
     "remac_env.errors": 0,
 }
 PARTS = {"remac_env": 0, "remac_agents": 1, "remac_bench": 2}
@@ -140,11 +142,11 @@ def test_agents_and_benchmarks_use_no_private_names_of_the_environment() -> None
     assert not wrong
 
 
-def loaded_by(code: str, tmp_path: Path) -> dict[str, list[str]]:
+def loaded_by(code: str, tmp_path: Path, *, first: str = ", gymnasium, pettingzoo") -> dict[str, list[str]]:
     """Modules loaded and environment variables changed by code in a fresh Python, far from the sources."""
     program = (
         # Gymnasium and PettingZoo set variables of pygame's; those are not ours.
-        "import json, os, sys, gymnasium, pettingzoo\nbefore = dict(os.environ)\n"
+        f"import json, os, sys{first}\nbefore = dict(os.environ)\n"
         f"{code}\n"
         "changed = [k for k in {**before, **os.environ} if before.get(k) != os.environ.get(k)]\n"
         "sys.stdout.write(json.dumps({'modules': sorted(sys.modules), 'changed': changed}))"
@@ -188,10 +190,30 @@ def test_no_simulator_no_graphics_no_environment_variables(code: str, tmp_path: 
     assert not result["changed"]
 
 
-def test_importing_registers_the_gymnasium_ids(tmp_path: Path) -> None:
+@pytest.mark.parametrize("order", ["import gymnasium, remac_env", "import remac_env, gymnasium"])
+def test_importing_registers_the_gymnasium_ids_in_either_order(order: str, tmp_path: Path) -> None:
     code = (
-        "import gymnasium, remac_env\n"
+        f"{order}\n"
         "missing = [t for t in remac_env.tasks() if f'RemacKitchen-{t}-v0' not in gymnasium.registry]\n"
-        "if missing: raise SystemExit(str(missing))"
+        "if missing: raise SystemExit(str(missing))\n"
+        "gymnasium.make('RemacKitchen-OpenCabinetPnP-v0', backend='symbolic').close()"
     )
-    loaded_by(code, tmp_path)
+    loaded_by(code, tmp_path, first="")
+
+
+def test_what_looks_for_gymnasium_and_does_not_load_it_leaves_the_ids_to_the_import(tmp_path: Path) -> None:
+    code = (
+        "import sys, importlib.util, remac_env\n"
+        "spec = importlib.util.find_spec('gymnasium')\n"
+        "if spec is None or 'gymnasium' in sys.modules: raise SystemExit('looking for it loaded it')\n"
+        "from gymnasium.envs.registration import registry\n"
+        "if 'RemacKitchen-OpenCabinetPnP-v0' not in registry: raise SystemExit('no id')\n"
+        "if any('remac_env' in type(f).__module__ for f in sys.meta_path): raise SystemExit('still waiting')"
+    )
+    loaded_by(code, tmp_path, first="")
+
+
+def test_importing_loads_neither_gymnasium_nor_numpy(tmp_path: Path) -> None:
+    heavy = {"gymnasium", "pettingzoo", "numpy", "mujoco"}
+    assert not heavy & set(loaded_by("import remac_env", tmp_path, first="")["modules"])
+    assert heavy & set(loaded_by("import remac_env.parallel", tmp_path, first="")["modules"]) == heavy - {"mujoco"}

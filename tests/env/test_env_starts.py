@@ -12,8 +12,12 @@ from typing import Any
 import pytest
 
 import remac_env
+from remac_env.kitchen import layout as layouts
+from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.oracle import solve
 from remac_env.state import ASIDE, base_place, inside, occupant
+from remac_env.tasks.goals import All, Inside, Released, SwitchedOn
+from remac_env.tasks.spec import Role, TaskSpec
 from remac_env.testing import check_world
 
 TASKS = tuple(remac_env.tasks())
@@ -118,6 +122,17 @@ def test_no_robot_has_a_fixed_parking_place() -> None:
     assert min(places[0], places[1]) > 15
 
 
+def doors(env: Any) -> list[Any]:
+    """The fixtures with a door that the goal does not speak of."""
+    return [facts for name, facts in env.start.scene.fixtures.items() if facts.door and name not in env.goal.names()]
+
+
+def slots_of_the_goal(env: Any) -> tuple[str, ...]:
+    """The slots of the fixture in which the goal wants things."""
+    fixtures = env.start.scene.fixtures
+    return next(fixtures[at].slots for a in env.goal.atoms() if (at := getattr(a, "container", None)) in fixtures)
+
+
 def kinds(env: Any) -> set[str]:
     """What is unlike a paper start."""
     scene, world, goal = env.start.scene, env.world, env.goal
@@ -131,6 +146,14 @@ def kinds(env: Any) -> set[str]:
             found.add("vessel in place")
         if any(item.place.where == vessel for item in world.objects.values()):
             found.add("vessel occupied")
+        if world.objects[target].place.where == vessel:
+            found.add("target in the vessel")
+        elif scene.fixtures[scene.slots[place.where].fixture].door:
+            found.add("vessel behind a door")
+    first = slots_of_the_goal(env)[0]
+    there = {noun for noun in scene.objects if base_place(world, noun).where == first and not scene.objects[noun].holds}
+    if there - set(goal.names()):
+        found.add("place taken")
     if any(state.on for state in world.fixtures.values()):
         found.add("switched on")
     fixture = scene.slots[base_place(world, target).where].fixture
@@ -156,10 +179,30 @@ def test_all_kinds_of_mixed_starts_occur(task: str) -> None:
         counts.update(kinds(env))
     wanted = ["door closed", "door ajar", "door open"]
     wanted += [f"target behind a door that is {door}" for door in ("closed", "ajar", "open")]
-    if task in ("DefrostInBowl", "HeatOnStove"):
-        wanted += ["vessel in place", "vessel occupied", "switched on"]
+    if any(isinstance(atom, SwitchedOn) for atom in env.goal.atoms()):
+        wanted += ["switched on"]
+    vessels = [a.container for a in env.goal.atoms() if getattr(a, "container", None) in env.start.scene.objects]
+    if vessels:
+        wanted += ["vessel in place", "vessel occupied", "target in the vessel"]
+    if any(f.kind not in env.start.scene.objects[v].too_big_for for v in vessels for f in doors(env)):
+        wanted += ["vessel behind a door"]
+    if len(slots_of_the_goal(env)) == 1:
+        wanted += ["place taken"]
     rare = {kind: counts[kind] for kind in wanted if counts[kind] < 4}
     assert not rare, counts
+
+
+def test_mixed_starts_are_of_all_lengths() -> None:
+    """From one step before the end to puzzles of fourteen rounds and more, and everything between."""
+    lengths = set()
+    for task in ("DefrostInBowl", "HeatOnStove", "WashPnPHeat"):
+        env = make(task, robots=1, starts="mixed")
+        for seed in range(90):
+            env.reset(seed=seed)
+            plan = solve(env.start.scene, env.world, env.goal)
+            assert plan is not None, (task, seed)
+            lengths.add(plan.length)
+    assert set(range(4, 15)) | {2} <= lengths, sorted(lengths)
 
 
 @every_task
@@ -208,21 +251,52 @@ def test_slots_hold_one_thing() -> None:
 
 @every_task
 @pytest.mark.parametrize("starts", ["paper", "mixed"])
-def test_distractors_leave_room(task: str, starts: str) -> None:
-    """Three at least stand about, and one slot in the open stays free to put things down."""
+def test_three_to_eight_distractors_stand_about(task: str, starts: str) -> None:
+    """As many as are drawn, each number as often, and one slot in the open stays free to put things down."""
     env = make(task, starts=starts)
-    for seed in range(30):
+    counts: Counter[int] = Counter()
+    for seed in range(150):
         env.reset(seed=seed)
         scene, world = env.start.scene, env.world
-        assert len(scene.objects) - len(env.worlds.spec.roles) >= 3, seed
+        counts[len(scene.objects) - len(env.worlds.spec.roles)] += 1
         assert any(occupant(world, slot) is None for slot in scene.fixtures["counter"].slots), seed
+    assert set(counts) == set(range(3, 9)) and min(counts.values()) >= 8, counts
+
+
+@pytest.mark.parametrize("layout", layouts.names())
+def test_every_layout_has_room_for_all_distractors(layout: str) -> None:
+    for task in TASKS:
+        env = make(task, layout=layout)
+        counts = set()
+        for seed in range(40):
+            env.reset(seed=seed)
+            counts.add(len(env.start.scene.objects) - len(env.worlds.spec.roles))
+        assert {3, 8} <= counts <= set(range(3, 9)), (task, counts)
+
+
+def test_small_kitchens_have_fewer_distractors() -> None:
+    """A kitchen from outside with few slots: as many as there is room for."""
+    small = TaskSpec(
+        name="FewSlots",
+        wordings=("place the {food} into the pantry",) * 3,
+        goal=All(Inside("{food}", "pantry"), Released("{food}")),
+        roles=(Role("food", ("vegetable",), at="bench"),),
+        fixtures=("bench", "pantry"),
+        layouts=("scullery",),
+        layout_files={"scullery": str(ROOT / "tests" / "data" / "galley_for_tests.toml")},
+    )
+    for seed in range(20):
+        start, _ = TaskWorlds(small).start(
+            seed, style=None, layout=None, starts="paper", robots=("robot_0",), perception_noise=0.0
+        )
+        assert len(start.scene.objects) == 3, "the vegetable, two others, and one of four slots free"
 
 
 @every_task
 def test_namings_are_one_start_in_other_words(task: str) -> None:
     """By category a thing goes by what it is; the sentence keeps the noun, and the goal knows the thing."""
-    plain, named = make(task), make(task, naming="category")
-    for seed in range(20):
+    plain, named = make(task, robots=1), make(task, robots=1, naming="category")
+    for seed in range(8):
         _, told = plain.reset(seed=seed)
         _, infos = named.reset(seed=seed)
         assert infos["robot_0"]["goal"] == told["robot_0"]["goal"]

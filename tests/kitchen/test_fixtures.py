@@ -6,13 +6,17 @@ import mujoco
 import numpy as np
 import pytest
 
+from remac_env.errors import KitchenFileError
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model, build_spec, show_switches
-from remac_env.kitchen.canvas import COLLIDER_GROUP, DRAWN_GROUP, SWITCHED
+from remac_env.kitchen.canvas import COLLIDER_GROUP, DRAWN_GROUPS, SWITCHED
+from remac_env.kitchen.fixtures import KINDS, FixtureReading, models
 from remac_env.kitchen.fixtures.door import OPENED, WIDEST
 from remac_env.kitchen.fixtures.microwave import BUTTON_TRAVEL
 from remac_env.kitchen.fixtures.room import around
+from remac_env.kitchen.fixtures.table import Table
 from remac_env.kitchen.pieces import bar
+from remac_env.state import FrozenMap
 
 LAYOUT = layouts.load("one_wall_large")
 
@@ -71,7 +75,7 @@ def test_looks_change_nothing_but_looks(bare: mujoco.MjModel, dressed: mujoco.Mj
     moving = bare.body_dofnum > 0
     for field in ("body_pos", "body_mass", "body_inertia", "body_ipos"):
         assert np.allclose(getattr(bare, field)[moving], getattr(dressed, field)[moving]), field
-    drawn = dressed.geom_group == DRAWN_GROUP
+    drawn = np.isin(dressed.geom_group, DRAWN_GROUPS)
     assert drawn.sum() > 50
     assert not dressed.geom_contype[drawn].any() and not dressed.geom_conaffinity[drawn].any()
     assert (dressed.geom_matid[drawn] >= 0).all()
@@ -109,11 +113,12 @@ def test_colliders_meet_objects_and_robots_only(bare: mujoco.MjModel) -> None:
 def test_a_thing_rests_on_every_slot(slot: str) -> None:
     """A cube dropped in the middle of a slot, and near its edge, comes to rest at the height that the facts give."""
     facts = LAYOUT.slots[slot]
+    frame = LAYOUT.frame(facts.fixture)
     spec = build_spec(LAYOUT, robots=(), objects={})
     side = 0.02
     places = [(0.0, 0.0), (facts.half[0] - 0.035, 0.0)]
     for index, (x, y) in enumerate(places):
-        position = (facts.center[0] + x, facts.center[1] + y, facts.center[2] + side + 0.01)
+        position = frame.space((facts.center[0] + x, facts.center[1] + y, facts.center[2] + side + 0.01))
         cube = spec.worldbody.add_body(name=f"cube_{index}", pos=position)
         cube.add_freejoint(name=f"cube_{index}")
         cube.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[side] * 3, contype=2, conaffinity=3, mass=0.1)
@@ -122,7 +127,7 @@ def test_a_thing_rests_on_every_slot(slot: str) -> None:
     for _ in range(100):
         mujoco.mj_step(model, data)
     for index, (x, y) in enumerate(places):
-        expected = facts.center[0] + x, facts.center[1] + y, facts.center[2] + side
+        expected = frame.space((facts.center[0] + x, facts.center[1] + y, facts.center[2] + side))
         assert np.allclose(data.body(f"cube_{index}").xpos, expected, atol=0.004)
 
 
@@ -132,7 +137,7 @@ def test_doors_open_towards_the_robot(bare: mujoco.MjModel, name: str) -> None:
     data = mujoco.MjData(bare)
     mujoco.mj_forward(bare, data)
     closed = data.site(f"{name}/handle").xpos.copy()
-    assert fixture.read(bare, data).door_angle == 0.0
+    assert fixture.read(bare, data).door_angles == (0.0,)
     data.joint(f"{name}/door").qpos[0] = OPENED
     mujoco.mj_forward(bare, data)
     opened = data.site(f"{name}/handle").xpos
@@ -141,7 +146,70 @@ def test_doors_open_towards_the_robot(bare: mujoco.MjModel, name: str) -> None:
     assert np.isclose(opened[2], closed[2])
     swept = np.array(fixture.swept_points)
     assert np.linalg.norm(swept[:, :2] - opened[:2], axis=1).min() < 0.01, "the facts know where the handle goes"
-    assert fixture.read(bare, data).door_angle == OPENED
+    assert fixture.read(bare, data).door_angles == (OPENED,)
+
+
+DOUBLE = [make for make in models.names("cabinet") if make.startswith("double")]
+
+
+def double(make: str) -> layouts.Layout:
+    return layouts.load("one_wall_large", FrozenMap({"cabinet": make}))
+
+
+@pytest.mark.parametrize("make", DOUBLE)
+def test_two_leaves_meet_in_the_middle_and_open_to_both_sides(make: str) -> None:
+    layout = double(make)
+    cabinet = layout.fixtures["cabinet"]
+    left, right = cabinet.leaves
+    assert cabinet.opens_to == "both" and (left.side, right.side) == ("left", "right")
+    assert left.hinge + left.width == pytest.approx(right.hinge - right.width), "no gap and no overlap"
+    model = build_model(layout, robots=(), objects={})
+    data = mujoco.MjData(model)
+    assert joints(model)[:2] == ["cabinet/left_door", "cabinet/right_door"]
+    mujoco.mj_forward(model, data)
+    handles = [data.site(leaf.grip).xpos.copy() for leaf in (left, right)]
+    assert 0.05 < handles[1][0] - handles[0][0] < 0.15
+    for joint, value in cabinet.joints(OPENED, frozenset()).items():
+        data.joint(joint).qpos[0] = value
+    mujoco.mj_forward(model, data)
+    opened = [data.site(leaf.grip).xpos for leaf in (left, right)]
+    assert opened[0][0] < handles[0][0] - 0.15 and opened[1][0] > handles[1][0] + 0.15
+    swept = np.array(cabinet.swept_points)
+    for place in opened:
+        assert np.linalg.norm(swept[:, :2] - place[:2], axis=1).min() < 0.01
+
+
+@pytest.mark.parametrize(
+    ("angles", "state"),
+    [
+        ((0.0, 0.0), "closed"),
+        ((0.05, 0.0), "closed"),
+        ((0.051, 0.0), "ajar"),
+        ((0.0, 1.45), "ajar"),
+        ((0.89, 1.45), "ajar"),
+        ((0.90, 0.95), "open"),
+        ((0.4,), "ajar"),
+        ((), None),
+    ],
+)
+def test_a_door_is_what_all_its_leaves_are(angles: tuple[float, ...], state: str | None) -> None:
+    assert FixtureReading(door_angles=angles).door == state
+
+
+def test_reading_tells_the_leaves_apart() -> None:
+    layout = double("double_bar")
+    model = build_model(layout, robots=(), objects={})
+    data = mujoco.MjData(model)
+    data.joint("cabinet/right_door").qpos[0] = 1.2
+    reading = layout.fixtures["cabinet"].read(model, data)
+    assert reading.door_angles == (0.0, 1.2) and reading.door == "ajar"
+
+
+def test_an_unknown_hinge_is_refused() -> None:
+    measures = Table({"hinge": "top", "handle": "bar"}, file="models.toml", where="cabinet.flap")
+    place = Table({"x": [0.0, 0.45], "z": [1.35, 1.95], "station": "cabinet"}, file="odd.toml")
+    with pytest.raises(KitchenFileError, match=r"cabinet\.flap\.hinge.*left, right, both"):
+        KINDS["cabinet"].parse("cabinet", place, measures)
 
 
 def test_a_door_stays_where_it_is_left(bare: mujoco.MjModel) -> None:

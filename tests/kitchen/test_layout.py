@@ -14,6 +14,7 @@ import pytest
 from remac_env.errors import KitchenFileError, UnknownNameError
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import layout_checks
+from remac_env.kitchen.scene import build_scene
 
 NAME = "one_wall_large"
 TEXT = (layouts.FOLDER / f"{NAME}.toml").read_text(encoding="utf-8")
@@ -68,7 +69,26 @@ def test_slots_belong_to_their_fixtures_and_stations(layout: layouts.Layout) -> 
         assert slot in layout.fixtures[slot.fixture].slots
         assert slot.station in layout.stations
         assert slot.station in layout.fixtures[slot.fixture].stations
-        assert abs(slot.center[0] - layout.stations[slot.station].x) < 0.45, "out of an arm's reach"
+        station = layout.stations[slot.station]
+        assert layout.facing(station) is layout.frame(slot.fixture), "a robot would turn its back on it"
+        x, _ = layout.facing(station).local(station.x, station.y)
+        assert abs(slot.center[0] - x) < 0.45, "out of an arm's reach"
+
+
+@pytest.mark.parametrize("name", layouts.names())
+def test_the_counter_has_room_for_all_that_a_task_may_put_on_it(name: str) -> None:
+    """Eight distractors, two things of the task and a free slot, over four stations; nothing else is a counter."""
+    layout = layouts.load(name)
+    scene = build_scene(layout, {}, ())
+    slots = scene.fixtures["counter"].slots
+    assert len(slots) >= 11 and len(scene.stations_of("counter")) >= 4
+    worktops = [fixture for fixture in layout.fixtures.values() if fixture.kind == "counter"]
+    assert set(slots) == {slot.name for fixture in worktops for slot in fixture.slots}
+    assert scene.fixtures["counter"].station == layout.fixtures["counter"].station
+    assert {scene.slots[slot].fixture for slot in slots} == {"counter"}
+    assert not scene.conflicts, "robots could not use them at the same time"
+    parts = [fixture.name for fixture in layout.fixtures.values() if fixture.part_of]
+    assert not set(parts) & set(scene.fixtures), "robots know the counter as one"
 
 
 def test_ornaments_are_nobody_s_target(layout: layouts.Layout) -> None:
@@ -142,6 +162,14 @@ FAULTS = {
     "stations too near": ("at = [0.94, -0.85]", "at = [0.85, -0.85]", ["stations.sink", "counter_mid", "0.84"]),
     "station in the counter": ("at = [0.94, -0.85]", "at = [0.94, -0.10]", ["stations.sink", "cannot be reached"]),
     "station in the side wall": ("at = [-2.55, -0.85]", "at = [-2.90, -0.85]", ["stations.fridge", "side wall"]),
+    "part of nothing": ('part_of = "counter"', 'part_of = "bench"', ["fixtures.island.part_of", "bench", "counter"]),
+    "part of itself": ('part_of = "counter"', 'part_of = "island"', ["fixtures.island.part_of", "island", "counter"]),
+    "part of another kind": ('part_of = "counter"', 'part_of = "sink"', ["fixtures.island.part_of", "no counter"]),
+    "slots of a part at another wall": (
+        'station = "counter_island_left"',
+        'station = "counter_mid"',
+        ["fixtures.island.station", "does not face wall 'island'", "counter_island_right"],
+    ),
     "not TOML": ("version = 1", "version = = 1", ["not valid TOML"]),
 }
 
@@ -154,6 +182,14 @@ def test_faults_are_refused(fault: str) -> None:
         parse(TEXT.replace(old, new, 1))
     for part in ["broken.toml", *expected]:
         assert part in str(caught.value)
+
+
+def test_a_part_has_slots() -> None:
+    start = TEXT.index("slots = [", TEXT.index("[fixtures.island]"))
+    without = TEXT[:start] + TEXT[TEXT.index("]\n", start) + 2 :]
+    with pytest.raises(KitchenFileError, match=r"fixtures.island.slots: a part without slots"):
+        parse(without)
+    assert parse(without.replace('part_of = "counter"\n', "")).fixtures["island"].station is None
 
 
 def test_a_door_must_not_swing_into_anything() -> None:

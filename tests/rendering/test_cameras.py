@@ -29,6 +29,13 @@ def test_front_and_wide_cameras_frame_the_whole_kitchen(name: str) -> None:
 
 
 @every_layout
+def test_cameras_do_not_look_through_a_ceiling(name: str) -> None:
+    layout = layouts.load(name)
+    for camera in cameras.fixed_cameras(layout):
+        assert not layout.room.ceiling or camera.position[2] < layout.room.height, camera.name
+
+
+@every_layout
 def test_side_cameras_see_their_slots_from_free_space(name: str) -> None:
     layout = layouts.load(name)
     for slot in layout.slots.values():
@@ -50,10 +57,10 @@ def test_unknown_station_lists_the_stations() -> None:
         cameras.side_camera(layouts.load("galley"), "cellar")
 
 
-@pytest.fixture(scope="module", params=["one_wall_large", "u_shaped_small", "g_shaped_small"])
+@pytest.fixture(scope="module", params=["one_wall_large", "u_shaped_small", "g_shaped_small", "l_shaped_large"])
 def layout(request) -> layouts.Layout:
-    """A layout; in one of them the cabinet opens to the right."""
-    side = "right" if request.param == "u_shaped_small" else "left"
+    """A layout; in one of them the cabinet opens to the right, in one in the middle."""
+    side = {"u_shaped_small": "right", "l_shaped_large": "both"}.get(request.param, "left")
     made = (layouts.load(request.param, FrozenMap({"cabinet": make})) for make in fixture_models.names("cabinet"))
     return next(one for one in made if one.fixtures["cabinet"].opens_to == side)
 
@@ -67,8 +74,8 @@ def kitchen(layout) -> tuple[mujoco.MjModel, mujoco.MjData]:
     model = spec.compile()
     data = mujoco.MjData(model)
     for fixture in layout.fixtures.values():
-        if fixture.door:
-            data.joint(f"{fixture.name}/door").qpos[0] = 1.45
+        for leaf in fixture.leaves:
+            data.joint(leaf.joint).qpos[0] = 1.45
     return model, data
 
 

@@ -13,7 +13,7 @@ from remac_env.rendering.video import FPS
 
 
 def pictures() -> Pictures:
-    made = Pictures(cast(Any, SimpleNamespace()), title="")
+    made = Pictures(cast(Any, SimpleNamespace()))
     made.record()
     return made
 

@@ -66,7 +66,7 @@ def test_breadth_first_search_over_all_commands_finds_nothing_shorter(task: str)
 
 @pytest.mark.parametrize("task", TASKS)
 def test_the_relevant_commands_are_enough(task: str) -> None:
-    _check_relevant(task, range(3), max_states=1_500)
+    _check_relevant(task, range(3), max_states=6_000)
 
 
 @pytest.mark.long

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import copy
+import operator
 import pickle
 from typing import Any
 
 import hypothesis.strategies as st
+import pytest
 from hypothesis import given, settings
 from table_kitchen import A, B, TableKitchen
 
@@ -104,3 +107,26 @@ def test_equal_worlds_are_equal_and_hash_equal_in_any_order(things: list[int], r
 def test_parsing_never_raises_and_only_knows_commands(text: str) -> None:
     found = built_in().parse(text)
     assert found is None or found.text == built_in().decode(built_in().encode(text))
+
+
+def test_a_frozen_map_is_equal_to_its_like_alone_and_does_not_change() -> None:
+    facts = FrozenMap({"a": 1, "b": 2})
+    alike = FrozenMap({"b": 2, "a": 1})
+    assert facts == alike and hash(facts) == hash(alike) and not operator.ne(facts, alike)
+    plain = dict(facts)
+    assert operator.ne(facts, plain) and operator.ne(plain, facts) and not operator.eq(plain, facts)
+    assert facts.with_("a", 3) == FrozenMap({"a": 3, "b": 2}) and facts["a"] == 1
+    assert pickle.loads(pickle.dumps(facts)) == facts == copy.deepcopy(facts)
+    for change in (
+        lambda: facts.__setitem__("a", 3),
+        lambda: facts.__delitem__("a"),
+        lambda: facts.__ior__({"a": 3}),
+        lambda: facts.update(a=3),
+        lambda: facts.pop("a"),
+        facts.popitem,
+        lambda: facts.setdefault("c", 3),
+        facts.clear,
+    ):
+        with pytest.raises(TypeError, match="cannot change"):
+            change()
+    assert facts == alike

@@ -25,7 +25,7 @@ from remac_env.kitchen.worlds import Worlds
 from remac_env.marks import washed
 from remac_env.rounds import settle_claims
 from remac_env.start import Start
-from remac_env.state import CLOSED_MAX, WorldState
+from remac_env.state import WorldState
 from remac_env.subtasks import Outcome, Subtask, failure
 
 _REST_SPEED = 0.02  # m/s or rad/s below which the kitchen is at rest
@@ -128,7 +128,7 @@ class _Episode:
         began, before, scene = self.simulation.ticks, self.world, self.start.scene
         refused, stations = settle_claims(scene, before, subtasks)
         accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
-        attempts = self._crew.attempts(Round(self._rounds, before, accepted, stations))
+        attempts = self._crew.attempts(Round(self._rounds, before, accepted, stations, self._achieved))
         outcomes = dict(refused)
         contacts = misses = 0
         while True:
@@ -178,18 +178,25 @@ class _Episode:
                 elif subtask.skill == "turn off":
                     self._running -= frozenset(fixture.switches)
         for fixture in self._layout.fixtures.values():
-            angle = fixture.read(self.simulation.model, self.simulation.data).door_angle
-            if angle is not None and angle > CLOSED_MAX:
+            if fixture.read(self.simulation.model, self.simulation.data).door not in (None, "closed"):
                 self._running -= frozenset(fixture.switches)
 
     def _read(self) -> WorldState:
         """The world now."""
-        world = read_world(
-            self.simulation, self.start.scene, self._layout, self._things, marks=self._marks, running=self._running
-        )
-        world = washed(self.start.scene, world)
+        world = washed(self.start.scene, self._seen())
         self._marks = {name: item.marks for name, item in world.objects.items()}
         return world
+
+    def _seen(self) -> WorldState:
+        """What geometry shows now, with the marks and what runs as remembered."""
+        return read_world(
+            self.simulation, self.start.scene, self._layout, self._things, marks=self._marks, running=self._running
+        )
+
+    def _achieved(self, robot: str, subtask: Subtask) -> bool:
+        """Whether a subtask of this round has done by now what it says."""
+        seen, held = self._seen(), self.world.robots[robot].holding
+        return all(condition.holds(self.start.scene, seen) for condition in subtask.achieves(robot, held))
 
     def _judged(self, robot: str, subtask: Subtask, before: WorldState, outcome: Outcome) -> Outcome:
         """Success only when what the subtask achieves is true at rest."""

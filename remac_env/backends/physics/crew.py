@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,12 +38,16 @@ Attempt = Generator[None, None, Outcome]
 
 @dataclass(frozen=True)
 class Round:
-    """What a round asks for: the accepted subtasks, where every robot ends, the world before, and its number."""
+    """What a round asks for: the accepted subtasks, where every robot ends, the world before, and its number.
+
+    ``achieved``: whether a robot's subtask has, by now, done what it says.
+    """
 
     number: int
     world: WorldState
     subtasks: Mapping[str, Subtask]
     stations: Mapping[str, str]
+    achieved: Callable[[str, Subtask], bool]
 
     @property
     def active(self) -> set[str]:
@@ -166,16 +170,21 @@ class Crew:
     def _skill(self, robot: str, subtask: Subtask, now: Round) -> Attempt:
         """Run a skill within its time; after a failure come home if that can be done.
 
-        A skill that finds no way within the fence towards a robot working next to it waits until that one is done.
+        A skill that finds no way within the fence towards a robot working next to it waits until that one is done; then
+        it goes on, by way of its home pose if it has begun to move.
         """
         here, began = self.robots[robot], self._simulation.ticks
         here.planner.random = generator(self._start.seed, "search", now.number, subtask.text)
         outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
-        fenced = bool(here.scratch.fences) and outcome.reason in ("blocked", "unreachable")
-        if fenced and self._simulation.ticks - began <= _THOUGHT:
+        if here.scratch.fences and outcome.reason in ("blocked", "unreachable"):
+            moved = self._simulation.ticks - began > _THOUGHT
             yield from self._turn(robot)
             here.scratch.fences = ()
-            outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
+            if moved:
+                here.robot.q = here.robot.measured
+                outcome = yield from self._bounded(robot, go_home(here), _RECOVERY_TIME)
+            if not moved or (outcome.success and not now.achieved(robot, subtask)):
+                outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
         if not outcome.success and outcome.reason != "door_closed":
             here.robot.q = here.robot.measured
             yield from self._bounded(robot, go_home(here), _RECOVERY_TIME)

@@ -119,7 +119,6 @@ def _switch(here: Surroundings, scene: Scene, world: WorldState, target: str, *,
         yield from turn_lever(here, target, on=on)
     else:
         yield from press_button(here, target)
-        angle = here.door_angle(target)
-        if on and scene.fixtures[target].shut_to_run and angle is not None and angle > 0.05:
+        if on and scene.fixtures[target].shut_to_run and here.reading(target).door not in (None, "closed"):
             raise SkillFailure("blocked", f"the {target} does not run with its door open")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,12 +12,15 @@ from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import STEP_LIMIT
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances, tuck
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, shown, stances, tuck
+from remac_env.kitchen.fixtures.door import Door
 from remac_env.robots import panda
 from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array, about_z, grip_frame
 
 OPEN_TO = 1.45  # rad
+_SWUNG, _SHUT = 1.0, 0.045  # rad at which a leaf has been opened, and closed
+_CLEAR, _ASIDE = 0.8, 1.0  # rad at which a leaf leaves room for the hand at its neighbour, and to which it is swung
 _PLANNED = 0.05  # rad beyond, in planning
 _SPEED = 0.7  # rad/s
 _LEAD = 0.22  # rad by which the command may run ahead of the door
@@ -32,9 +36,9 @@ _DISTANCES, _SIDES, _TURNS = (0.58, 0.5, 0.66, 0.74), (-0.05, 0.1, -0.2, 0.25, 0
 
 @dataclass(frozen=True)
 class _Door:
-    """A door's geometry: hinge line, handle in the door's frame; sign: 1 where it is hinged on the left, else -1."""
+    """A leaf's geometry: hinge line, handle in the leaf's frame; sign: 1 where it is hinged on the left, else -1."""
 
-    name: str
+    joint: str
     hinge: Array
     bar: Array
     sign: float
@@ -58,38 +62,70 @@ class _DoorGrasp(Grasp):
     weights: Array
 
 
-def _door(here: Surroundings, name: str) -> _Door:
-    model = here.simulation.model
-    body = model.body(f"{name}/door")
-    bar = model.site(f"{name}/handle").pos
-    address = int(model.joint(f"{name}/door").qposadr[0])
-    hinge = np.array(body.pos) + here.shift(f"{name}/handle")
-    sign = -float(model.joint(f"{name}/door").axis[2])
-    return _Door(name, hinge, np.array(bar), sign, address, tuple(here.simulation.geoms(f"{name}/door")))
-
-
 def open_door(here: Surroundings, name: str) -> Steps:
-    """Swing the door of fixture ``name`` open from any angle."""
+    """Swing every leaf of the door of fixture ``name`` open from any angle."""
     yield from _swing(here, name, OPEN_TO)
-    angle = here.door_angle(name) or 0.0
-    if angle < 1.0:
-        raise SkillFailure("slipped", f"the {name} door stopped at {angle:.2f} rad")
 
 
 def close_door(here: Surroundings, name: str) -> Steps:
-    """Swing the door of fixture ``name`` shut from any angle."""
+    """Swing every leaf of the door of fixture ``name`` shut from any angle."""
     yield from _swing(here, name, 0.0)
-    angle = here.door_angle(name) or 0.0
-    if angle > 0.045:
-        raise SkillFailure("slipped", f"the {name} door stopped at {angle:.2f} rad")
 
 
 def _swing(here: Surroundings, name: str, target: float) -> Steps:
-    simulation, robot, planner, scratch = here.simulation, here.robot, here.planner, here.scratch
+    """The leaves in turn, those nearer to the robot first; of two, one that stands there already is left alone."""
+    leaves = [_door(here, leaf) for leaf in here.fixture(name).leaves]
     here.begin()
     yield from tuck(here)
-    door = _door(here, name)
-    start = simulation.joint(f"{name}/door")
+    aside, angle = float(here.robot.q[0]), here.simulation.joint
+    if len(leaves) > 1:
+        leaves.sort(key=lambda leaf: abs(leaf.at(0.0)[0] - aside))
+        leaves = [leaf for leaf in leaves if not _there(angle(leaf.joint), target)]
+    if len(leaves) > 1 and target == 0.0:
+        leaves = yield from _make_room(here, leaves)
+    for leaf in leaves:
+        yield from _swing_leaf(here, leaf, target)
+    yield from go_home(here)
+    angles = here.reading(name).door_angles
+    if not all(_there(value, target) for value in angles):
+        raise SkillFailure("slipped", f"the {name} door stopped at {shown(angles)}")
+
+
+def _make_room(here: Surroundings, leaves: list[_Door]) -> Generator[None, None, list[_Door]]:
+    """The order in which to close leaves; beside one that is ajar there is no room for the hand, so it is opened."""
+    orders = [leaves, leaves[::-1]]
+    for order in orders:
+        *_, last = order
+        if not _SHUT < here.simulation.joint(last.joint) < _CLEAR:
+            break
+        try:
+            yield from _swing_leaf(here, last, _ASIDE)
+            break
+        except SkillFailure as failed:
+            if failed.reason != "blocked" or order is orders[-1]:
+                raise
+    return order
+
+
+def _there(angle: float, target: float) -> bool:
+    return angle >= _SWUNG if target > 0.0 else angle <= _SHUT
+
+
+def _door(here: Surroundings, leaf: Door) -> _Door:
+    model = here.simulation.model
+    joint = model.joint(leaf.joint)
+    hinge = np.array(model.body(leaf.joint).pos) + here.shift(leaf.grip)
+    bar = np.array(model.site(leaf.grip).pos)
+    geoms = tuple(here.simulation.geoms(leaf.joint))
+    return _Door(leaf.joint, hinge, bar, -float(joint.axis[2]), int(joint.qposadr[0]), geoms)
+
+
+def _swing_leaf(here: Surroundings, door: _Door, target: float) -> Steps:
+    """Swing one leaf, let go and back off."""
+    simulation, robot, scratch = here.simulation, here.robot, here.scratch
+    here.begin()
+    yield from tuck(here)
+    start = simulation.joint(door.joint)
     here.begin(door.geoms[1:])
     robot.grip = panda.FINGER_OPEN if target > start else _NARROW_GRIP
     scratch.fingers(robot.grip)
@@ -109,9 +145,15 @@ def _swing(here: Surroundings, name: str, target: float) -> Steps:
     yield from here.mover.fingers(0.0, 10)
     if robot.opening < 0.008:
         yield from here.mover.fingers(panda.FINGER_OPEN, 6)
-        raise SkillFailure("slipped", f"the hand missed the {name} handle")
+        raise SkillFailure("slipped", f"the hand missed the handle of {door.joint}")
     if isinstance(found.grasp, _DoorGrasp):
         yield from _follow_arc(here, door, found.grasp, start, target)
+    yield from _back_off(here, door)
+
+
+def _back_off(here: Surroundings, door: _Door) -> Steps:
+    """Let go of the handle, straight back from it, away from the fronts, and fold the arm."""
+    robot, planner = here.robot, here.planner
     yield from here.mover.fingers(_NARROW_GRIP, 6)
     here.begin(door.geoms)
     position, rotation = planner.kinematics.forward(robot.q)
@@ -125,7 +167,16 @@ def _swing(here: Surroundings, name: str, target: float) -> Steps:
     back[:2] -= min(0.3, max(0.0, back[1] - here.station.y)) * robot.heading[:2]
     if planner.edge(robot.q, back):
         yield from here.mover.go([back])
-    yield from go_home(here)
+    here.begin()
+    try:
+        yield from tuck(here)
+    except SkillFailure:
+        # Beside a wall there may be no room to fold the arm; there is at the station, to which it goes as it is.
+        home = np.concatenate([here.home, robot.q[3:]])
+        if not planner.edge(robot.q, home):
+            raise
+        yield from here.mover.go([home])
+        yield from tuck(here)
 
 
 def _grasps(door: _Door, angle: float, *, closing: bool) -> list[_DoorGrasp]:
@@ -185,7 +236,7 @@ def _follow_arc(here: Surroundings, door: _Door, grasp: _DoorGrasp, start: float
     sign = math.copysign(1.0, target - start)
     angle, last, stalled = start, start, 0
     for _ in range(300):
-        now = simulation.joint(f"{door.name}/door")
+        now = simulation.joint(door.joint)
         limit = min(sign * now + _LEAD, sign * (target + sign * 0.10))
         angle = sign * min(sign * angle + _SPEED * CONTROL_PERIOD, limit)
         at = door.turn(grasp.follows * (angle - start)) @ grasp.rotation

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import product
 
-import mujoco
 import numpy as np
 
 from remac_env.backends.physics.collision import IGNORED, TARGET
@@ -24,6 +23,7 @@ from remac_env.backends.physics.skill import (
     check_held,
     drive_to,
     go_home,
+    lowest,
     require_open,
     stances,
     take,
@@ -160,7 +160,7 @@ def _search(
     """The first stance, tilt and branch whose whole way in is free. ``poses`` yields (first, end, rotation)."""
     planner, scratch = here.planner, here.scratch
     why: Counter[str] = Counter()
-    limit = scratch.checks + checks
+    limit = scratch.limit(checks)
     for base in stances(here, point, _DISTANCES, _SIDES, _TURNS):
         heading = about_z(float(base[2]))[:, 0]
         outside = base.copy()
@@ -267,28 +267,3 @@ def _grasping(
                 nearer = min(max(0.0, thing.size[0] - spare), 0.6 * thing.size[0])
                 at = position + [0.0, 0.0, height] - nearer * front[:, 0]
                 yield at + [0.0, 0.0, 0.03] - 0.04 * approach, at, hand
-
-
-def lowest(here: Surroundings, body: str, rotation: Array) -> float:
-    """How far the colliders of a thing reach below its origin when it is turned so (m)."""
-    model = here.simulation.model
-    deepest = 0.0
-    for geom in here.simulation.geoms(body):
-        if not (model.geom_contype[geom] or model.geom_conaffinity[geom]):
-            continue
-        turn = np.empty(9)
-        mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
-        down = (rotation @ turn.reshape(3, 3))[2]
-        size, kind = model.geom_size[geom], model.geom_type[geom]
-        if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
-            reach = abs(down[2]) * size[1] + size[0]
-        elif kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
-            reach = float(np.linalg.norm(down * size))
-        elif kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
-            reach = abs(down[2]) * size[1] + math.hypot(down[0], down[1]) * size[0]
-        elif kind == mujoco.mjtGeom.mjGEOM_SPHERE:
-            reach = size[0]
-        else:
-            reach = float(np.abs(down) @ size)
-        deepest = max(deepest, reach - float((rotation @ model.geom_pos[geom])[2]))
-    return deepest

@@ -37,8 +37,11 @@ class Mover:
         self.robot.q = np.array(q, float)
         yield
         self._commands.append(self.robot.q)
-        recent, now = np.array(self._commands), self.robot.measured
-        lag = float(np.maximum(recent.min(axis=0) - now, now - recent.max(axis=0)).max())
+        now = self.robot.measured
+        lag = float(np.abs(self.robot.q - now).max())
+        if lag > LAG_LIMIT:
+            recent = np.array(self._commands)
+            lag = float(np.maximum(recent.min(axis=0) - now, now - recent.max(axis=0)).max())
         self._late = self._late + 1 if lag > LAG_LIMIT else 0
         if self._late > LAG_PATIENCE:
             self._late = 0

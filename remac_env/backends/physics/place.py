@@ -12,9 +12,9 @@ from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.pick_up import DISTANCES, SIDES
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, check_held, go_home, stances
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, check_held, go_home, lowest, stances
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.robots.rotation import Array, about_x, about_z
+from remac_env.robots.rotation import Array, about_x, about_z, from_rotation_vector, rotation_vector
 
 _RELEASE = 0.008  # m above the surface at which the hand opens
 _LEANS = (0.0, 0.35, 0.6)  # leaning back brings wrist and forearm out from under a wall cabinet
@@ -24,6 +24,7 @@ _LEVEL_TURNS = (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.8, -0.8, 1.0, -1.0, 1.4,
 # would meet the basin's front edge.
 _BASIN_SHIFTS = ((-0.03, 0.065), (-0.05, 0.06), (-0.12, 0.06), (0.03, 0.065), (0.05, 0.06), (0.12, 0.06), (0.0, 0.08))
 _BASIN_TURNS = (1.4, -1.4, 1.0, -1.0, 0.8, -0.8, 1.8, -1.8, 0.2, -0.2, 0.0)
+_DROOPS = (0.0, 0.5, 1.0)  # shares of its droop in the hand with which a vessel may be set down
 _ABOVE, _ABOVE_BASIN = 0.10, 0.26  # m, height from which the hand comes down straight
 
 
@@ -78,17 +79,21 @@ def _poses(here: Surroundings, point: Array, deep: bool) -> list[Grasp]:
     grip, pose = here.robot.grip_pose(), here.simulation.pose(body)
     inward = grip[1].T
     offset, turned = inward @ (pose[0] - grip[0]), inward @ pose[1]
-    # A vessel droops a little in the fingers: the hand sets it level again. Other things stood as they were found.
-    yaw = math.atan2(pose[1][1, 0], pose[1][0, 0])
-    upright = about_z(yaw) if thing.vessel else here.hand.upright
+    # A vessel droops in the fingers, the more the longer it is carried: the hand sets it level again, or partly where
+    # it would touch the worktop itself. Other things stood as they were found.
+    level = about_z(math.atan2(pose[1][1, 0], pose[1][0, 0]))
+    droop = rotation_vector(pose[1] @ level.T)
+    stood = [from_rotation_vector(part * droop) @ level for part in _DROOPS] if thing.vessel else [here.hand.upright]
+    edges = [lowest(here, body, upright) - thing.rest_height if thing.vessel else 0.0 for upright in stood]
     goals = [point + [0.0, 0.0, thing.rest_height]]
     if deep and thing.vessel:
         goals = [goals[0] + [dx, dy, 0.0] for dx, dy in _BASIN_SHIFTS]
     before = np.array([0.0, 0.0, _ABOVE_BASIN if deep else _ABOVE])
     found = []
-    for goal, lean, turn in product(goals, (0.0,) if thing.vessel else _LEANS, _turns(thing, deep)):
+    leans, turns = (0.0,) if thing.vessel else _LEANS, _turns(thing, deep)
+    for (upright, edge), goal, lean, turn in product(zip(stood, edges, strict=True), goals, leans, turns):
         hand = about_x(lean) @ about_z(turn) @ upright @ turned.T
-        shift = [0.0, -0.05 * lean, _RELEASE + 0.035 * math.sin(lean)]
+        shift = [0.0, -0.05 * lean, _RELEASE + 0.035 * math.sin(lean) + edge]
         at = goal + shift - hand @ offset
         found.append(Grasp(at, hand, at + before + [0.0, -0.08 * math.sin(lean), 0.0]))
     if not thing.vessel and point[2] > 0.85 and _covered(here, point):

@@ -42,7 +42,7 @@ def plan_reach(
     """
     planner, scratch, robot = here.planner, here.scratch, here.robot
     why: Counter[str] = Counter()
-    limit = scratch.checks + checks
+    limit = scratch.limit(checks)
     for base in stands:
         ready = panda.tucked(*base) if carry is None else np.concatenate([base, carry[3:]])
         if not scratch.free(ready):

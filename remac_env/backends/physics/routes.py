@@ -136,9 +136,8 @@ def sampled(corners: Path) -> Path:
     path: Path = []
     for start, corner in pairwise(corners):
         count = _count(start, corner)
-        for k in range(1, count + 1):
-            u = k / count
-            path.append(start + u * u * (3 - 2 * u) * (corner - start))
+        u = np.arange(1, count + 1) / max(count, 1)
+        path += list(start + (u * u * (3 - 2 * u))[:, None] * (corner - start))
     return path or [corners[0]]
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Collection, Mapping
+from itertools import combinations
 
 import mujoco
 import numpy as np
@@ -40,11 +42,11 @@ class Separation:
 
     def of_world(self) -> float:
         """Least distance (m) between robots now; at most 0.06 is told apart, larger ones are infinite."""
-        robots = list(self._simulation.robots.values())
-        places = [self._simulation.data.qpos[robot.qpos[:2]] for robot in robots]
-        if len(robots) < 2 or np.linalg.norm(places[0] - places[1]) > _FAR:
-            return np.inf
-        self._data.qpos[:] = self._simulation.data.qpos
+        qpos = self._simulation.data.qpos
+        places = [qpos[robot.qpos[:2]] for robot in self._simulation.robots.values()]
+        if all(math.dist(one, other) > _FAR for one, other in combinations(places, 2)):
+            return math.inf
+        self._data.qpos[:] = qpos
         return self._measure()
 
     def of_configurations(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import mujoco
@@ -47,11 +48,11 @@ class RobotHandle:
 
     def apply(self) -> None:
         """Write the servo commands that bring the setpoints to ``q`` within one control period."""
-        if not (np.isfinite(self.q).all() and np.isfinite(self.grip)):
+        if not math.isfinite(float(self.q.sum()) + self.grip):
             raise PhysicsError(f"{self.name}: command is not finite: {self.q}")
-        activations = self._data.act[self._activations]
-        self._data.ctrl[self._controls] = (self.in_world(self.q) - activations) / CONTROL_PERIOD
-        self._data.ctrl[self._finger_controls] = self.grip
+        ctrl = self._data.ctrl
+        ctrl[self._controls] = (self.in_world(self.q) - self._data.act[self._activations]) / CONTROL_PERIOD
+        ctrl[self._finger_controls] = self.grip
 
     @property
     def measured(self) -> Array:

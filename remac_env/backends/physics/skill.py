@@ -6,13 +6,14 @@ import math
 from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
+import mujoco
 import numpy as np
 
 from remac_env.backends.physics.collision import IGNORED, Scratch
 from remac_env.backends.physics.motion import Mover
 from remac_env.backends.physics.paths import Planner
 from remac_env.backends.physics.simulation import RobotHandle, View
-from remac_env.kitchen.fixtures import Fixture
+from remac_env.kitchen.fixtures import Fixture, FixtureReading
 from remac_env.kitchen.frame import WORLD
 from remac_env.kitchen.layout import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
@@ -26,7 +27,6 @@ Steps = Generator[None, None, None]
 _FACING = 0.5 * math.pi  # rad, heading of a robot that faces its wall, in the wall's frame
 STATION_REACH = 0.34  # m, how far aside of its station a robot may stand within a skill
 FRONT_LIMIT = -0.20  # y of the arm axis nearest to the counters (their fronts are at 0, the base reaches 0.15 ahead)
-DOOR_OPEN = 0.90  # rad
 _EMPTY = 0.004  # m between fingers that hold nothing
 _SLIPPED = 0.06  # m by which a thing may move in the hand and still be held
 _LADEN = 0.6  # share of the usual speeds at which a full hand is drawn in
@@ -108,9 +108,9 @@ class Surroundings:
         """A fixture of the layout."""
         return self.layout.fixtures[name]
 
-    def door_angle(self, name: str) -> float | None:
-        """Angle of a fixture's door (rad), None where it has none."""
-        return self.fixture(name).read(self.simulation.model, self.simulation.data).door_angle
+    def reading(self, name: str) -> FixtureReading:
+        """What a fixture's joints say now."""
+        return self.fixture(name).read(self.simulation.model, self.simulation.data)
 
     def begin(self, target: Iterable[int] = (), *, held_meets: bool = True) -> None:
         """Refresh the scratch world, with what the hand holds."""
@@ -126,7 +126,7 @@ def handled(layout: Layout) -> tuple[str, ...]:
     """What hands take hold of on fixtures: handles, knobs, levers and buttons, as they are called in the model."""
     names: list[str] = []
     for name, fixture in layout.fixtures.items():
-        names += [f"{name}/handle"] if fixture.door else []
+        names += [leaf.grip for leaf in fixture.leaves]
         names += getattr(fixture, "knobs", ())
         names += [f"{name}/{_SWITCH_PARTS[fixture.kind]}"] if fixture.kind in _SWITCH_PARTS else []
     return tuple(names)
@@ -171,11 +171,41 @@ def _away(here: Surroundings, body: str) -> float:
     return float(np.linalg.norm(here.simulation.pose(body)[0] - here.robot.grip_pose()[0]))
 
 
+def lowest(here: Surroundings, body: str, rotation: Array) -> float:
+    """How far the colliders of a thing reach below its origin when it is turned so (m)."""
+    model = here.simulation.model
+    deepest = 0.0
+    for geom in here.simulation.geoms(body):
+        if not (model.geom_contype[geom] or model.geom_conaffinity[geom]):
+            continue
+        turn = np.empty(9)
+        mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+        down = (rotation @ turn.reshape(3, 3))[2]
+        size, kind = model.geom_size[geom], model.geom_type[geom]
+        if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
+            reach = abs(down[2]) * size[1] + size[0]
+        elif kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+            reach = float(np.linalg.norm(down * size))
+        elif kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
+            reach = abs(down[2]) * size[1] + math.hypot(down[0], down[1]) * size[0]
+        elif kind == mujoco.mjtGeom.mjGEOM_SPHERE:
+            reach = size[0]
+        else:
+            reach = float(np.abs(down) @ size)
+        deepest = max(deepest, reach - float((rotation @ model.geom_pos[geom])[2]))
+    return deepest
+
+
 def require_open(here: Surroundings, name: str) -> None:
     """Fail with door_closed when the fixture has a door that is not open."""
-    angle = here.door_angle(name)
-    if angle is not None and angle < DOOR_OPEN:
-        raise SkillFailure("door_closed", f"the {name} door stands at {angle:.2f} rad")
+    reading = here.reading(name)
+    if reading.door not in (None, "open"):
+        raise SkillFailure("door_closed", f"the {name} door stands at {shown(reading.door_angles)}")
+
+
+def shown(angles: Iterable[float]) -> str:
+    """Angles (rad) of a door's leaves, in words."""
+    return " and ".join(f"{angle:.2f}" for angle in angles) + " rad"
 
 
 def tuck(here: Surroundings) -> Steps:

@@ -21,7 +21,6 @@ from remac_env.state import (
     RobotState,
     Scene,
     WorldState,
-    door_state,
 )
 
 STATION_DISTANCE = 0.20  # m; released threshold
@@ -53,9 +52,8 @@ def read_world(
     fixtures = {}
     for name in scene.fixtures:
         reading = layout.fixtures[name].read(simulation.model, simulation.data)
-        door = None if reading.door_angle is None else door_state(reading.door_angle)
         on = reading.on | (running & frozenset(layout.fixtures[name].switches))
-        fixtures[name] = FixtureState(door, frozenset(on))
+        fixtures[name] = FixtureState(reading.door, frozenset(on))
     return WorldState(FrozenMap(robots), FrozenMap(objects), FrozenMap(fixtures))
 
 

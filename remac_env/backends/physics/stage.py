@@ -28,8 +28,8 @@ def pose_start(simulation: Simulation, layout: Layout, things: Mapping[str, Cate
         simulation.place(name, position, np.array([math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw)]))
     for name, state in start.world.fixtures.items():
         fixture = layout.fixtures[name]
-        if fixture.door:
-            _set_joint(simulation, f"{name}/door", start.doors.get(name, 0.0))
+        for leaf in fixture.leaves:
+            _set_joint(simulation, leaf.joint, start.doors.get(name, 0.0))
         for switch in state.on:
             if fixture.kind == "stove":
                 knob = fixture.knobs[fixture.switches.index(switch)]  # type: ignore[attr-defined]

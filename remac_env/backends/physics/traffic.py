@@ -7,7 +7,7 @@ circles around the robots' parts and, where those come near, with the real shape
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, islice, pairwise, permutations, product
 
@@ -174,7 +174,7 @@ class Convoy:
         """The combination of ways and delays that ends first and keeps the robots apart all the time."""
         names = list(drivers)
         encounters: dict[tuple[_Way, _Way], Encounter] = {}
-        for ways, delays in islice(_ordered([self._choice(drivers[name]) for name in names]), _TRIES):
+        for ways, delays in islice(self._combinations(list(drivers.values())), _TRIES):
             if all(
                 self._encounter(drivers, names, (i, ways[i]), (j, ways[j]), encounters).passes((delays[i], delays[j]))
                 for i, j in combinations(range(len(names)), 2)
@@ -184,6 +184,13 @@ class Convoy:
                     for name, way, delay in zip(names, ways, delays, strict=True)
                 }
         return None
+
+    def _combinations(self, drivers: Sequence[_Driver]) -> Iterator[tuple[tuple[_Way, ...], tuple[int, ...]]]:
+        """Ways with delays, in the order in which they end; everyone's quickest, at once, before others are checked."""
+        quickest = [way for driver in drivers for way in islice((w for w in driver.ways if self._path(driver, w)), 1)]
+        if len(quickest) == len(drivers):
+            yield tuple(quickest), (0,) * len(drivers)
+            yield from _ordered([self._choice(driver) for driver in drivers])
 
     def _by_turns(self, drivers: Mapping[str, _Driver]) -> dict[str, Path] | None:
         """One robot makes room, the other drives, then the first: the quickest such way of two robots."""

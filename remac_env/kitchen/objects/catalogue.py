@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeGuard, get_args
 
 from remac_env.errors import KitchenFileError, check_choice
+from remac_env.kitchen.fixtures import KINDS
 from remac_env.kitchen.objects.forms import FORMS, OPTIONAL_MEASURES, VECTORS, Body
 from remac_env.kitchen.style import hex_color
 from remac_env.kitchen.textures import Color
@@ -65,8 +67,9 @@ class Category:
 
     mass: kg. friction: sliding, torsional (m), rolling (m). rest_height: height of the body's frame over the surface
     it rests on, m. roles: nouns that it may go by. needs_vessel_in, vessel_in: kinds of fixtures; too_big_for: those in
-    which a hand has no room beside it. holds: how many things it takes. inside_height: of its inner floor over its
-    frame, m. look: name of the drawn shape, "" to draw the colliders in `color` (red, green, blue in 0..1).
+    which a hand has no room beside it, or no hold on it once it has toppled. holds: how many things it takes.
+    inside_height: of its inner floor over its frame, m. look: name of the drawn shape, "" to draw the colliders in
+    `color` (red, green, blue in 0..1).
     """
 
     name: str
@@ -146,9 +149,14 @@ def read(file: Path) -> dict[str, Category]:
     """The categories of a file by name. Raises KitchenFileError for a malformed file."""
     try:
         tables = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (OSError, ValueError, RecursionError) as error:  # not TOML, not UTF-8, too many digits, too deep
         raise KitchenFileError(file, "file", f"cannot be read: {error}") from error
     return {name: parse(name, table, source=file) for name, table in tables.items()}
+
+
+def _finite(value: object) -> TypeGuard[float]:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and abs(value) <= sys.float_info.max  # type: ignore[arg-type] # false for NaN
 
 
 @dataclass(frozen=True)
@@ -172,12 +180,12 @@ class _Reader:
             grasp=self._grasp(given["grasp"]),
             roles=self._words("roles", given.get("roles", own)),
             attributes=frozenset(self._words("attributes", given.get("attributes", []), get_args(Attribute))),
-            needs_vessel_in=frozenset(self._words("needs_vessel_in", given.get("needs_vessel_in", []))),
-            vessel_in=frozenset(self._words("vessel_in", given.get("vessel_in", []))),
-            too_big_for=frozenset(self._words("too_big_for", given.get("too_big_for", []))),
-            holds=int(self._number("holds", given.get("holds", 0))),
+            needs_vessel_in=frozenset(self._words("needs_vessel_in", given.get("needs_vessel_in", []), KINDS)),
+            vessel_in=frozenset(self._words("vessel_in", given.get("vessel_in", []), KINDS)),
+            too_big_for=frozenset(self._words("too_big_for", given.get("too_big_for", []), KINDS)),
+            holds=self._whole("holds", given.get("holds", 0)),
             inside_height=self._number("inside_height", given.get("inside_height", 0.0)),
-            look=given.get("look", ""),
+            look=self._look(given.get("look", "")),
             color=hex_color(self.source, f"{self.name}.color", given.get("color", "#b39980")),
         )
 
@@ -187,7 +195,7 @@ class _Reader:
         form = self._choice("body.form", table.get("form"), FORMS)
         given = self._keys("body", table, ("form", *FORMS[form]), OPTIONAL_MEASURES.get(form, ()))
         measures: dict[str, Any] = {}
-        for key in given.keys() - {"form"}:
+        for key in sorted(given.keys() - {"form"}):  # points before radii, of which there is one less
             where = f"body.{key}"
             if key in VECTORS:
                 measures[key] = self._numbers(where, given[key], count=3)
@@ -214,6 +222,8 @@ class _Reader:
         if not isinstance(any_yaw, bool):
             raise self._error("grasp.any_yaw", f"got {any_yaw!r}", "true, false")
         lean = self._numbers("grasp.lean", given.get("lean", [0.0]))
+        if not lean:
+            raise self._error("grasp.lean", "is empty", "one tilt or more")
         return Grasp(mode, self._number("grasp.height", given["height"]), width, reach, lean, any_yaw)
 
     def _keys(self, where: str, table: object, needed: Sequence[str], further: Sequence[str]) -> Mapping[str, Any]:
@@ -249,15 +259,25 @@ class _Reader:
         if not isinstance(value, Sequence) or not 2 <= len(value) <= 5:
             raise self._error(where, f"got {value!r}", "2 to 5 points [x, y, z]")
         for point in value:
-            numbers = isinstance(point, Sequence) and all(isinstance(v, int | float) for v in point)
-            if not numbers or len(point) != 3:
+            if not isinstance(point, Sequence) or len(point) != 3 or not all(_finite(v) for v in point):
                 raise self._error(where, f"got {point!r}", "points [x, y, z]")
         return tuple(tuple(float(v) for v in point) for point in value)
 
     def _number(self, where: str, value: object, *, positive: bool = False) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float) or value < 0 or (positive and value == 0):
+        if not _finite(value) or value < 0 or (positive and value == 0):
             raise self._error(where, f"got {value!r}", "numbers above 0" if positive else "numbers from 0 up")
         return float(value)
+
+    def _whole(self, where: str, value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise self._error(where, f"got {value!r}", "whole numbers from 0 up")
+        return value
+
+    def _look(self, value: object) -> str:
+        # Which names there are, only drawing knows: facts alone need neither meshes nor pictures.
+        if not isinstance(value, str):
+            raise self._error("look", f"got {value!r}", "the name of a drawn shape")
+        return value
 
     def _error(self, where: str, problem: str, valid: Iterable[object] | str = "") -> KitchenFileError:
         return KitchenFileError(self.source, f"{self.name}.{where}" if where else self.name, problem, valid)

@@ -1,0 +1,275 @@
+"""One make of fixture alone at a plain wall, and what robots do there; see certify_modules.py."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from module_record import Recorder, Touch, geoms
+
+from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.kitchen import layout as layouts
+from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.fixtures import Fixture, certificates, models
+from remac_env.kitchen.fixtures.base import ONE_MAKE
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.layout_checks import STANCE_HALF
+from remac_env.kitchen.objects import catalogue
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.seeding import digest
+from remac_env.start import Start
+from remac_env.state import Place, Scene, WorldState, door_state
+from remac_env.subtasks import Subtask
+from remac_env.tasks.goals import Released
+from remac_env.tasks.spec import Role, TaskSpec
+
+TRIALS = Path(__file__).with_name("module_trials.toml")
+ROBOTS = ("robot_0", "robot_1")
+STATION, REST = "module", "rest"
+Side = Literal["left", "right"]
+SIDES: tuple[Side, ...] = ("left", "right")
+_Y = -0.85  # m, of both stations
+_BESIDE, _FAR, _REST = STANCE_HALF, 4.0, 1.9  # m from the station: the wall beside it, the other one, the things' place
+
+_FRAME = """
+version = 1
+[room]
+x = [{low}, {high}]
+front = -3.60
+height = 2.50
+[walls.back]
+side = "back"
+[stations]
+module = {{ at = [0.0, {y}] }}
+rest = {{ at = [{rest}, {y}] }}
+[asides]
+near = {{ at = [{near}, -2.60], yaw = 1.5707963267948966 }}
+far = {{ at = [{far}, -2.60], yaw = 1.5707963267948966 }}
+[fixtures.counter]
+kind = "counter"
+segments = [{segments}]
+slots = [{slots}]
+"""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run: the make, where a wall is near, the slot of a worktop, what is done, by whom, from which seed."""
+
+    kind: str
+    make: str
+    beside: Side
+    slot: tuple[float, float] | None
+    things: Mapping[str, str]
+    door: float
+    steps: tuple[str, ...]
+    robot: str
+    seed: int
+
+
+@dataclass(frozen=True)
+class Found:
+    """What one step came to: its skill, what went wrong if anything, its touches, and where a wall was near.
+
+    skill: empty for a failure on the way there, which is none of the make's.
+    floor: low and high corner (x, y), m, of what the base took, from the make's middle and the line of fronts.
+    """
+
+    skill: str
+    problem: str
+    touches: tuple[Touch, ...]
+    beside: Side
+    floor: tuple[tuple[float, float], tuple[float, float]]
+
+
+class _Never(Released):
+    """A goal that no start fulfils."""
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Never."""
+        return False
+
+
+class _Module(TaskWorlds):
+    """The kitchen of one make; each noun is its own category: the fish is no salmon."""
+
+    def __init__(self, spec: TaskSpec, layout: Layout) -> None:
+        super().__init__(spec)
+        self._only = layout
+
+    @property
+    def categories(self) -> Mapping[str, Category]:
+        """The categories of the trial's things."""
+        return {role.nouns[0]: catalogue.get(role.nouns[0]) for role in self.spec.roles}
+
+    def layout(self, name: str, style: str) -> Layout:
+        """The one layout."""
+        return self._only
+
+
+def makes() -> list[tuple[str, str]]:
+    """Every (kind, make) that is to be proven."""
+    return [(kind, make) for kind in tables() for make in (models.names(kind) or (ONE_MAKE,))]
+
+
+@cache
+def module_layout(kind: str, make: str, beside: Side, slot: tuple[float, float] | None = None) -> Layout:
+    """A kitchen with one fixture of this make, which is not asked for its certificate.
+
+    beside: the side on which a wall of the room is as near to the station as any layout may have it. slot: of worktops
+    its one slot there, (x, y) from the station and the fronts, m.
+    """
+    table, sign = tables()[kind], 1.0 if beside == "left" else -1.0
+    low, high = sorted((-sign * _BESIDE, sign * _FAR))
+    gap = table.get("gap")
+    segments = [(low, gap[0]), (gap[1], high)] if gap else [(low, high)]
+    slots = [(sign * _REST + x, 0.24, REST) for x in (-0.26, 0.0, 0.26)]
+    if slot is not None:
+        slots.insert(0, (*slot, STATION))
+    text = _FRAME.format(
+        low=low,
+        high=high,
+        y=_Y,
+        rest=sign * _REST,
+        near=sign * 0.6,
+        far=sign * 2.4,
+        segments=", ".join(
+            f'{{ name = "{name}", x = [{start}, {end}], fronts = ["doors"] }}'
+            for name, (start, end) in zip("ab", segments, strict=False)
+        ),
+        slots=", ".join(f'{{ at = [{x}, {y}], half = [0.13, 0.14], station = "{at}" }}' for x, y, at in slots),
+    )
+    text += table["layout"].format(make=make)
+    return layouts.parse(text, name=f"module_{kind}", file=f"module of {kind} {make}", certified=False)
+
+
+def colliders_hash(kind: str, make: str) -> str:
+    """A fingerprint of what robots touch on a make: bodies, colliders and joints, to 1e-6."""
+    model = build_model(any_layout(kind, make), robots=(), objects={})
+    values: list[object] = []
+    for body in (model.body(index) for index in range(model.nbody)):
+        if not body.name.startswith(f"{kind}/"):
+            continue
+        values.append([body.name, *rounded(body.pos, body.quat, body.mass, body.inertia)])
+        for geom in geoms(model, body.name):
+            shape = (model.geom_size[geom], model.geom_pos[geom], model.geom_quat[geom], model.geom_friction[geom])
+            values.append([int(model.geom_type[geom]), *rounded(*shape)])
+        for joint in range(int(body.jntadr[0]), int(body.jntadr[0]) + int(body.jntnum[0])):
+            dof = int(model.jnt_dofadr[joint])
+            drag = (model.dof_damping[dof], model.dof_frictionloss[dof], model.dof_armature[dof])
+            moves = (model.jnt_axis[joint], model.jnt_range[joint], model.jnt_stiffness[joint])
+            values.append([int(model.jnt_type[joint]), *rounded(*moves, *drag)])
+    return digest(values)
+
+
+def trials(kind: str, make: str, first_seed: int, rounds: int = 1) -> list[Trial]:
+    """All runs that prove a make, robots of both names in turn; as many rounds of them, each from seeds of its own."""
+    if rounds > 1:
+        return [trial for number in range(rounds) for trial in trials(kind, make, first_seed + 100 * number)]
+    table, found = tables()[kind], []
+    for slot in [tuple(place) for place in table.get("slots", ())] or [None]:
+        for entry in table["trials"]:
+            for thing in entry.get("each", ("",)):
+                named = {name: at.format(thing=thing) for name, at in entry.get("things", {}).items()}
+                things = {name.format(thing=thing): at for name, at in named.items()}
+                steps = tuple(step.format(thing=thing) for step in entry["steps"])
+                for robot in ROBOTS:
+                    # Each thing with a wall on either side, and either robot as often on either.
+                    beside = SIDES[(len(found) + len(found) // 2) % 2]
+                    door, seed = entry.get("door", 0.0), first_seed + len(found)
+                    found.append(Trial(kind, make, beside, slot, things, door, steps, robot, seed))
+    return found
+
+
+def run(trial: Trial) -> list[Found]:
+    """Run a trial until its end or its first failure."""
+    layout = module_layout(trial.kind, trial.make, trial.beside, trial.slot)
+    fixture = layout.fixtures[trial.kind]
+    roles = tuple(Role(noun, (noun,), at=at.partition(".")[0]) for noun, at in trial.things.items())
+    spec = TaskSpec("Module", ("", "", ""), _Never("nothing"), roles, fixtures=(), distractors=(0, 0))
+    worlds = _Module(spec, layout)
+    start, _ = worlds.start(
+        trial.seed, style="modern_1", layout=None, starts="paper", robots=(trial.robot,), perception_noise=0.0
+    )
+    backend = PhysicsBackend(worlds)
+    world, found = backend.reset(_arranged(start, trial)), []
+    for text in trial.steps:
+        subtask = worlds.vocabulary.subtask(worlds.vocabulary.encode(text))
+        here, held = world.robots[trial.robot].station == STATION, world.robots[trial.robot].holding
+        recorder = Recorder(backend, trial.robot, _targets(fixture, subtask, held))
+        backend.watch = recorder
+        result = backend.run_round({trial.robot: subtask})
+        world, outcome = result.world, result.outcomes[trial.robot]
+        counts = here and not subtask.skill.startswith("navigate")
+        if counts or not outcome.success:
+            problem = "" if outcome.success else f"{text}: {outcome.reason}: {outcome.detail}"
+            found.append(_found(recorder, subtask, problem, fixture, trial, counts=counts))
+        if not outcome.success:
+            break
+    return found
+
+
+def origin(kind: str, make: str) -> float:
+    """x, m, from which a proof is told in the make's kitchens: its middle, but of worktops the station."""
+    return 0.0 if "slots" in tables()[kind] else certificates.anchor(any_layout(kind, make).fixtures[kind])
+
+
+def any_layout(kind: str, make: str) -> Layout:
+    """One of a make's kitchens: what is said of the make alone is the same in each."""
+    slots = tables()[kind].get("slots")
+    return module_layout(kind, make, SIDES[0], tuple(slots[0]) if slots else None)
+
+
+def _arranged(start: Start, trial: Trial) -> Start:
+    """The start with the door and the things where the trial has them."""
+    world = start.world
+    for noun, at in trial.things.items():
+        if "." in at:
+            world = world.with_object(noun, place=Place("slot", at))
+    doors = {name: trial.door or angle for name, angle in start.doors.items()}
+    for name, angle in doors.items():
+        world = world.with_fixture(name, door=door_state(angle))
+    return replace(start, world=world, doors=doors)
+
+
+def _targets(fixture: Fixture, subtask: Subtask, held: str | None) -> list[str]:
+    """The bodies that fingers touch in a subtask."""
+    if subtask.skill == "place to":
+        return [held] if held else []
+    if subtask.skill == "pick up":
+        return [subtask.target]
+    if subtask.skill in ("open door", "close door"):
+        return [leaf.joint for leaf in fixture.leaves]
+    if subtask.skill not in ("turn on", "turn off"):
+        return []
+    knobs = list(getattr(fixture, "knobs", ()))
+    return knobs or [f"{fixture.name}/{'lever' if fixture.kind == 'faucet' else 'button'}"]
+
+
+def _found(
+    recorder: Recorder, subtask: Subtask, problem: str, fixture: Fixture, trial: Trial, *, counts: bool
+) -> Found:
+    middle = origin(trial.kind, trial.make)
+    touches = tuple(recorder.touches(middle, last=subtask.skill == "place to"))
+    (left, near), (right, far) = recorder.low - (middle, 0.0), recorder.high - (middle, 0.0)
+    floor = (float(left), float(near)), (float(right), float(far))
+    # Each switch and each burner is a proof of its own.
+    part = next((f" {at}" for at in trial.things.values() if at in fixture.switches), "")
+    return Found(subtask.skill + part if counts else "", problem, touches, trial.beside, floor)
+
+
+@cache
+def tables() -> dict[str, Any]:
+    """The file of trials: by kind."""
+    return tomllib.loads(TRIALS.read_text(encoding="utf-8"))
+
+
+def rounded(*values: Any) -> list[float]:
+    """Numbers and arrays of them as one list, to 1e-6."""
+    return [round(float(number), 6) + 0.0 for value in values for number in np.ravel(value)]

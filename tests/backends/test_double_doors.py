@@ -1,0 +1,117 @@
+"""Doors of two leaves in physics: both are opened and closed, each from where it stands, the nearer one first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import module_trials
+import mujoco
+import pytest
+
+from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.objects import catalogue
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.rendering.posing import pose
+from remac_env.start import Start
+from remac_env.state import door_state
+from remac_env.subtasks import Outcome
+from remac_env.tasks.goals import Inside
+from remac_env.tasks.spec import Role, TaskSpec
+
+ROBOT = "robot_1"
+SPEC = TaskSpec("Doors", ("", "", ""), Inside("{plate}", "counter"), (Role("plate", ("plate",), at="cabinet"),), ())
+LEAVES = ("cabinet/left_door", "cabinet/right_door")
+
+
+class OneCabinet(TaskWorlds):
+    def layout(self, name: str, style: str) -> Layout:
+        return module_trials.module_layout("cabinet", "double_bar", "left")
+
+
+class Kitchen:
+    """A robot, a cabinet with two leaves and a plate in it."""
+
+    def __init__(self, seed: int, angle: float = 0.0) -> None:
+        self.worlds = OneCabinet(replace(SPEC, distractors=(0, 0)))
+        self.start = started(self.worlds, seed, angle)
+        self.backend = PhysicsBackend(self.worlds)
+        self.backend.reset(self.start)
+
+    def run(self, text: str) -> Outcome:
+        subtask = self.worlds.vocabulary.subtask(self.worlds.vocabulary.encode(text))
+        return self.backend.run_round({ROBOT: subtask}).outcomes[ROBOT]
+
+    def set(self, leaf: str, angle: float) -> None:
+        self.backend.data.joint(leaf).qpos[0] = angle
+
+    @property
+    def angles(self) -> tuple[float, float]:
+        left, right = (float(self.backend.data.joint(leaf).qpos[0]) for leaf in LEAVES)
+        return left, right
+
+    @property
+    def door(self) -> str | None:
+        return self.backend.world.fixtures["cabinet"].door
+
+
+def started(worlds: TaskWorlds, seed: int, angle: float) -> Start:
+    start, _ = worlds.start(
+        seed, style="modern_1", layout=None, starts="paper", robots=(ROBOT,), perception_noise=0.0
+    )
+    world = start.world.with_fixture("cabinet", door=door_state(angle))
+    return replace(start, world=world, doors={"cabinet": angle})
+
+
+def test_both_leaves_stand_as_the_start_says_and_are_closed_and_opened() -> None:
+    kitchen = Kitchen(46000, angle=0.4)
+    assert kitchen.angles == pytest.approx((0.4, 0.4), abs=1e-3) and kitchen.door == "ajar"
+    assert kitchen.run("navigate to cabinet").success
+    assert kitchen.run("close cabinet door").success
+    assert max(kitchen.angles) <= 0.05 and kitchen.door == "closed"
+    assert kitchen.run("open cabinet door").success
+    assert min(kitchen.angles) >= 0.9 and kitchen.door == "open"
+    assert kitchen.run("pick up plate").success
+
+
+def test_one_open_leaf_is_no_open_door_and_is_left_alone() -> None:
+    kitchen = Kitchen(46001)
+    kitchen.set(LEAVES[0], 1.45)
+    assert kitchen.run("navigate to cabinet").success
+    assert kitchen.door == "ajar"
+    assert kitchen.run("pick up plate").reason == "door_closed"
+    before, moved = kitchen.angles[0], []
+    kitchen.backend.watch = lambda: moved.append(abs(kitchen.angles[0] - before))
+    assert kitchen.run("open cabinet door").success
+    assert max(moved) < 0.02, "the open leaf was not touched"
+    assert min(kitchen.angles) >= 0.9
+
+
+@pytest.mark.parametrize("seed", [46002, 46003, 46006])
+def test_the_nearer_leaf_comes_first(seed: int) -> None:
+    kitchen = Kitchen(seed)
+    assert kitchen.run("navigate to cabinet").success
+    standing = float(kitchen.backend.data.joint(f"{ROBOT}/base_x").qpos[0])
+    cabinet = kitchen.worlds.layout("", "").fixtures["cabinet"]
+    middle = 0.5 * (cabinet.leaves[0].hinge + cabinet.leaves[1].hinge)
+    first: list[int] = []
+
+    def watch() -> None:
+        first.extend(index for index, angle in enumerate(kitchen.angles) if angle > 0.2)
+
+    kitchen.backend.watch = watch
+    assert kitchen.run("open cabinet door").success
+    assert first[0] == (0 if standing < middle else 1)
+
+
+def test_a_kitchen_that_is_only_drawn_shows_both_leaves() -> None:
+    worlds = OneCabinet(replace(SPEC, distractors=(0, 0)))
+    start, layout = started(worlds, 46005, 0.5), worlds.layout("", "")
+    model = build_model(layout, robots=(ROBOT,), objects={"plate": "plate"})
+    data = mujoco.MjData(model)
+    pose(model, data, layout, catalogue.load(), start, start.world)
+    assert [float(data.joint(leaf).qpos[0]) for leaf in LEAVES] == [0.5, 0.5]
+    opened = start.world.with_fixture("cabinet", door="open")
+    pose(model, data, layout, catalogue.load(), start, opened)
+    assert [float(data.joint(leaf).qpos[0]) for leaf in LEAVES] == [1.45, 1.45]
