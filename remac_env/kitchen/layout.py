@@ -8,7 +8,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from itertools import combinations
 from math import hypot, pi
 from pathlib import Path
@@ -90,9 +90,14 @@ class Layout:
         """The frame of the wall that a station faces; that of the room for parking places."""
         return self.walls[station.wall].frame if station.wall else WORLD
 
+    @cached_property
+    def middles(self) -> Mapping[str, Point]:
+        """Slot -> its middle, m, world frame."""
+        return FrozenMap({n: self.frame(slot.fixture).space(slot.center) for n, slot in self.slots.items()})
+
     def middle(self, slot: str) -> Point:
         """Middle of a slot, m, world frame."""
-        return self.frame(self.slots[slot].fixture).space(self.slots[slot].center)
+        return self.middles[slot]
 
     def conflicts(self) -> frozenset[frozenset[str]]:
         """Return the pairs of stations that cannot be used at the same time."""

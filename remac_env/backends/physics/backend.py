@@ -30,7 +30,7 @@ from remac_env.subtasks import Outcome, Subtask, failure
 
 _REST_SPEED = 0.02  # m/s or rad/s below which the kitchen is at rest
 _REST_LEAST, _REST_MOST = 6, 60  # control periods
-_START_LEAST = 2  # of the same: things start where they rest
+_START_LEAST = 1  # of the same: things start where they rest
 
 
 class PhysicsBackend:

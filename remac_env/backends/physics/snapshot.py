@@ -29,6 +29,7 @@ PAN_ON_BURNER = 0.15  # m from the burner's middle; released threshold
 SLOT_SLACK = 0.06  # m over a slot's edge: a thing that rolled a little still lies in it
 _SURFACE_BAND = (-0.03, 0.12)  # m of a thing's frame over the slot's surface
 _CAVITY_HEIGHT = 0.5
+_NEAR = 0.6  # m, along and across, within which all of a slot lies
 _VESSEL_BAND = (-0.01, 0.14)  # m of a thing's frame over that of the vessel it is in
 _UPRIGHT = 0.8  # z component of a vessel's axis
 
@@ -114,7 +115,13 @@ def _vessel_around(
 
 def slot_under(layout: Layout, point: Array) -> str | None:
     """The slot on which a thing with its lowest point at ``point`` (3,) lies, or None."""
-    found = [(d, name) for name, slot in layout.slots.items() if (d := _miss(layout, slot, point)) is not None]
+    x, y = float(point[0]), float(point[1])
+    found = []
+    for name, (middle_x, middle_y, _) in layout.middles.items():
+        # Most slots are far away, which is quick to see.
+        if abs(x - middle_x) < _NEAR and abs(y - middle_y) < _NEAR:
+            miss = _miss(layout, layout.slots[name], point)
+            found += [] if miss is None else [(miss, name)]
     return min(found)[1] if found else None
 
 

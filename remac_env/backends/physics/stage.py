@@ -17,7 +17,7 @@ from remac_env.robots.rotation import Array
 from remac_env.start import Start
 from remac_env.state import base_place
 
-_AIR = 0.0005  # m under a thing, so that it starts without penetration
+_AIR = 0.0002  # m under a thing, so that it starts without penetration
 
 
 def pose_start(simulation: Simulation, layout: Layout, things: Mapping[str, Category], start: Start) -> None:
