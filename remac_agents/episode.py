@@ -217,8 +217,18 @@ class Episode:
             else:
                 self._slipped.add(robot)
         self._tries += 1
-        if not self._pending or self._tries > self.bounds.retries:
+        if not self._pending or (self._tries > self.bounds.retries and not self._leave_refused_behind()):
             self.advance()
+
+    def _leave_refused_behind(self) -> bool:
+        """Where only drives are still refused, the others go on: they may be in the way. False where none can."""
+        refused = {robot for robot in self._pending if self.plan.round()[robot].skill == "navigate to"}
+        rows = {robot: row if robot in refused else row[1:] for robot, row in self.plan.rows.items()}
+        if refused != self._pending or {step for r, row in rows.items() if r not in refused for step in row} <= {WAIT}:
+            return False
+        self.ledger.close_round({r: step for r, step in self.plan.round().items() if r not in refused and step != WAIT})
+        self.change_plan(Plan.of(rows))
+        return True
 
     # -- what the agent calls --------------------------------------------------------------------------------
 

@@ -88,14 +88,12 @@ def test_word_order_is_what_the_literal_planner_follows(task: str, wording: int)
 
 @pytest.mark.parametrize("task", PAPER)
 def test_mixed_starts_are_mastered_too(task: str) -> None:
-    """Alone in every start; as a team but where the helper has to clear the place that the leading robot waits for."""
-    env = suite_kitchen(task, starts="mixed")
-    stuck = []
+    env, crowded = suite_kitchen(task, starts="mixed"), []
     for seed in range(12):
         agent = remac_agents.make("REMAC")
         reports = [play(env, agent, seed=seed) for _ in range(4)]
-        assert reports[0].success and reports[1].success and reports[-1].success, f"seed {seed}"
+        assert all(report.success for report in reports), f"seed {seed}"
         assert reports[-1].initial_plan_length <= reports[0].final_plan_length, f"seed {seed}"
-        assert not reports[-1].retries, f"seed {seed}: the two robots are in each other's way"
-        stuck += [seed] if not all(report.success for report in reports) else []
-    assert len(stuck) <= 1, stuck
+        crowded += [seed] if reports[-1].retries else []
+    # Where the helper has to clear the plate, nobody is told beforehand that it stands where the other one goes.
+    assert len(crowded) <= 1, crowded
