@@ -132,9 +132,7 @@ class Episode:
     def hand_over(self, single: tuple[Subtask, ...], helper: str) -> bool:
         """Share a proven plan with the helper; False when no way to share it was found."""
         lead, view = self.briefing.lead, self.seen_by(self.roles.handover)
-        request = HandoverRequest(
-            self.briefing.goal, single, lead, helper, self.lessons, self.briefing.commands, view
-        )
+        request = HandoverRequest(self.briefing.goal, single, lead, helper, self.lessons, self.briefing.commands, view)
         reply = self.roles.handover.share(request)
         plan = (
             PlanError("none was found")
