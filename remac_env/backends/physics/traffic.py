@@ -11,7 +11,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, islice, pairwise, permutations, product
 
-import mujoco
 import numpy as np
 
 from remac_env.backends.physics.collision import IGNORED
@@ -22,7 +21,7 @@ from remac_env.backends.physics.separation import NEAR_MISS, Separation
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings
 from remac_env.kitchen.fixtures.base import Block
 from remac_env.kitchen.layout import Station
-from remac_env.robots.rotation import Array
+from remac_env.robots.rotation import Array, quaternion
 
 _SAMPLE = 3  # control periods between checks
 _DELAYS = tuple(range(0, 112, 7))  # of the same
@@ -256,9 +255,8 @@ def _held(here: Surroundings, q: Array) -> tuple[int, Array] | None:
     if attached is None:
         return None
     position, rotation = here.kinematics.forward(q)
-    quat = np.empty(4)
-    mujoco.mju_mat2Quat(quat, (rotation @ attached.rotation).ravel())
-    return attached.address, np.concatenate([position + rotation @ attached.position, quat])
+    turned = quaternion(rotation @ attached.rotation)
+    return attached.address, np.concatenate([position + rotation @ attached.position, turned])
 
 
 def _ordered(ways: Sequence[Sequence[_Way]]) -> list[tuple[tuple[_Way, ...], tuple[int, ...]]]:
