@@ -3,8 +3,9 @@
 In physics, robots do what was done least so far: of all (skill, reason) that the table foretells for some command, the
 rarest is chosen, half of the time among those that succeed. Where a pair needs a preparation (a full hand before a
 closed door), one robot's shortest way there is searched for and gone, half of the rounds. Each round is foretold by the
-table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where physics slips
-or drops and the table does not, the round is listed apart; anything else is a disagreement, printed with what differs.
+table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where in physics a
+thing slips out of a hand and in the table it does not, the round is listed apart; anything else is a disagreement,
+printed with what differs.
 """
 
 from __future__ import annotations
@@ -74,7 +75,7 @@ def play(task: str, robots: int, seed: int, rounds: int) -> list[Compared]:
     env = remac_env.parallel_env(task, robots=robots, starts="mixed", max_rounds=rounds)
     env.reset(seed=seed)
     chance, seen, found = generator(seed, "twin", task, robots), Counter[Stratum](), list[Compared]()
-    errands = {name: _Errands(chance) for name in env.agents}
+    errands = {name: _Errands(chance, env.start.scene) for name in env.agents}
     while env.agents:
         joint = _choose(env, seen, chance, errands)
         before = env.world
@@ -94,7 +95,7 @@ def compare(
 ) -> Iterator[Compared]:
     """The table's story of a round beside what happened; `env` stands after it."""
     after, foretold = _foretold(env, before, joint)
-    slipped = any(outcomes[n].reason in SLIPS and foretold[n].success for n in joint)
+    slipped = any(outcomes[n].reason in SLIPS and foretold[n].success for n in joint) or _fell(after, env.world)
     changes = () if slipped else tuple(_differences(after, env.world))
     for name, subtask in joint.items():
         table, real = foretold[name].reason or "success", outcomes[name].reason or "success"
@@ -106,11 +107,25 @@ def compare(
         yield Compared(*where, subtask.text, subtask.skill, table, real, verdict, "; ".join(differs))
 
 
-class _Errands:
-    """What one robot prepares: pairs of skill and reason in an order of its own, each until it has come about."""
+def _fell(foretold: WorldState, happened: WorldState) -> bool:
+    """Whether a thing that should be in a hand lies on the floor."""
+    return any(
+        item.place.relation == "held" and happened.objects[name].place.relation == "floor"
+        for name, item in foretold.objects.items()
+    )
 
-    def __init__(self, chance: np.random.Generator) -> None:
-        self._wanted = [STRATA[k] for k in chance.permutation(len(STRATA))]
+
+class _Errands:
+    """What one robot prepares: pairs of skill and reason in an order of its own, each until it has come about.
+
+    Seasoning comes first where there is any, as few kitchens have it.
+    """
+
+    def __init__(self, chance: np.random.Generator, scene: Scene) -> None:
+        order = [STRATA[k] for k in chance.permutation(len(STRATA))]
+        seasons = any(facts.seasons for facts in scene.objects.values())
+        first = [stratum for stratum in order if stratum[0] == "season" and seasons]
+        self._wanted = first + [stratum for stratum in order if stratum[0] != "season"]
 
     def next(self, env: KitchenParallelEnv, name: str, commands: Sequence[Subtask]) -> Subtask | None:
         """The next command towards the first pair that can be reached, or None; a pair is left once it is tried."""

@@ -77,16 +77,16 @@ def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place |
     """Where `place to target` puts what the robot holds, or None when there is no room.
 
     On a fixture: a free slot at the robot's station, a lit burner before others; else a vessel that belongs there and
-    has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full. Neither where it is too big.
+    has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full. Neither where the thing is too
+    big for the fixture around.
     """
-    held = world.robots[robot].holding
+    held, kind = world.robots[robot].holding, _kind_around(scene, world, target)
+    if held is not None and kind in scene.objects[held].too_big_for:
+        return None
     if target in scene.objects:
         small = held is None or scene.objects[held].small
         full = len(contents(world, target)) >= scene.objects[target].holds
         return Place("vessel", target) if small and not full and held != target else None
-    kind = scene.fixtures[target].kind
-    if held is not None and kind in scene.objects[held].too_big_for:
-        return None
     here = world.robots[robot].station
     slots = [name for name in scene.fixtures[target].slots if scene.slots[name].station == here]
     free = [name for name in slots if occupant(world, name) is None]
@@ -131,9 +131,15 @@ def _placed(scene: Scene, world: WorldState, target: str) -> bool:
 
 
 def _graspable(scene: Scene, world: WorldState, target: str) -> bool:
+    return _kind_around(scene, world, target) not in scene.objects[target].too_big_for
+
+
+def _kind_around(scene: Scene, world: WorldState, target: str) -> str:
+    """The kind of a fixture, or of that in or on which a thing stands; "" for what is held or on the floor."""
+    if target in scene.fixtures:
+        return scene.fixtures[target].kind
     place = base_place(world, target)
-    around = scene.fixtures[scene.slots[place.where].fixture].kind if place.relation == "slot" else ""
-    return around not in scene.objects[target].too_big_for
+    return scene.fixtures[scene.slots[place.where].fixture].kind if place.relation == "slot" else ""
 
 
 def _room(scene: Scene, world: WorldState, robot: str, target: str) -> bool:

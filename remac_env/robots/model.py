@@ -117,7 +117,7 @@ def _add_hand(name: str, link7: mujoco.MjsBody, child: object) -> None:
         pad.condim = 4
         pad.priority = 1
         pad.solref = [0.01, 1.0]
-        pad.solimp = [0.95, 0.99, 0.001, 0.5, 2.0]
+        pad.solimp = [0.97, 0.99, 0.001, 0.5, 2.0]
 
 
 def _add_servos(spec: mujoco.MjSpec, name: str) -> None:

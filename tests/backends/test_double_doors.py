@@ -15,13 +15,14 @@ from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rendering.posing import pose
 from remac_env.start import Start
-from remac_env.state import door_state
+from remac_env.state import Place, door_state
 from remac_env.subtasks import Outcome
 from remac_env.tasks.goals import Inside
 from remac_env.tasks.spec import Role, TaskSpec
 
 ROBOT = "robot_1"
 SPEC = TaskSpec("Doors", ("", "", ""), Inside("{plate}", "counter"), (Role("plate", ("plate",), at="cabinet"),), ())
+BOWL = replace(SPEC, goal=Inside("{bowl}", "cabinet"), roles=(Role("bowl", ("bowl",)),))
 LEAVES = ("cabinet/left_door", "cabinet/right_door")
 
 
@@ -31,10 +32,10 @@ class OneCabinet(TaskWorlds):
 
 
 class Kitchen:
-    """A robot, a cabinet with two leaves and a plate in it."""
+    """A robot, a cabinet with two leaves and a plate in it, or what another task has."""
 
-    def __init__(self, seed: int, angle: float = 0.0) -> None:
-        self.worlds = OneCabinet(replace(SPEC, distractors=(0, 0)))
+    def __init__(self, seed: int, angle: float = 0.0, spec: TaskSpec = SPEC) -> None:
+        self.worlds = OneCabinet(replace(spec, distractors=(0, 0)))
         self.start = started(self.worlds, seed, angle)
         self.backend = PhysicsBackend(self.worlds)
         self.backend.reset(self.start)
@@ -103,6 +104,13 @@ def test_the_nearer_leaf_comes_first(seed: int) -> None:
     kitchen.backend.watch = watch
     assert kitchen.run("open cabinet door").success
     assert first[0] == (0 if standing < middle else 1)
+
+
+def test_a_bowl_goes_in_between_the_leaves() -> None:
+    kitchen = Kitchen(46011, angle=1.45, spec=BOWL)
+    for step in ("navigate to bowl", "pick up bowl", "navigate to cabinet", "place to cabinet"):
+        assert kitchen.run(step).success, step
+    assert kitchen.backend.world.objects["bowl"].place == Place("slot", "cabinet.0")
 
 
 def test_a_kitchen_that_is_only_drawn_shows_both_leaves() -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 import twin
 
 import remac_env
+from remac_env.state import Place
 from remac_env.subtasks import Outcome, failure
 
 
@@ -49,6 +51,19 @@ def test_a_world_that_differs_is_found(kitchen) -> None:
     (line,) = twin.compare(kitchen, ajar, joint, outcomes)
     assert line.verdict == "disagree"
     assert "door='ajar'" in line.differs and "door='closed'" in line.differs
+
+
+def test_a_thing_that_fell_out_of_a_hand_is_listed_apart(kitchen) -> None:
+    before, joint, outcomes = driven(kitchen)
+    thing = next(iter(before.objects))
+    held = before.with_robot("robot_0", holding=thing).with_object(thing, place=Place("held", "robot_0"))
+    fallen = kitchen.world.with_object(thing, place=Place("floor"))
+    after = SimpleNamespace(worlds=kitchen.worlds, start=kitchen.start, world=fallen)
+    (line,) = twin.compare(after, held, joint, outcomes)
+    assert line.verdict == "slip"
+    elsewhere = SimpleNamespace(worlds=kitchen.worlds, start=kitchen.start, world=kitchen.world)
+    (line,) = twin.compare(elsewhere, held, joint, outcomes)
+    assert line.verdict == "disagree" and thing in line.differs
 
 
 def test_commands_are_spread_over_skills_and_reasons() -> None:

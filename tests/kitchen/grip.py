@@ -83,7 +83,7 @@ def _model(category: Category, position: np.ndarray, rotation: np.ndarray) -> mu
         finger.add_joint(name=name, type=slide, axis=[side, 0, 0], range=[0, 0.04], limited=True, armature=0.2)
         finger.add_geom(
             type=box, size=[0.005, 0.0095, 0.018], pos=[side * 0.005, 0, -0.003], mass=0.05, priority=1, condim=4,
-            friction=[2, 0.05, 0.001], solref=[0.01, 1], solimp=[0.95, 0.99, 0.001, 0.5, 2], contype=4, conaffinity=7,
+            friction=[2, 0.05, 0.001], solref=[0.01, 1], solimp=[0.97, 0.99, 0.001, 0.5, 2], contype=4, conaffinity=7,
         )  # fmt: skip
         _servo(spec, name, 4000, 80, _FORCE)
     return spec.compile()

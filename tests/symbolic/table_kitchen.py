@@ -14,7 +14,7 @@ from remac_env.vocabulary import built_in
 
 A, B = "robot_0", "robot_1"
 
-_THINGS = {noun: noun for noun in ("fish", "plate", "bowl", "pan", "seasoning")} | {"vegetable": "carrot"}
+_THINGS = {noun: noun for noun in ("fish", "plate", "bowl", "pan", "seasoning")}
 _PLACES = {
     "vegetable": "counter.0",
     "fish": "counter.3",
@@ -32,9 +32,9 @@ class TableKitchen:
     the closed cabinet.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, vegetable: str = "carrot") -> None:
         categories = catalogue.load()
-        things = {noun: categories[name] for noun, name in _THINGS.items()}
+        things = {noun: categories[name] for noun, name in {**_THINGS, "vegetable": vegetable}.items()}
         self.scene: Scene = build_scene(layout.load("one_wall_large"), things, (A, B))
         self.world = WorldState(
             FrozenMap({name: RobotState() for name in (A, B)}),

@@ -285,3 +285,11 @@ def test_a_thing_that_fits_goes_in_and_comes_out(kitchen: TableKitchen, noun: st
     kitchen.door("microwave", "open").stand(A, "microwave").hold(A, noun)
     assert kitchen.run(**{A: "place to microwave"}).reason() is None
     assert kitchen.run(**{A: f"pick up {noun}"}).reason() is None
+
+
+def test_what_is_too_big_is_not_put_on_a_vessel_inside_either() -> None:
+    kitchen = TableKitchen(vegetable="strawberry")
+    kitchen.door("cabinet", "open").stand(A, "cabinet").hold(A, "vegetable")
+    refused(kitchen, "place to plate", "blocked")
+    kitchen.put("plate", "counter.2").stand(A, "counter_mid")
+    assert kitchen.run(**{A: "place to plate"}).reason() is None

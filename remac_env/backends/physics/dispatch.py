@@ -94,11 +94,11 @@ def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, targ
         point = np.array(slot.center)
     if slot.kind == "cavity" and here.things[here.hand.body].vessel:
         require_open(here, slot.fixture)
-        yield from place_on(here, point)
+        yield from place_on(here, point, kind=slot.kind)
     elif slot.kind == "cavity":
         yield from insert(here, slot.fixture, point, vessel=vessel)
     else:
-        yield from place_on(here, point, vessel=vessel, deep=slot.kind == "basin")
+        yield from place_on(here, point, kind=slot.kind, vessel=vessel)
 
 
 def _season(here: Surroundings, world: WorldState, target: str) -> Steps:

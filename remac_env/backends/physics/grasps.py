@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remac_env.kitchen.objects.catalogue import Category
+from remac_env.kitchen.objects.colliders import WALL_PIECES
 from remac_env.robots.rotation import Array, about_z, grip_frame
 
 OPENINGS = {"side": 0.04, "rim": 0.016, "handle": 0.03}
@@ -62,10 +63,12 @@ def tip_depth(lean: float) -> float:
 
 
 def _rims(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
-    around = sorted(np.linspace(-math.pi, math.pi, 17)[:-1], key=lambda angle: abs(angle + 0.5 * math.pi))
+    # Flat fingers hold a flat piece of the ring at its middle; over the edge of two, the rim turns in them.
+    yaw, piece = math.atan2(rotation[1, 0], rotation[0, 0]), 2 * math.pi / WALL_PIECES
+    facing = [(yaw + k * piece + 0.5 * math.pi + math.pi) % (2 * math.pi) - math.pi for k in range(WALL_PIECES)]
     for lean in thing.grasp.lean:
-        for angle in around:
-            out = about_z(float(angle))[:, 0]
+        for angle in sorted(facing, key=abs):
+            out = about_z(angle - 0.5 * math.pi)[:, 0]
             approach = DOWN * math.cos(lean) - out * math.sin(lean)
             for side in (1.0, -1.0):
                 at = position + out * thing.grasp.reach[0] + _UP * thing.grasp.height

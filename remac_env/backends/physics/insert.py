@@ -17,6 +17,7 @@ from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.pick_up import draw_in
 from remac_env.backends.physics.place import release
 from remac_env.backends.physics.skill import (
+    EMPTY,
     SkillFailure,
     Steps,
     Surroundings,
@@ -129,7 +130,7 @@ def take_out(
     yield from here.mover.settle(0.001, 20)
     yield from here.mover.grasp(gently=thing.grasp.mode == "side")
     yield from here.mover.play(_up(here))
-    if here.robot.opening < 0.004:
+    if here.robot.opening < EMPTY:
         yield from here.mover.fingers(opening, 6)
         yield from _leave(here, found)
         raise SkillFailure("slipped", f"the {body} did not come with the hand")

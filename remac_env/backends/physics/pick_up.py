@@ -9,6 +9,7 @@ from remac_env.backends.physics.grasps import OPENINGS, Grasp, candidates
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
 from remac_env.backends.physics.skill import (
+    EMPTY,
     SkillFailure,
     Steps,
     Surroundings,
@@ -25,7 +26,7 @@ SIDES = (0.0, -0.12, 0.12, -0.24, 0.24)
 Lifts = tuple[tuple[float, float], ...]
 LIFTS: Lifts = ((0.0, 1.0), (-0.08, 1.0), (-0.14, 1.0), (-0.15, 0.6), (-0.25, 0.4))
 _LEAST_RISE = 0.02
-_EMPTY = 0.004  # m between closed fingers
+_RIM_TOLERANCE = 0.001  # m; a hand that closes 3 mm too high holds only a rim's edge
 
 
 def pick_up(
@@ -52,10 +53,12 @@ def pick_up(
     stands = stances(here, grasps[0].position if thing.grasp.mode == "handle" else position, DISTANCES, SIDES)
     found = plan_reach(here, stands, grasps, after)
     yield from go_to_grasp(here, found)
+    if thing.grasp.mode == "rim":
+        yield from here.mover.settle(_RIM_TOLERANCE, 20)
     yield from here.mover.grasp(gently=thing.grasp.mode == "side")
     yield from here.mover.play(found.after)
     risen = simulation.pose(body)[0][2] - position[2]
-    if here.robot.opening < _EMPTY or risen < _LEAST_RISE:
+    if here.robot.opening < EMPTY or risen < _LEAST_RISE:
         yield from here.mover.fingers(opening, 6)
         raise SkillFailure("slipped", f"the {body} did not come up with the hand")
     take(here, body, rotation, contents)

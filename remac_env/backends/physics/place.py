@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import product
 
 import numpy as np
@@ -25,13 +26,18 @@ _LEVEL_TURNS = (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.8, -0.8, 1.0, -1.0, 1.4,
 _BASIN_SHIFTS = ((-0.03, 0.065), (-0.05, 0.06), (-0.12, 0.06), (0.03, 0.065), (0.05, 0.06), (0.12, 0.06), (0.0, 0.08))
 _BASIN_TURNS = (1.4, -1.4, 1.0, -1.0, 0.8, -0.8, 1.8, -1.8, 0.2, -0.2, 0.0)
 _DROOPS = (0.0, 0.5, 1.0)  # shares of its droop in the hand with which a vessel may be set down
-_ABOVE, _ABOVE_BASIN = 0.10, 0.26  # m, height from which the hand comes down straight
+# m from where the hand comes straight: from above, into a cavity also from in front of it.
+_FROM: Mapping[str, tuple[tuple[float, float, float], ...]] = {
+    "basin": ((0.0, 0.0, 0.26),),
+    "cavity": ((0.0, 0.0, 0.10), (0.0, -0.30, 0.08), (0.0, -0.35, 0.05)),
+}
+_FROM_ABOVE = ((0.0, 0.0, 0.10),)
 
 
-def place_on(here: Surroundings, point: Array, *, vessel: str | None = None, deep: bool = False) -> Steps:
+def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None = None) -> Steps:
     """Set the held thing down with its lowest point at ``point`` (3,), then come home empty-handed.
 
-    ``vessel``: hand and thing may touch this body. ``deep``: the point lies in a recess; come in from above it.
+    ``kind``: of the slot in which the point lies. ``vessel``: hand and thing may touch this body.
     """
     body = here.hand.body
     if body is None:
@@ -41,13 +47,13 @@ def place_on(here: Surroundings, point: Array, *, vessel: str | None = None, dee
     if not here.scratch.free(robot.q):
         here.begin(here.simulation.geoms(vessel) if vessel else (), held_meets=False)
     grip, pose = robot.grip_pose(), here.simulation.pose(body)
-    grasps = _poses(here, point, deep)
+    grasps = _poses(here, point, kind)
 
     def after(goal: Array, grasp: Grasp) -> Path | None:
         here.scratch.free(goal)
         here.scratch.release(leave=True)
         here.scratch.mark(here.simulation.geoms(body), TARGET)
-        back = (_ABOVE_BASIN if deep else 0.12) if thing.vessel else 0.12
+        back = 0.26 if kind == "basin" and thing.vessel else 0.12
         out = here.planner.line(goal, grasp.position - grasp.rotation[:, 2] * back, grasp.rotation, speed=0.25)
         here.scratch.hold(body, grip, pose)
         return out
@@ -70,7 +76,7 @@ def release(here: Surroundings, periods: int = 6) -> Steps:
     here.hand.body, here.hand.contents = None, ()
 
 
-def _poses(here: Surroundings, point: Array, deep: bool) -> list[Grasp]:
+def _poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
     """Poses of the hand that set the held thing upright on ``point``; its turn about the vertical is free."""
     body = here.hand.body
     if body is None:
@@ -86,12 +92,14 @@ def _poses(here: Surroundings, point: Array, deep: bool) -> list[Grasp]:
     stood = [from_rotation_vector(part * droop) @ level for part in _DROOPS] if thing.vessel else [here.hand.upright]
     edges = [lowest(here, body, upright) - thing.rest_height if thing.vessel else 0.0 for upright in stood]
     goals = [point + [0.0, 0.0, thing.rest_height]]
-    if deep and thing.vessel:
+    if kind == "basin" and thing.vessel:
         goals = [goals[0] + [dx, dy, 0.0] for dx, dy in _BASIN_SHIFTS]
-    before = np.array([0.0, 0.0, _ABOVE_BASIN if deep else _ABOVE])
     found = []
-    leans, turns = (0.0,) if thing.vessel else _LEANS, _turns(thing, deep)
-    for (upright, edge), goal, lean, turn in product(zip(stood, edges, strict=True), goals, leans, turns):
+    ways = [np.array(way) for way in _FROM.get(kind, _FROM_ABOVE)]
+    leans, turns = (0.0,) if thing.vessel else _LEANS, _turns(thing, kind)
+    for (upright, edge), goal, lean, turn, before in product(
+        zip(stood, edges, strict=True), goals, leans, turns, ways
+    ):
         hand = about_x(lean) @ about_z(turn) @ upright @ turned.T
         shift = [0.0, -0.05 * lean, _RELEASE + 0.035 * math.sin(lean) + edge]
         at = goal + shift - hand @ offset
@@ -102,10 +110,10 @@ def _poses(here: Surroundings, point: Array, deep: bool) -> list[Grasp]:
     return found
 
 
-def _turns(thing: Category, deep: bool) -> tuple[float, ...]:
+def _turns(thing: Category, kind: str) -> tuple[float, ...]:
     """Turns of a thing about the vertical worth trying, best first."""
     if thing.vessel:
-        return _BASIN_TURNS if deep else _LEVEL_TURNS
+        return _BASIN_TURNS if kind == "basin" else _LEVEL_TURNS
     return tuple(turn + flip for turn in _TURNS for flip in (0.0, math.pi))
 
 

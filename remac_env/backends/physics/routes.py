@@ -21,6 +21,7 @@ from remac_env.robots.rotation import Array
 
 LANES = (-1.15, -1.3, -1.5, -1.7, -1.9, -2.1, -2.3, -2.5, -2.7, -2.9)  # y of the arm axis before a wall, m
 _CROSSINGS = (-1.15, -1.4, -1.8, -2.3)  # the same for the two walls of a drive from one to another
+_SLIDES = (0.5, -0.5, 1.0, -1.0)  # m along a wall before a robot leaves it, or after it has come to it
 _ROOMY = BASE_RADIUS + 0.10  # m around the axis on ways that turn corners
 _HALF_TURN = 2.0  # rad from which on a turn may as well go the other way round
 _STANDING = (0.20, 0.32, 0.14)  # m: half the side of the square that a standing robot takes, as tried in turn
@@ -72,6 +73,8 @@ def _ways_to(start: Departure, goal: Station, end: Array) -> Iterator[Course]:
             yield Course([q, out, before, end], (side, "turning on the way"))
             yield Course([q, out, _turned(out, end), before, end], (side, "turning first"))
             yield Course([q, out, _turned(before, q), before, end], (side, "turning last"))
+        if start.standing:
+            yield from _past_corners(frames, q, end, side)
     else:
         frame = layout.facing(goal if goal.wall else place) if goal.wall or place.wall else _any_frame(layout)
         for lane in LANES:
@@ -82,6 +85,23 @@ def _ways_to(start: Departure, goal: Station, end: Array) -> Iterator[Course]:
         around = _around(start, goal, end, half)
         if around is not None:
             yield Course(around, (side, "around"))
+
+
+def _past_corners(frames: tuple[Frame, Frame], q: Array, end: Array, side: int) -> Iterator[Course]:
+    """Ways that begin or end along the wall: beside a corner, someone may stand right behind the robot."""
+    for first, second, slide in product(_CROSSINGS[:2], _CROSSINGS[:2], _SLIDES):
+        for slides in ((slide, 0.0), (0.0, slide)):
+            aside, ahead = _slid(q, frames[0], slides[0]), _slid(end, frames[1], slides[1])
+            out, before = _moved(q, frames[0], aside, first), _moved(end, frames[1], ahead, second)
+            yield Course([q, aside, out, before, ahead, end], (side, "along the wall"))
+
+
+def _slid(q: Array, frame: Frame, slide: float) -> Array:
+    """``q`` with its base moved along the wall of ``frame``."""
+    x, y = frame.local(float(q[0]), float(q[1]))
+    slid = q.copy()
+    slid[:2] = frame.point(x + slide, y)
+    return slid
 
 
 def _any_frame(layout: Layout) -> Frame:

@@ -27,7 +27,7 @@ Steps = Generator[None, None, None]
 _FACING = 0.5 * math.pi  # rad, heading of a robot that faces its wall, in the wall's frame
 STATION_REACH = 0.34  # m, how far aside of its station a robot may stand within a skill
 FRONT_LIMIT = -0.20  # y of the arm axis nearest to the counters (their fronts are at 0, the base reaches 0.15 ahead)
-_EMPTY = 0.004  # m between fingers that hold nothing
+EMPTY = 0.002  # m between fingers that hold nothing; the thinnest wall that they hold is 5 mm
 _SLIPPED = 0.06  # m by which a thing may move in the hand and still be held
 _LADEN = 0.6  # share of the usual speeds at which a full hand is drawn in
 _RISES = (0.08, 0.16, 0.24)  # m by which a hand is raised that cannot be folded where it is
@@ -79,7 +79,10 @@ class Surroundings:
             turns = round((self.robot.in_world(self.robot.q)[2] - _FACING) / _FACING)
             frame = replace(frame, quarters=turns)
         self.robot.enter(frame)
-        self.station = station.seen_from(frame)
+        near = station.seen_from(frame)
+        # The robot may have gone round since; its station is the same direction at the nearest value of its joint.
+        rounds = round((near.yaw - float(self.robot.q[2])) / math.tau)
+        self.station = replace(near, yaw=near.yaw - rounds * math.tau)
 
     def leave(self) -> None:
         """Tell everything in the frame of the room, as drives do."""
@@ -162,7 +165,7 @@ def check_held(here: Surroundings) -> None:
     body = here.hand.body
     if body is None:
         return
-    if here.robot.opening < _EMPTY or abs(_away(here, body) - here.hand.away) > _SLIPPED:
+    if here.robot.opening < EMPTY or abs(_away(here, body) - here.hand.away) > _SLIPPED:
         here.hand.body = None
         raise SkillFailure("slipped", f"the {body} slipped out of the hand")
 

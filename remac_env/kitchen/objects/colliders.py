@@ -21,9 +21,14 @@ _WHOLE = {"contype": 2, "conaffinity": 3}
 _ON_FEET = {"contype": 2, "conaffinity": 2}
 _FOOT = {"contype": 0, "conaffinity": 1, "friction": [1.0, 0.005, 0.0001], "mass": 0.002}
 _STIFF = {"condim": 6, "solref": [0.01, 1.0]}
+# A pan hangs far from the fingers: its handle creeps in them four times slower than with the pads' own impedance. As
+# weighty as a pad (friction: the larger of both), but its impedance rules; stiffer still, contacts chatter and let go.
+_HANDLE = {"priority": 1, "solmix": 1000.0, "solref": [0.01, 1.0], "solimp": [0.99, 0.999, 0.001, 0.5, 2.0]}
 COLLIDER_GROUP = 3
 
-_WALL_PIECES = 12
+WALL_PIECES = 12
+"""Boxes in the ring of a dish or cup, the first towards +x."""
+
 _FOOT_RADIUS = 0.004
 # Feet reach half a millimetre below the frame, so that the floor over them stays clear of the surface.
 _FOOT_HEIGHT = 0.0035
@@ -72,7 +77,7 @@ def _dish(body: mujoco.MjsBody, category: Category) -> None:
         radius, height = measures["handle_radius"], measures["height"]
         ends = [0, -measures["handle_from"] - radius, height, 0, -measures["handle_to"] + radius, height]
         kind = mujoco.mjtGeom.mjGEOM_CAPSULE
-        _add(body, category, kind, fromto=ends, size=[radius, 0, 0], mass=handle_mass, **_WHOLE)
+        _add(body, category, kind, fromto=ends, size=[radius, 0, 0], mass=handle_mass, **_WHOLE, **_HANDLE)
 
 
 def _cup(body: mujoco.MjsBody, category: Category) -> None:
@@ -142,13 +147,13 @@ def _wall(
     """A ring of boxes from the base radius at the bottom to the radius at the top."""
     lean, length = atan2(radius - base_radius, height), hypot(radius - base_radius, height)
     middle, bottom = (radius + base_radius) / 2, 0.004
-    half = [category.body["wall"], middle * tan(pi / _WALL_PIECES) * 1.05, length / 2]
-    for piece in range(_WALL_PIECES):
-        turn = 2 * pi * piece / _WALL_PIECES
+    half = [category.body["wall"], middle * tan(pi / WALL_PIECES) * 1.05, length / 2]
+    for piece in range(WALL_PIECES):
+        turn = 2 * pi * piece / WALL_PIECES
         _add(
             body, category, mujoco.mjtGeom.mjGEOM_BOX,
             pos=[middle * cos(turn), middle * sin(turn), bottom + height / 2], size=half,
-            quat=_turned_and_leaning(turn, lean), mass=mass / _WALL_PIECES, **_ON_FEET,
+            quat=_turned_and_leaning(turn, lean), mass=mass / WALL_PIECES, **_ON_FEET,
         )  # fmt: skip
 
 
