@@ -155,6 +155,7 @@ def _sweep(fixture: Fixture) -> Any:
 
 
 def as_toml(proofs: Iterable[Certificate]) -> Iterator[str]:
+    """Lines of a TOML file that :mod:`remac_env.kitchen.fixtures.certificates` reads."""
     yield from _HEAD
     for proof in proofs:
         yield f"\n[{proof.kind}.{proof.make}]"
