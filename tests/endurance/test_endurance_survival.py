@@ -108,24 +108,15 @@ def test_a_spawned_process_plays_the_same_episode(backend: str) -> None:
 
 
 @both
-@pytest.mark.usefixtures("_children_find_this_folder")
-def test_a_spawned_process_goes_on_with_a_pickled_environment(backend: str) -> None:
-    env = survival.make(backend)
-    survival.begin(env, 33)
-    survival.walk(env, rounds=1, salt=1)
-    told = _in_child("spawn", children.inherited, env)
-    assert told == survival.walk(env, **children.WALK)
-
-
-@linux
-@both
+@pytest.mark.parametrize("method", ["spawn", pytest.param("fork", marks=linux)])
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_after_a_fork_both_go_on_alike(backend: str) -> None:
+@pytest.mark.usefixtures("_children_find_this_folder")
+def test_a_child_goes_on_with_its_environment_as_the_parent_does(backend: str, method: str) -> None:
     """The child first; the parent does not notice. A walk of another salt is another one."""
     env = survival.make(backend)
     survival.begin(env, 33)
     survival.walk(env, rounds=1, salt=1)
-    told = _in_child("fork", children.inherited, env)
+    told = _in_child(method, children.inherited, env)
     twin = copy.deepcopy(env)
     assert survival.walk(env, **children.WALK) == told
     assert survival.walk(twin, rounds=3, salt=6) != told
