@@ -17,6 +17,10 @@ COLLIDER_GROUP = 3
 ROBOT_BIT, ROBOT_MEETS = 4, 7
 CONTROL_PERIOD = 0.05  # s; servo setpoints ramp linearly over one period
 
+# kg, of a finger with its drive. The damping of its servo is integrated implicitly; on a finger of a quarter of this it
+# hides so much of what contacts do that the pads bounce on a hard handle for ever, 3 mm deep, until it slides out.
+_FINGER_INERTIA = 1.0
+
 _BOX = mujoco.mjtGeom.mjGEOM_BOX
 _CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
 _CYLINDER = mujoco.mjtGeom.mjGEOM_CYLINDER
@@ -109,7 +113,8 @@ def _add_hand(name: str, link7: mujoco.MjsBody, child: object) -> None:
     for part, side in zip(panda.FINGERS, (1.0, -1.0), strict=True):
         finger = child(hand, part, (0.0, 0.0, 0.0524))  # type: ignore[operator]
         finger.add_joint(name=f"{name}/{part}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, side, 0],
-                         range=[0.0, panda.FINGER_OPEN], limited=True, armature=0.2, damping=[10.0, 0.0, 0.0])
+                         range=[0.0, panda.FINGER_OPEN], limited=True, armature=_FINGER_INERTIA,
+                         damping=[10.0, 0.0, 0.0])
         _collider(finger, _BOX, 0.5 * panda.FINGER_MASS, pos=[0.0, side * 0.013, 0.018], size=[0.010, 0.0065, 0.016])
         pad = _collider(finger, _BOX, 0.5 * panda.FINGER_MASS, pos=[0.0, side * 0.005, 0.043],
                         size=[0.0095, 0.005, 0.018])

@@ -80,7 +80,7 @@ def _model(category: Category, position: np.ndarray, rotation: np.ndarray) -> mu
     hand.add_geom(type=box, size=[0.01] * 3, pos=[0, 0, -0.2], mass=1, contype=0, conaffinity=0)
     for name, side in (("left", 1), ("right", -1)):
         finger = hand.add_body(name=name, gravcomp=1)
-        finger.add_joint(name=name, type=slide, axis=[side, 0, 0], range=[0, 0.04], limited=True, armature=0.2)
+        finger.add_joint(name=name, type=slide, axis=[side, 0, 0], range=[0, 0.04], limited=True, armature=1.0)
         finger.add_geom(
             type=box, size=[0.005, 0.0095, 0.018], pos=[side * 0.005, 0, -0.003], mass=0.05, priority=1, condim=4,
             friction=[2, 0.05, 0.001], solref=[0.01, 1], solimp=[0.97, 0.99, 0.001, 0.5, 2], contype=4, conaffinity=7,

@@ -22,7 +22,10 @@ OPEN_TO = 1.45  # rad
 _SWUNG, _SHUT = 1.0, 0.045  # rad at which a leaf has been opened, and closed
 _CLEAR, _ASIDE = 0.8, 1.0  # rad at which a leaf leaves room for the hand at its neighbour, and to which it is swung
 _PLANNED = 0.05  # rad beyond, in planning
-_SPEED = 0.7  # rad/s
+_BEYOND = 0.06  # rad by which the command may go beyond
+# rad/s; slower where a leaf is nearly shut: a hand that still leads presses bar and panel on the fingers, which then
+# do not open.
+_SPEED, _SHUTTING = 0.7, 0.35
 _LEAD = 0.22  # rad by which the command may run ahead of the door
 _STALLED = 25  # control periods without progress
 # Share of the door's turn that the hand follows; the round bar turns in the fingers.
@@ -237,8 +240,9 @@ def _follow_arc(here: Surroundings, door: _Door, grasp: _DoorGrasp, start: float
     angle, last, stalled = start, start, 0
     for _ in range(300):
         now = simulation.joint(door.joint)
-        limit = min(sign * now + _LEAD, sign * (target + sign * 0.10))
-        angle = sign * min(sign * angle + _SPEED * CONTROL_PERIOD, limit)
+        limit = min(sign * now + _LEAD, sign * target + _BEYOND)
+        speed = _SHUTTING if 0.0 > sign * angle > -_LEAD else _SPEED
+        angle = sign * min(sign * angle + speed * CONTROL_PERIOD, limit)
         at = door.turn(grasp.follows * (angle - start)) @ grasp.rotation
         step = planner.kinematics.track(robot.q, door.at(angle), at, weights=grasp.weights, largest=STEP_LIMIT)
         yield from here.mover.step(step.q)
