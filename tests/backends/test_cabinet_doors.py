@@ -1,4 +1,4 @@
-"""Doors of two leaves in physics: both are opened and closed, each from where it stands, the nearer one first."""
+"""Doors of cabinets in physics: of two leaves the nearer goes first, and hands let go of a door that is shut."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import module_trials
 import mujoco
+import numpy as np
 import pytest
 
+from remac_env.backends.physics import doors
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.layout import Layout
@@ -27,15 +29,19 @@ LEAVES = ("cabinet/left_door", "cabinet/right_door")
 
 
 class OneCabinet(TaskWorlds):
+    make, beside = "double_bar", "left"
+
     def layout(self, name: str, style: str) -> Layout:
-        return module_trials.module_layout("cabinet", "double_bar", "left")
+        return module_trials.module_layout("cabinet", self.make, self.beside)
 
 
 class Kitchen:
-    """A robot, a cabinet with two leaves and a plate in it, or what another task has."""
+    """A robot, a cabinet with two leaves and a plate in it, or what another task and other worlds have."""
 
-    def __init__(self, seed: int, angle: float = 0.0, spec: TaskSpec = SPEC) -> None:
-        self.worlds = OneCabinet(replace(spec, distractors=(0, 0)))
+    def __init__(
+        self, seed: int, angle: float = 0.0, spec: TaskSpec = SPEC, worlds: type[TaskWorlds] = OneCabinet
+    ) -> None:
+        self.worlds = worlds(replace(spec, distractors=(0, 0)))
         self.start = started(self.worlds, seed, angle)
         self.backend = PhysicsBackend(self.worlds)
         self.backend.reset(self.start)
@@ -111,6 +117,38 @@ def test_a_bowl_goes_in_between_the_leaves() -> None:
     for step in ("navigate to bowl", "pick up bowl", "navigate to cabinet", "place to cabinet"):
         assert kitchen.run(step).success, step
     assert kitchen.backend.world.objects["bowl"].place == Place("slot", "cabinet.0")
+
+
+class OneLeaf(OneCabinet):
+    make, beside = "left_bar", "right"
+
+
+def force_of_shutting() -> float:
+    """The largest sum of forces (N) between robot and cabinet while one leaf is closed."""
+    kitchen, forces = Kitchen(46000, angle=1.45, worlds=OneLeaf), [0.0]
+    model, data, force = kitchen.backend.model, kitchen.backend.data, np.zeros(6)
+
+    def watch() -> None:
+        total = 0.0
+        for index, contact in enumerate(data.contact):
+            bodies = "".join(model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
+            if ROBOT in bodies and "cabinet" in bodies:
+                mujoco.mj_contactForce(model, data, index, force)
+                total += float(force[0])
+        forces.append(total)
+
+    assert kitchen.run("navigate to cabinet").success
+    kitchen.backend.watch = watch
+    kitchen.run("close cabinet door")
+    return max(forces)
+
+
+def test_a_door_is_not_slammed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pressed on harder than by some pinching, a bar holds the fingers, and the door comes open with the hand."""
+    assert 50.0 < force_of_shutting() < 200.0
+    monkeypatch.setattr(doors, "_BEYOND", 0.10)
+    monkeypatch.setattr(doors, "_SHUTTING", 0.7)
+    assert force_of_shutting() > 1000.0
 
 
 def test_a_kitchen_that_is_only_drawn_shows_both_leaves() -> None:
