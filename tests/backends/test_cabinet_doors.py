@@ -16,7 +16,7 @@ from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rendering.posing import pose
-from remac_env.start import Start
+from remac_env.start import Offset, Start
 from remac_env.state import Place, door_state
 from remac_env.subtasks import Outcome
 from remac_env.tasks.goals import Inside
@@ -25,6 +25,7 @@ from remac_env.tasks.spec import Role, TaskSpec
 ROBOT = "robot_1"
 SPEC = TaskSpec("Doors", ("", "", ""), Inside("{plate}", "counter"), (Role("plate", ("plate",), at="cabinet"),), ())
 BOWL = replace(SPEC, goal=Inside("{bowl}", "cabinet"), roles=(Role("bowl", ("bowl",)),))
+SAUSAGE = replace(SPEC, goal=Inside("{sausage}", "counter"), roles=(Role("sausage", ("sausage",), at="cabinet"),))
 LEAVES = ("cabinet/left_door", "cabinet/right_door")
 
 
@@ -149,6 +150,17 @@ def test_a_door_is_not_slammed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doors, "_BEYOND", 0.10)
     monkeypatch.setattr(doors, "_SHUTTING", 0.7)
     assert force_of_shutting() > 1000.0
+
+
+@pytest.mark.parametrize("yaw", [1.2, 1.57, 2.0, 4.5])
+def test_a_bent_thing_that_points_at_the_robot_is_held(yaw: float) -> None:
+    """Fingers close on it square to where it is bent; square to its ends, it creeps out of them."""
+    kitchen = Kitchen(46000, angle=1.45, spec=SAUSAGE, worlds=OneLeaf)
+    start = kitchen.start
+    kitchen.backend.reset(replace(start, offsets={**start.offsets, "sausage": Offset(yaw=yaw)}))
+    for step in ("navigate to cabinet", "pick up sausage"):
+        assert kitchen.run(step).success, step
+    assert kitchen.backend.world.robots[ROBOT].holding == "sausage"
 
 
 def test_a_kitchen_that_is_only_drawn_shows_both_leaves() -> None:

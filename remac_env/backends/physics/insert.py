@@ -267,4 +267,16 @@ def _grasping(
                 spare = (_PALM + height * math.sin(tilt)) / math.cos(tilt)
                 nearer = min(max(0.0, thing.size[0] - spare), 0.6 * thing.size[0])
                 at = position + [0.0, 0.0, height] - nearer * front[:, 0]
+                aside, turned = _bent(thing, -nearer * front[:, 0] @ rotation)
+                at, hand = at + rotation @ aside, about_z(turned) @ hand
+                approach = hand[:, 2]
                 yield at + [0.0, 0.0, 0.03] - 0.04 * approach, at, hand
+
+
+def _bent(thing: Category, at: Array) -> tuple[Array, float]:
+    """How far (3,) beside its axis a bent thing's middle line is at ``at`` in its frame, and its turn there (rad)."""
+    if thing.body.form != "chain":
+        return np.zeros(3), 0.0
+    x, y, _ = np.array(thing.body["points"]).T
+    ahead, behind = (float(np.interp(at[0] + end, x, y)) for end in (0.012, -0.012))
+    return np.array([0.0, 0.5 * (ahead + behind), 0.0]), math.atan2(ahead - behind, 0.024)
