@@ -45,6 +45,7 @@ _ASKEW = 0.25  # rad by which the fingers may close askew on a long thing
 _RAISED = (0.0, 0.006, 0.010, 0.0125)  # m by which the grasp may be higher, so that the palm clears the rim of a plate
 _HOLD = 0.005  # m by which the pads must reach below a thing's middle, with the air that tip_depth adds
 _PALM = 0.028  # m between grip site and palm, less a little
+_PAD = 0.012  # m to either side of a grasp's middle that the fingers hold along a thing, about
 _WIDEST_TURN = 1.25  # rad to the side from which a hand still fits into a cavity
 _CLEAR = (0.022,)  # m by which the thing is lowered once it is in
 _CLEAR_OF_RIM = (0.045, 0.034, 0.022)  # the same over a plate, the best first: too low it would push the plate
@@ -278,5 +279,5 @@ def _bent(thing: Category, at: Array) -> tuple[Array, float]:
     if thing.body.form != "chain":
         return np.zeros(3), 0.0
     x, y, _ = np.array(thing.body["points"]).T
-    ahead, behind = (float(np.interp(at[0] + end, x, y)) for end in (0.012, -0.012))
-    return np.array([0.0, 0.5 * (ahead + behind), 0.0]), math.atan2(ahead - behind, 0.024)
+    ahead, behind = (float(np.interp(at[0] + end, x, y)) for end in (_PAD, -_PAD))
+    return np.array([0.0, 0.5 * (ahead + behind), 0.0]), math.atan2(ahead - behind, 2.0 * _PAD)

@@ -26,9 +26,10 @@ _LEVEL_TURNS = (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.8, -0.8, 1.0, -1.0, 1.4,
 _BASIN_SHIFTS = ((-0.03, 0.065), (-0.05, 0.06), (-0.12, 0.06), (0.03, 0.065), (0.05, 0.06), (0.12, 0.06), (0.0, 0.08))
 _BASIN_TURNS = (1.4, -1.4, 1.0, -1.0, 0.8, -0.8, 1.8, -1.8, 0.2, -0.2, 0.0)
 _DROOPS = (0.0, 0.5, 1.0)  # shares of its droop in the hand with which a vessel may be set down
+_OVER_RIM = 0.26  # m above a basin's floor
 # m from where the hand comes straight: from above, into a cavity also from in front of it.
 _FROM: Mapping[str, tuple[tuple[float, float, float], ...]] = {
-    "basin": ((0.0, 0.0, 0.26),),
+    "basin": ((0.0, 0.0, _OVER_RIM),),
     "cavity": ((0.0, 0.0, 0.10), (0.0, -0.30, 0.08), (0.0, -0.35, 0.05)),
 }
 _FROM_ABOVE = ((0.0, 0.0, 0.10),)
@@ -53,7 +54,7 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
         here.scratch.free(goal)
         here.scratch.release(leave=True)
         here.scratch.mark(here.simulation.geoms(body), TARGET)
-        back = 0.26 if kind == "basin" and thing.vessel else 0.12
+        back = _OVER_RIM if kind == "basin" and thing.vessel else 0.12
         out = here.planner.line(goal, grasp.position - grasp.rotation[:, 2] * back, grasp.rotation, speed=0.25)
         here.scratch.hold(body, grip, pose)
         return out

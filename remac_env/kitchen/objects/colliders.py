@@ -22,7 +22,7 @@ _ON_FEET = {"contype": 2, "conaffinity": 2}
 _FOOT = {"contype": 0, "conaffinity": 1, "friction": [1.0, 0.005, 0.0001], "mass": 0.002}
 _STIFF = {"condim": 6, "solref": [0.01, 1.0]}
 # A pan hangs far from the fingers: its handle creeps in them four times slower than with the pads' own impedance. As
-# weighty as a pad (friction: the larger of both), but its impedance rules; stiffer still, contacts chatter and let go.
+# weighty as a pad (friction: the larger of both), but its impedance rules.
 _HANDLE = {"priority": 1, "solmix": 1000.0, "solref": [0.01, 1.0], "solimp": [0.99, 0.999, 0.001, 0.5, 2.0]}
 COLLIDER_GROUP = 3
 
