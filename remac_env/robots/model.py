@@ -6,7 +6,9 @@ site ``<robot>/grip`` lies between the fingertip pads (z along the approach, x a
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
+from types import MappingProxyType
 
 import mujoco
 import numpy as np
@@ -19,7 +21,13 @@ CONTROL_PERIOD = 0.05  # s; servo setpoints ramp linearly over one period
 
 # kg, of a finger with its drive. The damping of its servo is integrated implicitly; on a finger of a quarter of this it
 # hides so much of what contacts do that the pads bounce on a hard handle for ever, 3 mm deep, until it slides out.
-_FINGER_INERTIA = 1.0
+FINGER_INERTIA = 1.0
+
+PAD: Mapping[str, object] = MappingProxyType({
+    "friction": [2.0, 0.05, 0.001], "condim": 4, "priority": 1, "solref": [0.01, 1.0],
+    "solimp": [0.97, 0.99, 0.001, 0.5, 2.0],
+})  # fmt: skip
+"""How the pads of the fingers touch things."""
 
 _BOX = mujoco.mjtGeom.mjGEOM_BOX
 _CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
@@ -113,16 +121,11 @@ def _add_hand(name: str, link7: mujoco.MjsBody, child: object) -> None:
     for part, side in zip(panda.FINGERS, (1.0, -1.0), strict=True):
         finger = child(hand, part, (0.0, 0.0, 0.0524))  # type: ignore[operator]
         finger.add_joint(name=f"{name}/{part}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, side, 0],
-                         range=[0.0, panda.FINGER_OPEN], limited=True, armature=_FINGER_INERTIA,
+                         range=[0.0, panda.FINGER_OPEN], limited=True, armature=FINGER_INERTIA,
                          damping=[10.0, 0.0, 0.0])
         _collider(finger, _BOX, 0.5 * panda.FINGER_MASS, pos=[0.0, side * 0.013, 0.018], size=[0.010, 0.0065, 0.016])
-        pad = _collider(finger, _BOX, 0.5 * panda.FINGER_MASS, pos=[0.0, side * 0.005, 0.043],
-                        size=[0.0095, 0.005, 0.018])
-        pad.friction = [2.0, 0.05, 0.001]
-        pad.condim = 4
-        pad.priority = 1
-        pad.solref = [0.01, 1.0]
-        pad.solimp = [0.97, 0.99, 0.001, 0.5, 2.0]
+        _collider(finger, _BOX, 0.5 * panda.FINGER_MASS, pos=[0.0, side * 0.005, 0.043],
+                  size=[0.0095, 0.005, 0.018], **PAD)
 
 
 def _add_servos(spec: mujoco.MjSpec, name: str) -> None:

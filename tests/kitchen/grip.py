@@ -9,6 +9,7 @@ import numpy as np
 
 from remac_env.kitchen.objects import add_object
 from remac_env.kitchen.objects.catalogue import Category, Grasp
+from remac_env.robots.model import FINGER_INERTIA, PAD
 
 LIFT = 0.20  # m
 _APPROACH = 0.12  # m
@@ -80,10 +81,12 @@ def _model(category: Category, position: np.ndarray, rotation: np.ndarray) -> mu
     hand.add_geom(type=box, size=[0.01] * 3, pos=[0, 0, -0.2], mass=1, contype=0, conaffinity=0)
     for name, side in (("left", 1), ("right", -1)):
         finger = hand.add_body(name=name, gravcomp=1)
-        finger.add_joint(name=name, type=slide, axis=[side, 0, 0], range=[0, 0.04], limited=True, armature=1.0)
+        finger.add_joint(
+            name=name, type=slide, axis=[side, 0, 0], range=[0, 0.04], limited=True, armature=FINGER_INERTIA
+        )
         finger.add_geom(
-            type=box, size=[0.005, 0.0095, 0.018], pos=[side * 0.005, 0, -0.003], mass=0.05, priority=1, condim=4,
-            friction=[2, 0.05, 0.001], solref=[0.01, 1], solimp=[0.97, 0.99, 0.001, 0.5, 2], contype=4, conaffinity=7,
+            type=box, size=[0.005, 0.0095, 0.018], pos=[side * 0.005, 0, -0.003], mass=0.05, contype=4, conaffinity=7,
+            **PAD,
         )  # fmt: skip
         _servo(spec, name, 4000, 80, _FORCE)
     return spec.compile()
