@@ -77,16 +77,17 @@ def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place |
     """Where `place to target` puts what the robot holds, or None when there is no room.
 
     On a fixture: a free slot at the robot's station, a lit burner before others; else a vessel that belongs there and
-    has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full. Neither where the thing is too
-    big for the fixture around.
+    has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full or too deep for the hand where it
+    stands. Neither where the thing is too big for the fixture around.
     """
-    held, kind = world.robots[robot].holding, _kind_around(scene, world, target)
+    held, kind = world.robots[robot].holding, kind_around(scene, world, target)
     if held is not None and kind in scene.objects[held].too_big_for:
         return None
     if target in scene.objects:
         small = held is None or scene.objects[held].small
         full = len(contents(world, target)) >= scene.objects[target].holds
-        return Place("vessel", target) if small and not full and held != target else None
+        deep = kind in scene.objects[target].too_deep_in
+        return Place("vessel", target) if small and not (full or deep) and held != target else None
     here = world.robots[robot].station
     slots = [name for name in scene.fixtures[target].slots if scene.slots[name].station == here]
     free = [name for name in slots if occupant(world, name) is None]
@@ -131,10 +132,12 @@ def _placed(scene: Scene, world: WorldState, target: str) -> bool:
 
 
 def _graspable(scene: Scene, world: WorldState, target: str) -> bool:
-    return _kind_around(scene, world, target) not in scene.objects[target].too_big_for
+    kind, place = kind_around(scene, world, target), world.objects[target].place
+    deep = place.relation == "vessel" and kind in scene.objects[place.where].too_deep_in
+    return not deep and kind not in scene.objects[target].too_big_for
 
 
-def _kind_around(scene: Scene, world: WorldState, target: str) -> str:
+def kind_around(scene: Scene, world: WorldState, target: str) -> str:
     """The kind of a fixture, or of that in or on which a thing stands; "" for what is held or on the floor."""
     if target in scene.fixtures:
         return scene.fixtures[target].kind

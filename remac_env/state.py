@@ -64,9 +64,10 @@ class FixtureFacts:
 class ObjectFacts:
     """A thing that can be carried.
 
-    `needs_vessel_in`, `vessel_in`, `too_big_for` name fixture kinds: meat needs a vessel in a sink, a bowl is one, and
-    a plate leaves no room for a hand in a microwave. `holds`: how many things fit on or in it; `seasons`: a shaker;
-    `small`: it fits into a vessel; `washable`: water leaves it washed.
+    `needs_vessel_in`, `vessel_in`, `too_big_for`, `too_deep_in` name fixture kinds: meat needs a vessel in a sink, a
+    bowl is one, a plate leaves no room for a hand in a microwave, and no hand reaches into a bowl in a cabinet.
+    `holds`: how many things fit on or in it; `seasons`: a shaker; `small`: it fits into a vessel; `washable`: water
+    leaves it washed.
     """
 
     name: str
@@ -78,6 +79,7 @@ class ObjectFacts:
     small: bool = True
     washable: bool = False
     too_big_for: frozenset[str] = frozenset()
+    too_deep_in: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from remac_env.conditions import kind_around
 from remac_env.state import ObjectState, Place, Scene, base_place, contents, door_state, occupant
 from remac_env.tasks.goals import Goal, Inside, SwitchedOn
 
@@ -95,7 +96,9 @@ def _fill(draft: Draft, vessel: str, wanted: tuple[str, ...], rng: np.random.Gen
 
 
 def _has_room(draft: Draft, vessel: str) -> bool:
-    return len(contents(draft.world, vessel)) < draft.scene.objects[vessel].holds
+    facts = draft.scene.objects[vessel]
+    deep = kind_around(draft.scene, draft.world, vessel) in facts.too_deep_in
+    return len(contents(draft.world, vessel)) < facts.holds and not deep
 
 
 def _add(draft: Draft, place: Place, wanted: tuple[str, ...], rng: np.random.Generator) -> None:

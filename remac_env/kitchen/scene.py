@@ -47,6 +47,7 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             small=category.small,
             washable="washable" in category.attributes,
             too_big_for=category.too_big_for,
+            too_deep_in=category.too_deep_in,
         )
         for noun, category in things.items()
     }

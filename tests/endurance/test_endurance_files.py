@@ -70,7 +70,7 @@ KINDS = {
     ),
     "objects": Kind(
         folder=catalogue._FOLDER, read=_read_objects,
-        optional=r"[^.]+\.(roles|attributes|needs_vessel_in|vessel_in|too_big_for|holds|inside_height|look|color)"
+        optional=r"[^.]+\.(roles|attributes|needs_vessel_in|vessel_in|too_(big_for|deep_in)|holds|inside_height|look|color)"
         r"|[^.]+\.grasp\.(lean|any_yaw)|[^.]+\.body\.handle(_\w+)?",
         loose=r"[^.]+", free=r"[^.]+\.(roles|look)",
         large=r"[^.]+\.(mass|friction|rest_height|holds|inside_height)|[^.]+\.grasp\.(height|reach|lean)|[^.]+\.body\..*",

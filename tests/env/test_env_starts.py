@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 import remac_env
+from remac_env.conditions import condition
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.oracle import solve
@@ -172,6 +173,8 @@ def test_all_kinds_of_mixed_starts_occur(task: str) -> None:
         scene, world = env.start.scene, env.world
         check_world(scene, world, where=f"seed {seed}")
         assert not env.goal.holds(scene, world)
+        laid = [noun for noun, state in world.objects.items() if state.place.relation == "vessel"]
+        assert all(condition("graspable", noun).holds(scene, world) for noun in laid), f"seed {seed}"
         for name, angle in env.start.doors.items():
             door = world.fixtures[name].door
             low, high = {"closed": (0.0, 0.02), "ajar": (0.2, 0.6), "open": (0.9, 1.6)}[str(door)]

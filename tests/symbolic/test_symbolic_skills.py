@@ -293,3 +293,19 @@ def test_what_is_too_big_is_not_put_on_a_vessel_inside_either() -> None:
     refused(kitchen, "place to plate", "blocked")
     kitchen.put("plate", "counter.2").stand(A, "counter_mid")
     assert kitchen.run(**{A: "place to plate"}).reason() is None
+
+
+def test_no_hand_reaches_into_a_bowl_in_a_cabinet() -> None:
+    kitchen = TableKitchen().put("plate", "counter.6").put("bowl", "cabinet.0").door("cabinet", "open")
+    kitchen.stand(A, "cabinet").hold(A, "fish")
+    refused(kitchen, "place to bowl", "blocked")
+    kitchen.put("fish", "bowl")
+    kitchen.world = kitchen.world.with_robot(A, holding=None)
+    refused(kitchen, "pick up fish", "blocked")
+    kitchen.put("bowl", "counter.2").stand(A, "counter_mid")
+    assert kitchen.run(**{A: "pick up fish"}).run(**{A: "place to bowl"}).reason() is None
+
+
+def test_a_closed_door_is_told_before_the_depth_of_a_bowl_behind_it() -> None:
+    kitchen = TableKitchen().put("plate", "counter.6").put("bowl", "cabinet.0").put("fish", "bowl").stand(A, "cabinet")
+    refused(kitchen, "pick up fish", "door_closed")

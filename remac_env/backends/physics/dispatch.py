@@ -11,7 +11,7 @@ from remac_env.backends.physics.place import place_on
 from remac_env.backends.physics.season import season
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, require_open
 from remac_env.backends.physics.switches import press_button, turn_knob, turn_lever
-from remac_env.conditions import landing, switch_for
+from remac_env.conditions import condition, landing, switch_for
 from remac_env.kitchen.fixtures import Slot
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array
@@ -28,7 +28,7 @@ def motion(here: Surroundings, scene: Scene, world: WorldState, robot: str, subt
     """The generator that runs an accepted subtask other than driving."""
     target = subtask.target
     if subtask.skill == "pick up":
-        yield from _pick_up(here, world, target)
+        yield from _pick_up(here, scene, world, target)
     elif subtask.skill == "place to":
         yield from _place(here, scene, world, robot, target)
     elif subtask.skill == "season":
@@ -61,8 +61,11 @@ def _slot_of(here: Surroundings, world: WorldState, name: str) -> Slot:
     return here.layout.slots[place.where]
 
 
-def _pick_up(here: Surroundings, world: WorldState, target: str) -> Steps:
+def _pick_up(here: Surroundings, scene: Scene, world: WorldState, target: str) -> Steps:
     slot = _slot_of(here, world, target)
+    if not condition("graspable", target).holds(scene, world):
+        require_open(here, slot.fixture)
+        raise SkillFailure("blocked", f"the hand has no room to take hold of the {target} on or in the {slot.fixture}")
     place = world.objects[target].place
     vessel = place.where if place.relation == "vessel" else None
     inner = tuple(contents(world, target))
@@ -92,10 +95,7 @@ def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, targ
     else:
         slot, vessel = here.layout.slots[place.where], None
         point = np.array(slot.center)
-    if slot.kind == "cavity" and here.things[here.hand.body].vessel:
-        require_open(here, slot.fixture)
-        yield from place_on(here, point, kind=slot.kind)
-    elif slot.kind == "cavity":
+    if slot.kind == "cavity":
         yield from insert(here, slot.fixture, point, vessel=vessel)
     else:
         yield from place_on(here, point, kind=slot.kind, vessel=vessel)

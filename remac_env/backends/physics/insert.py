@@ -15,7 +15,7 @@ from remac_env.backends.physics.collision import IGNORED, TARGET
 from remac_env.backends.physics.grasps import OPENINGS, tip_depth
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.pick_up import draw_in
-from remac_env.backends.physics.place import release
+from remac_env.backends.physics.place import release, upright_poses
 from remac_env.backends.physics.skill import (
     EMPTY,
     SkillFailure,
@@ -75,7 +75,10 @@ def insert(here: Surroundings, fixture: str, point: Array, *, vessel: str | None
     carry = here.robot.q.copy()
     if vessel is None:
         point = point - [0.0, _NEARER, 0.0]
-    found = _way_in(here, point, carry, body, _CLEAR if vessel is None else _CLEAR_OF_RIM)
+    if here.things[body].vessel:
+        found = _search(here, point, carry, partial(_standing, here, point), _lowered)
+    else:
+        found = _way_in(here, point, carry, body, _CLEAR if vessel is None else _CLEAR_OF_RIM)
     yield from _enter(here, found)
     check_held(here)
     yield from release(here, 10)
@@ -231,6 +234,12 @@ def _placing(
         height = max(point[2] + below + _TOUCH, point[2] + 0.03 - shift[2])
         at = np.array([point[0], point[1], height]) + shift - _FORWARD * abs(math.sin(fall)) * heading[:, 0]
         yield at + [0.0, 0.0, clear], at, hand
+
+
+def _standing(here: Surroundings, point: Array, base: Array) -> Iterator[tuple[Array, Array, Array]]:
+    """Hand poses that bring a vessel in level over ``point``: (while driving in, at the release, rotation)."""
+    for grasp in upright_poses(here, point, "cavity"):
+        yield grasp.position + [0.0, 0.0, 0.03], grasp.position, grasp.rotation
 
 
 def _fall(thing: Category, rotation: Array) -> float:

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from itertools import product
-
-import numpy as np
 
 from remac_env.backends.physics.collision import TARGET
 from remac_env.backends.physics.grasps import Grasp
@@ -27,12 +24,7 @@ _BASIN_SHIFTS = ((-0.03, 0.065), (-0.05, 0.06), (-0.12, 0.06), (0.03, 0.065), (0
 _BASIN_TURNS = (1.4, -1.4, 1.0, -1.0, 0.8, -0.8, 1.8, -1.8, 0.2, -0.2, 0.0)
 _DROOPS = (0.0, 0.5, 1.0)  # shares of its droop in the hand with which a vessel may be set down
 _OVER_RIM = 0.26  # m above a basin's floor
-# m from where the hand comes straight: from above, into a cavity also from in front of it.
-_FROM: Mapping[str, tuple[tuple[float, float, float], ...]] = {
-    "basin": ((0.0, 0.0, _OVER_RIM),),
-    "cavity": ((0.0, 0.0, 0.10), (0.0, -0.30, 0.08), (0.0, -0.35, 0.05)),
-}
-_FROM_ABOVE = ((0.0, 0.0, 0.10),)
+_FROM_ABOVE = 0.10  # m above its place from where the hand comes straight; over the rim into a basin
 
 
 def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None = None) -> Steps:
@@ -48,7 +40,7 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
     if not here.scratch.free(robot.q):
         here.begin(here.simulation.geoms(vessel) if vessel else (), held_meets=False)
     grip, pose = robot.grip_pose(), here.simulation.pose(body)
-    grasps = _poses(here, point, kind)
+    grasps = upright_poses(here, point, kind)
 
     def after(goal: Array, grasp: Grasp) -> Path | None:
         here.scratch.free(goal)
@@ -77,7 +69,7 @@ def release(here: Surroundings, periods: int = 6) -> Steps:
     here.hand.body, here.hand.contents = None, ()
 
 
-def _poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
+def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
     """Poses of the hand that set the held thing upright on ``point``; its turn about the vertical is free."""
     body = here.hand.body
     if body is None:
@@ -96,15 +88,13 @@ def _poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
     if kind == "basin" and thing.vessel:
         goals = [goals[0] + [dx, dy, 0.0] for dx, dy in _BASIN_SHIFTS]
     found = []
-    ways = [np.array(way) for way in _FROM.get(kind, _FROM_ABOVE)]
+    above = _OVER_RIM if kind == "basin" else _FROM_ABOVE
     leans, turns = (0.0,) if thing.vessel else _LEANS, _turns(thing, kind)
-    for (upright, edge), goal, lean, turn, before in product(
-        zip(stood, edges, strict=True), goals, leans, turns, ways
-    ):
+    for (upright, edge), goal, lean, turn in product(zip(stood, edges, strict=True), goals, leans, turns):
         hand = about_x(lean) @ about_z(turn) @ upright @ turned.T
         shift = [0.0, -0.05 * lean, _RELEASE + 0.035 * math.sin(lean) + edge]
         at = goal + shift - hand @ offset
-        found.append(Grasp(at, hand, at + before + [0.0, -0.08 * math.sin(lean), 0.0]))
+        found.append(Grasp(at, hand, at + [0.0, -0.08 * math.sin(lean), above]))
     if not thing.vessel and point[2] > 0.85 and _covered(here, point):
         # Under something low every upright hand would be tried in vain: lean first.
         found = found[len(found) // 3 :] + found[: len(found) // 3]

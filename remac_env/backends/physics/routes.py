@@ -73,27 +73,38 @@ def _ways_to(start: Departure, goal: Station, end: Array) -> Iterator[Course]:
             yield Course([q, out, before, end], (side, "turning on the way"))
             yield Course([q, out, _turned(out, end), before, end], (side, "turning first"))
             yield Course([q, out, _turned(before, q), before, end], (side, "turning last"))
-        if start.standing:
-            yield from _past_corners(frames, q, end, side)
     else:
         frame = layout.facing(goal if goal.wall else place) if goal.wall or place.wall else _any_frame(layout)
         for lane in LANES:
             yield Course([q, _moved(q, frame, q, lane), _moved(end, frame, end, lane), end], (side, f"lane {lane}"))
         if not place.wall:
             yield Course([q, end], (side, "straight"))
+    if start.standing:
+        yield from _along_walls(start, goal, end, side)
     for half in _STANDING if start.standing else _STANDING[:1]:
         around = _around(start, goal, end, half)
         if around is not None:
             yield Course(around, (side, "around"))
 
 
-def _past_corners(frames: tuple[Frame, Frame], q: Array, end: Array, side: int) -> Iterator[Course]:
+def _along_walls(start: Departure, goal: Station, end: Array, side: int) -> Iterator[Course]:
     """Ways that begin or end along the wall: beside a corner, someone may stand right behind the robot."""
-    for first, second, slide in product(_CROSSINGS[:2], _CROSSINGS[:2], _SLIDES):
-        for slides in ((slide, 0.0), (0.0, slide)):
-            aside, ahead = _slid(q, frames[0], slides[0]), _slid(end, frames[1], slides[1])
-            out, before = _moved(q, frames[0], aside, first), _moved(end, frames[1], ahead, second)
-            yield Course([q, aside, out, before, ahead, end], (side, "along the wall"))
+    q, sort = start.q, (side, "along the wall")
+    leaves, comes = (start.layout.facing(at) if at.wall else None for at in (start.place, goal))
+    if leaves and start.place.wall == goal.wall:
+        x, _ = leaves.local(float(end[0]), float(end[1]))
+        yield Course([q, _slid(q, leaves, x - leaves.local(float(q[0]), float(q[1]))[0]), end], sort)
+    for slide in _SLIDES:
+        if leaves:
+            aside = _slid(q, leaves, slide)
+            for first, second in product(_CROSSINGS[:2], _CROSSINGS if comes else _CROSSINGS[:1]):
+                before = _moved(end, comes, end, second) if comes else end
+                yield Course([q, aside, _moved(q, leaves, aside, first), before, end], sort)
+        if comes:
+            ahead = _slid(end, comes, slide)
+            for first, second in product(_CROSSINGS if leaves else _CROSSINGS[:1], _CROSSINGS[:2]):
+                out = _moved(q, leaves, q, first) if leaves else q
+                yield Course([q, out, _moved(end, comes, ahead, second), ahead, end], sort)
 
 
 def _slid(q: Array, frame: Frame, slide: float) -> Array:

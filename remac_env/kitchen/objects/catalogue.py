@@ -28,7 +28,8 @@ Attribute = Literal["washable", "microwavable", "cookable", "freezable"]
 
 _NEEDED = ("group", "mass", "friction", "rest_height", "body", "grasp")
 _FURTHER = (
-    "roles", "attributes", "needs_vessel_in", "vessel_in", "too_big_for", "holds", "inside_height", "look", "color",
+    "roles", "attributes", "needs_vessel_in", "vessel_in", "too_big_for", "too_deep_in", "holds", "inside_height",
+    "look", "color",
 )  # fmt: skip
 _GRASP_KEYS = ("mode", "height", "width", "reach", "lean", "any_yaw")
 GROUPS_AS_NOUNS = ("vegetable", "fish", "meat")
@@ -67,7 +68,8 @@ class Category:
 
     mass: kg. friction: sliding, torsional (m), rolling (m). rest_height: height of the body's frame over the surface
     it rests on, m. roles: nouns that it may go by. needs_vessel_in, vessel_in: kinds of fixtures; too_big_for: those in
-    which a hand has no room beside it, or no hold on it once it has toppled. holds: how many things it takes.
+    which a hand has no room beside it, or no hold on it once it has toppled; too_deep_in: those in which no hand
+    reaches into it. holds: how many things it takes.
     inside_height: of its inner floor over its frame, m. look: name of the drawn shape, "" to draw the colliders in
     `color` (red, green, blue in 0..1).
     """
@@ -84,6 +86,7 @@ class Category:
     needs_vessel_in: frozenset[str] = frozenset()
     vessel_in: frozenset[str] = frozenset()
     too_big_for: frozenset[str] = frozenset()
+    too_deep_in: frozenset[str] = frozenset()
     holds: int = 0
     inside_height: float = 0.0
     look: str = ""
@@ -183,6 +186,7 @@ class _Reader:
             needs_vessel_in=frozenset(self._words("needs_vessel_in", given.get("needs_vessel_in", []), KINDS)),
             vessel_in=frozenset(self._words("vessel_in", given.get("vessel_in", []), KINDS)),
             too_big_for=frozenset(self._words("too_big_for", given.get("too_big_for", []), KINDS)),
+            too_deep_in=frozenset(self._words("too_deep_in", given.get("too_deep_in", []), KINDS)),
             holds=self._whole("holds", given.get("holds", 0)),
             inside_height=self._number("inside_height", given.get("inside_height", 0.0)),
             look=self._look(given.get("look", "")),

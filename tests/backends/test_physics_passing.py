@@ -1,0 +1,96 @@
+"""Two robots in every layout: wherever one stands, the other gets from place to place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import permutations
+
+import mujoco
+import numpy as np
+import pytest
+
+import remac_env
+from remac_env.backends.physics.crew import Crew
+from remac_env.backends.physics.simulation import Simulation
+from remac_env.backends.physics.skill import SkillFailure
+from remac_env.backends.physics.traffic import Convoy, Errand
+from remac_env.kitchen import layout as layouts
+from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.frame import WORLD
+from remac_env.kitchen.layout import Layout, Station
+from remac_env.robots import panda
+
+ROBOTS = ("robot_0", "robot_1")
+
+SAMPLE = 40
+"""Drives tried in each layout, beside the narrow ones."""
+
+OFF = np.array([0.02, 0.02, 0.03])
+"""m, m, rad: how far from their places drives may end."""
+
+Drive = tuple[str, str, str]
+"""Where one robot stands, and from where to where the other goes."""
+
+NARROW: dict[str, tuple[Drive, ...]] = {
+    "l_shaped_small": (
+        ("cabinet", "counter_left", "microwave"),
+        ("cabinet", "microwave", "counter_left"),
+        ("cabinet", "counter_left", "fridge"),
+        ("cabinet", "counter_front", "counter_left"),
+    ),
+    "l_shaped_large": (
+        ("cabinet", "counter_right", "stove"),
+        ("cabinet", "stove", "counter_left"),
+        ("cabinet", "aside_left", "stove"),
+        ("cabinet", "stove", "aside_right"),
+    ),
+}
+"""Ways past somebody beside a corner."""
+
+
+def places(layout: Layout) -> dict[str, Station]:
+    return {**layout.stations, **{place.name: place for place in layout.asides}}
+
+
+def drives(layout: Layout, chance: np.random.Generator) -> Iterator[Drive]:
+    """The narrow drives of a layout, and a sample of all others that claims allow."""
+    yield from NARROW.get(layout.name, ())
+    conflicts = layout.conflicts()
+    possible = [
+        drive
+        for drive in permutations(places(layout), 3)
+        if not any(frozenset((drive[0], other)) in conflicts for other in drive[1:])
+    ]
+    for k in chance.choice(len(possible), SAMPLE, replace=False):
+        yield possible[k]
+
+
+@pytest.mark.parametrize("name", layouts.names())
+def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
+    env = remac_env.parallel_env("OpenCabinetPnP", layout=name, backend="symbolic")
+    env.reset(seed=1)
+    layout, chance = layouts.load(name), np.random.default_rng(1)
+    simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, looks=False), ROBOTS)
+    crew = Crew(simulation, layout, {}, env.start)
+
+    def near(place: str) -> Station:
+        dx, dy, turn = chance.uniform(-1.0, 1.0, 3) * OFF
+        exact = places(layout)[place]
+        return replace(exact, x=exact.x + dx, y=exact.y + dy, yaw=exact.yaw + turn)
+
+    def way(drive: Drive) -> bool:
+        for here, place in zip(crew.robots.values(), drive, strict=False):
+            station = near(place)
+            here.robot.enter(WORLD)
+            here.robot.put(panda.tucked(station.x, station.y, station.yaw))
+            here.enter(station)
+        mujoco.mj_forward(simulation.model, simulation.data)
+        errand = Errand(crew.robots["robot_1"], near(drive[2]))
+        try:
+            next(Convoy(crew.separation, {"robot_1": errand}, ()).steps("robot_1"))
+        except SkillFailure:
+            return False
+        return True
+
+    assert [drive for drive in drives(layout, chance) if not way(drive)] == []
