@@ -73,7 +73,7 @@ def _pick_up(here: Surroundings, scene: Scene, world: WorldState, target: str) -
         require_open(here, slot.fixture)
         yield from pick_up(here, target, contents=inner, lift=_CAVITY_LIFT, lifts=_OUTWARDS)
     elif slot.kind == "cavity":
-        yield from take_out(here, slot.fixture, target, vessel=vessel, contents=inner)
+        yield from take_out(here, slot.fixture, target, vessel=vessel)
     else:
         big = here.things[target].vessel
         lift = 0.26 if slot.kind == "basin" else 0.20 if big else 0.14

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
 
 import numpy as np
 
-from remac_env.backends.physics.collision import IGNORED, TARGET
+from remac_env.backends.physics.collision import TARGET
 from remac_env.backends.physics.grasps import OPENINGS, tip_depth
 from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.pick_up import draw_in
 from remac_env.backends.physics.place import release, upright_poses
 from remac_env.backends.physics.skill import (
     EMPTY,
@@ -41,7 +41,7 @@ _TILTS = (0.45, 0.3, 0.6, 0.8)  # of the hand below the horizontal
 _GRASP_TILTS = (0.6, 0.7, 0.8, 0.53, 0.45, 1.0, 0.3)
 _BACK = 0.36  # m that the base drives in and out
 _CHECKS = 9000
-_ASKEW = 0.25  # rad by which the fingers may close askew on a long thing
+_ASKEW = (0.0, 0.12, 0.25)  # rad by which the fingers may close askew on a long thing, the best first
 _RAISED = (0.0, 0.006, 0.010, 0.0125)  # m by which the grasp may be higher, so that the palm clears the rim of a plate
 _HOLD = 0.005  # m by which the pads must reach below a thing's middle, with the air that tip_depth adds
 _PALM = 0.028  # m between grip site and palm, less a little
@@ -102,34 +102,17 @@ def _way_in(here: Surroundings, point: Array, carry: Array, body: str, clearance
     return _search(here, point, carry, partial(_placing, here, body, point, last), _lowered)
 
 
-def take_out(
-    here: Surroundings, fixture: str, body: str, *, vessel: str | None = None, contents: tuple[str, ...] = ()
-) -> Steps:
-    """Grasp ``body`` inside the open ``fixture``, bring it out and come home."""
+def take_out(here: Surroundings, fixture: str, body: str, *, vessel: str | None = None) -> Steps:
+    """Grasp ``body`` inside the open ``fixture``, on or in ``vessel`` there, bring it out and come home."""
     require_open(here, fixture)
-    simulation, thing = here.simulation, here.things[body]
     here.begin()
     yield from tuck(here)
+    thing = here.things[body]
     opening = OPENINGS[thing.grasp.mode]
     here.robot.grip = opening
-    here.begin(simulation.geoms(body))
-    for inner in contents:
-        here.scratch.mark(simulation.geoms(inner), IGNORED)
-    position, rotation = here.seen(body)
-    carry = panda.tucked(*here.robot.q[:3])
-
-    def search(checks: int = _CHECKS, raised: Sequence[float] = _RAISED) -> Insertion:
-        poses = partial(_grasping, thing, position, rotation, raised)
-        return _search(here, position, carry, poses, _advanced, checks)
-
-    try:
-        found = search(_CHECKS if vessel is None else _CHECKS // 2)
-    except SkillFailure:
-        if vessel is None:
-            raise
-        # Clear of the vessel there is no way; its rim may be touched.
-        here.scratch.mark(simulation.geoms(vessel), TARGET)
-        found = search(raised=_RAISED[::-1])
+    here.begin(here.simulation.geoms(body))
+    _, rotation = here.seen(body)
+    found = _way_to(here, body, vessel)
     yield from _enter(here, found)
     yield from here.mover.settle(0.001, 20)
     yield from here.mover.grasp(gently=thing.grasp.mode == "side")
@@ -138,11 +121,29 @@ def take_out(
         yield from here.mover.fingers(opening, 6)
         yield from _leave(here, found)
         raise SkillFailure("slipped", f"the {body} did not come with the hand")
-    take(here, body, rotation, contents)
+    take(here, body, rotation, ())
     yield from _leave(here, found)
-    if thing.vessel:
-        yield from draw_in(here)
     yield from go_home(here)
+
+
+def _way_to(here: Surroundings, body: str, vessel: str | None) -> Insertion:
+    """A way to a grasp square to the thing, else askew; clear of the vessel that it lies in, else over its rim."""
+    thing, (position, rotation), carry = here.things[body], here.seen(body), panda.tucked(*here.robot.q[:3])
+    rims = (False,) if vessel is None else (False, True)
+    turns = _ASKEW if thing.grasp.mode == "side" and not thing.grasp.any_yaw else (0.0,)
+
+    def search(over_rim: bool, askew: float) -> Insertion:
+        if over_rim:
+            here.scratch.mark(here.simulation.geoms(vessel or ""), TARGET)
+        raised = _RAISED[::-1] if over_rim else _RAISED
+        poses = partial(_grasping, thing, position, rotation, raised, askew)
+        return _search(here, position, carry, poses, _advanced, _CHECKS if over_rim or vessel is None else _CHECKS // 2)
+
+    *better, last = product(rims, turns)
+    for way in better:
+        with suppress(SkillFailure):
+            return search(*way)
+    return search(*last)
 
 
 def _up(here: Surroundings) -> Path:
@@ -251,16 +252,16 @@ def _fall(thing: Category, rotation: Array) -> float:
 
 
 def _grasping(
-    thing: Category, position: Array, rotation: Array, raised: Sequence[float], base: Array
+    thing: Category, position: Array, rotation: Array, raised: Sequence[float], askew: float, base: Array
 ) -> Iterator[tuple[Array, Array, Array]]:
-    """Hand poses that grasp a thing from the front: (before, at the grasp, rotation)."""
+    """Hand poses that grasp a thing from the front, ``askew`` rad at most: (before, at the grasp, rotation)."""
     heading = float(base[2])
     turns: tuple[float, ...] = (0.0, 0.3, -0.3, 0.6, -0.6)
     if thing.grasp.mode == "side" and not thing.grasp.any_yaw:
         along = math.atan2(rotation[1, 0], rotation[0, 0])
         along = (along - heading + 0.5 * math.pi) % math.pi - 0.5 * math.pi
         # Square to the thing, or nearer to square to the cavity, for the hand is wide.
-        turns = (along, along - math.copysign(min(_ASKEW, abs(along)), along))
+        turns = (along - math.copysign(min(askew, abs(along)), along),)
     for higher, tilt in product(raised, _GRASP_TILTS):
         for yaw in turns:
             if abs(yaw) > _WIDEST_TURN:

@@ -1,9 +1,17 @@
-"""Bowls in cabinets: in between the leaves of a door, out again, and what no hand reaches in them."""
+"""Into and out of cabinets and microwaves: how things are held there, bowls, and what no hand reaches in them."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import pytest
+from test_physics_backend import make_start, run
+
 import remac_env
+from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.parallel import KitchenParallelEnv
+from remac_env.start import Offset
+from remac_env.state import Place
 
 INTO_CABINET = ("navigate to cabinet", "open cabinet door", "navigate to bowl", "pick up bowl", "navigate to cabinet")
 
@@ -29,3 +37,13 @@ def test_a_bowl_goes_into_a_cabinet_and_no_hand_into_the_bowl() -> None:
     assert told(env, "place to bowl") == ["blocked"]
     assert env.world == before
     assert told(env, "navigate to counter", "place to counter", "navigate to bowl", "pick up bowl") == [None] * 4
+
+
+@pytest.mark.parametrize("turn", [-1.9, 1.9])
+def test_what_lies_aslant_in_a_microwave_is_held_square(turn: float) -> None:
+    start = make_start({"butter": ("butter", Place("slot", "microwave.0"))}, doors={"microwave": 1.45})
+    side = 0.048 if turn > 0.0 else -0.048
+    backend = PhysicsBackend()
+    backend.reset(replace(start, offsets={"butter": Offset(side, -0.098, turn)}))
+    commands = ("navigate to", "microwave"), ("pick up", "butter"), ("navigate to", "counter"), ("place to", "counter")
+    assert run(backend, *commands) == [None] * 4
