@@ -15,7 +15,7 @@ from remac_env.kitchen.scene import build_scene, resting_fixtures
 from remac_env.marks import washed
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
-from remac_env.state import FrozenMap, ObjectState, Place, RobotState, Scene, WorldState
+from remac_env.state import FrozenMap, ObjectState, Place, RobotState, Scene, WorldState, base_place
 from remac_env.tasks.spec import Role, TaskSpec
 
 STARTS = ("paper", "mixed")
@@ -199,20 +199,20 @@ def _open_surfaces(scene: Scene) -> list[str]:
 def _offset(world: WorldState, layout: Layout, noun: str, category: Category, rng: np.random.Generator) -> Offset:
     """A pose within the slot: as far from its middle as the thing's size allows, at any yaw its grasp allows.
 
-    Behind a door things stand in the nearest part of their slot, where a hand gets at them.
+    Behind a door things stand in the nearest part of their slot and look inwards, also on a plate there, so that a hand
+    gets at them.
     """
     yaw_range = HANDLE_YAW if category.grasp.mode == "handle" else np.pi
     yaw = float(rng.uniform(-yaw_range, yaw_range))
     spread = rng.uniform(-1.0, 1.0, 2)
-    place = world.objects[noun].place
-    if place.relation != "slot":
-        return Offset(0.0, 0.0, yaw)
-    slot = layout.slots[place.where]
+    slot = layout.slots[base_place(world, noun).where]
     half = slot.half
     if slot.kind == "cavity":
         spread[1] = -0.75 - 0.25 * abs(spread[1])
         if category.grasp.mode == "side" and not category.grasp.any_yaw:
             yaw = float(np.copysign(0.5 * np.pi, yaw)) + INWARD_YAW * yaw / yaw_range
+    if world.objects[noun].place.relation == "vessel":
+        return Offset(0.0, 0.0, yaw)
     radius = max(category.size[:2]) if category.vessel else float(np.hypot(*category.size[:2]))
     edge = 0.5 * EDGE if slot.kind == "cavity" else EDGE
     room = [max(0.0, side - radius - edge) for side in half]

@@ -9,11 +9,14 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import remac_env
 from remac_env.conditions import condition
 from remac_env.kitchen import layout as layouts
+from remac_env.kitchen.objects import catalogue
+from remac_env.kitchen.starts import INWARD_YAW
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.oracle import solve
 from remac_env.state import ASIDE, base_place, inside, occupant
@@ -164,6 +167,15 @@ def kinds(env: Any) -> set[str]:
     return found or {"nothing"}
 
 
+def looks_inwards(env: Any, noun: str) -> bool:
+    """Whether a hand that comes in through a door finds a thing lengthwise before it, if it is behind one."""
+    fixture = env.start.scene.slots[base_place(env.world, noun).where].fixture
+    grasp = catalogue.get(env.start.categories[noun]).grasp
+    yaw = abs(env.start.offsets[noun].yaw)
+    free = not env.start.scene.fixtures[fixture].door or grasp.mode != "side" or grasp.any_yaw
+    return free or abs(yaw - 0.5 * np.pi) <= INWARD_YAW + 1e-9
+
+
 @every_task
 def test_all_kinds_of_mixed_starts_occur(task: str) -> None:
     env = make(task, starts="mixed")
@@ -174,6 +186,7 @@ def test_all_kinds_of_mixed_starts_occur(task: str) -> None:
         check_world(scene, world, where=f"seed {seed}")
         assert not env.goal.holds(scene, world)
         laid = [noun for noun, state in world.objects.items() if state.place.relation == "vessel"]
+        assert all(looks_inwards(env, noun) for noun in laid), f"seed {seed}"
         assert all(condition("graspable", noun).holds(scene, world) for noun in laid), f"seed {seed}"
         for name, angle in env.start.doors.items():
             door = world.fixtures[name].door
