@@ -118,6 +118,7 @@ class Layout:
         return owners[switch]
 
 
+@cache
 def names() -> tuple[str, ...]:
     """Return the names of the layouts that come with the package, sorted."""
     return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))

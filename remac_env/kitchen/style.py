@@ -73,6 +73,7 @@ class Style:
         return self.finishes[role]
 
 
+@lru_cache(maxsize=1)
 def names() -> tuple[str, ...]:
     """The names of the styles at hand, sorted."""
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
