@@ -80,14 +80,12 @@ def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place |
     has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full or too deep for the hand where it
     stands. Neither where the thing is too big for the fixture around.
     """
-    held, kind = world.robots[robot].holding, kind_around(scene, world, target)
+    held, kind = world.robots[robot].holding, _kind_around(scene, world, target)
     if held is not None and kind in scene.objects[held].too_big_for:
         return None
     if target in scene.objects:
         small = held is None or scene.objects[held].small
-        full = len(contents(world, target)) >= scene.objects[target].holds
-        deep = kind in scene.objects[target].too_deep_in
-        return Place("vessel", target) if small and not (full or deep) and held != target else None
+        return Place("vessel", target) if small and has_room(scene, world, target) and held != target else None
     here = world.robots[robot].station
     slots = [name for name in scene.fixtures[target].slots if scene.slots[name].station == here]
     free = [name for name in slots if occupant(world, name) is None]
@@ -97,6 +95,12 @@ def landing(scene: Scene, world: WorldState, robot: str, target: str) -> Place |
     vessels = [name for slot in slots if (name := occupant(world, slot)) and kind in scene.objects[name].vessel_in]
     places = (landing(scene, world, robot, name) for name in vessels)
     return next((place for place in places if place is not None), None)
+
+
+def has_room(scene: Scene, world: WorldState, vessel: str) -> bool:
+    """Whether a vessel takes one more thing: it is not full, and a hand reaches into it where it stands."""
+    facts = scene.objects[vessel]
+    return len(contents(world, vessel)) < facts.holds and _kind_around(scene, world, vessel) not in facts.too_deep_in
 
 
 def switch_for(scene: Scene, world: WorldState, fixture: str) -> str:
@@ -132,12 +136,12 @@ def _placed(scene: Scene, world: WorldState, target: str) -> bool:
 
 
 def _graspable(scene: Scene, world: WorldState, target: str) -> bool:
-    kind, place = kind_around(scene, world, target), world.objects[target].place
+    kind, place = _kind_around(scene, world, target), world.objects[target].place
     deep = place.relation == "vessel" and kind in scene.objects[place.where].too_deep_in
     return not deep and kind not in scene.objects[target].too_big_for
 
 
-def kind_around(scene: Scene, world: WorldState, target: str) -> str:
+def _kind_around(scene: Scene, world: WorldState, target: str) -> str:
     """The kind of a fixture, or of that in or on which a thing stands; "" for what is held or on the floor."""
     if target in scene.fixtures:
         return scene.fixtures[target].kind

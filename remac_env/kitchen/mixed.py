@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from remac_env.conditions import kind_around
-from remac_env.state import ObjectState, Place, Scene, base_place, contents, door_state, occupant
+from remac_env.conditions import has_room
+from remac_env.state import ObjectState, Place, Scene, base_place, door_state, occupant
 from remac_env.tasks.goals import Goal, Inside, SwitchedOn
 
 if TYPE_CHECKING:
@@ -62,9 +62,9 @@ def vary(draft: Draft, goal: Goal, target: str, rng: np.random.Generator) -> Non
     if draws[0] < BEHIND_DOOR:
         _hide(draft, goal, target, rng)
     elif draws[1] < IN_VESSEL:
-        for atom in inside:
-            if atom.name == target and atom.container in scene.objects and _has_room(draft, atom.container):
-                _move(draft, target, Place("vessel", atom.container))
+        for vessel in (atom.container for atom in inside if atom.name == target and atom.container in scene.objects):
+            if has_room(scene, draft.world, vessel):
+                _move(draft, target, Place("vessel", vessel))
 
 
 def _set_door(draft: Draft, fixture: str, state: str, rng: np.random.Generator) -> None:
@@ -91,14 +91,8 @@ def _take_place(draft: Draft, container: str, wanted: tuple[str, ...], rng: np.r
 
 def _fill(draft: Draft, vessel: str, wanted: tuple[str, ...], rng: np.random.Generator) -> None:
     """Something small that the goal does not speak of lies in the vessel."""
-    if _has_room(draft, vessel):
+    if has_room(draft.scene, draft.world, vessel):
         _add(draft, Place("vessel", vessel), (vessel, *wanted), rng)
-
-
-def _has_room(draft: Draft, vessel: str) -> bool:
-    facts = draft.scene.objects[vessel]
-    deep = kind_around(draft.scene, draft.world, vessel) in facts.too_deep_in
-    return len(contents(draft.world, vessel)) < facts.holds and not deep
 
 
 def _add(draft: Draft, place: Place, wanted: tuple[str, ...], rng: np.random.Generator) -> None:

@@ -63,17 +63,16 @@ def _slot_of(here: Surroundings, world: WorldState, name: str) -> Slot:
 
 def _pick_up(here: Surroundings, scene: Scene, world: WorldState, target: str) -> Steps:
     slot = _slot_of(here, world, target)
+    require_open(here, slot.fixture)
     if not condition("graspable", target).holds(scene, world):
-        require_open(here, slot.fixture)
         raise SkillFailure("blocked", f"the hand has no room to take hold of the {target} on or in the {slot.fixture}")
     place = world.objects[target].place
     vessel = place.where if place.relation == "vessel" else None
     inner = tuple(contents(world, target))
     if slot.kind == "cavity" and here.things[target].vessel:
-        require_open(here, slot.fixture)
         yield from pick_up(here, target, contents=inner, lift=_CAVITY_LIFT, lifts=_OUTWARDS)
     elif slot.kind == "cavity":
-        yield from take_out(here, slot.fixture, target, vessel=vessel)
+        yield from take_out(here, target, vessel=vessel)
     else:
         big = here.things[target].vessel
         lift = 0.26 if slot.kind == "basin" else 0.20 if big else 0.14
@@ -84,10 +83,9 @@ def _pick_up(here: Surroundings, scene: Scene, world: WorldState, target: str) -
 def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, target: str) -> Steps:
     if here.hand.body is None:
         raise SkillFailure("hands_empty", "there is nothing to place")
+    require_open(here, target if target in scene.fixtures else _slot_of(here, world, target).fixture)
     place = landing(scene, world, robot, target)
     if place is None:
-        around = target if target in scene.fixtures else _slot_of(here, world, target).fixture
-        require_open(here, around)
         raise SkillFailure("blocked", f"there is no room on the {target} for the {here.hand.body}")
     if place.relation == "vessel":
         slot, vessel = _slot_of(here, world, place.where), place.where
@@ -96,7 +94,7 @@ def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, targ
         slot, vessel = here.layout.slots[place.where], None
         point = np.array(slot.center)
     if slot.kind == "cavity":
-        yield from insert(here, slot.fixture, point, vessel=vessel)
+        yield from insert(here, point, vessel=vessel)
     else:
         yield from place_on(here, point, kind=slot.kind, vessel=vessel)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -25,7 +25,6 @@ from remac_env.backends.physics.skill import (
     drive_to,
     go_home,
     lowest,
-    require_open,
     stances,
     take,
     tuck,
@@ -49,6 +48,7 @@ _PAD = 0.012  # m to either side of a grasp's middle that the fingers hold along
 _WIDEST_TURN = 1.25  # rad to the side from which a hand still fits into a cavity
 _CLEAR = (0.022,)  # m by which the thing is lowered once it is in
 _CLEAR_OF_RIM = (0.045, 0.034, 0.022)  # the same over a plate, the best first: too low it would push the plate
+_CLEAR_OF_FLOOR = 0.03  # the same for a vessel itself
 _TOUCH = 0.003  # m between the thing's lowest point and the floor where the hand opens
 _FORWARD = 0.03  # m by which a thing let go on end moves on as it falls
 _NEARER = 0.04  # m in front of a slot's middle at which things are put, so that they can be taken out again
@@ -65,9 +65,8 @@ class Insertion:
     last: Path
 
 
-def insert(here: Surroundings, fixture: str, point: Array, *, vessel: str | None = None) -> Steps:
-    """Put the held thing into the open ``fixture``, its lowest point at ``point`` (3,), and come home."""
-    require_open(here, fixture)
+def insert(here: Surroundings, point: Array, *, vessel: str | None = None) -> Steps:
+    """Put the held thing into an open fixture, its lowest point at ``point`` (3,), and come home."""
     body = here.hand.body
     if body is None:
         raise SkillFailure("hands_empty", "there is nothing to place")
@@ -76,7 +75,8 @@ def insert(here: Surroundings, fixture: str, point: Array, *, vessel: str | None
     if vessel is None:
         point = point - [0.0, _NEARER, 0.0]
     if here.things[body].vessel:
-        found = _search(here, point, carry, partial(_standing, here, point), _lowered)
+        level = _level(here, point)
+        found = _search(here, point, carry, lambda _: level, _lowered)
     else:
         found = _way_in(here, point, carry, body, _CLEAR if vessel is None else _CLEAR_OF_RIM)
     yield from _enter(here, found)
@@ -93,26 +93,24 @@ def insert(here: Surroundings, fixture: str, point: Array, *, vessel: str | None
 
 def _way_in(here: Surroundings, point: Array, carry: Array, body: str, clearances: Sequence[float]) -> Insertion:
     """A way in at the first of these clearances (m) that has one."""
-    *better, last = clearances
-    for clear in better:
-        try:
-            return _search(here, point, carry, partial(_placing, here, body, point, clear), _lowered, _CHECKS // 2)
-        except SkillFailure:
-            continue
-    return _search(here, point, carry, partial(_placing, here, body, point, last), _lowered)
+
+    def search(clear: float) -> Insertion:
+        checks = _CHECKS if clear == clearances[-1] else _CHECKS // 2
+        return _search(here, point, carry, partial(_placing, here, body, point, clear), _lowered, checks)
+
+    return _first([partial(search, clear) for clear in clearances])
 
 
-def take_out(here: Surroundings, fixture: str, body: str, *, vessel: str | None = None) -> Steps:
-    """Grasp ``body`` inside the open ``fixture``, on or in ``vessel`` there, bring it out and come home."""
-    require_open(here, fixture)
+def take_out(here: Surroundings, body: str, *, vessel: str | None = None) -> Steps:
+    """Grasp ``body`` inside an open fixture, on or in ``vessel`` there, bring it out and come home."""
     here.begin()
     yield from tuck(here)
     thing = here.things[body]
     opening = OPENINGS[thing.grasp.mode]
     here.robot.grip = opening
     here.begin(here.simulation.geoms(body))
-    _, rotation = here.seen(body)
-    found = _way_to(here, body, vessel)
+    position, rotation = here.seen(body)
+    found = _way_to(here, thing, position, rotation, vessel)
     yield from _enter(here, found)
     yield from here.mover.settle(0.001, 20)
     yield from here.mover.grasp(gently=thing.grasp.mode == "side")
@@ -126,24 +124,29 @@ def take_out(here: Surroundings, fixture: str, body: str, *, vessel: str | None 
     yield from go_home(here)
 
 
-def _way_to(here: Surroundings, body: str, vessel: str | None) -> Insertion:
+def _way_to(
+    here: Surroundings, thing: Category, position: Array, rotation: Array, vessel: str | None
+) -> Insertion:
     """A way to a grasp square to the thing, else askew; clear of the vessel that it lies in, else over its rim."""
-    thing, (position, rotation), carry = here.things[body], here.seen(body), panda.tucked(*here.robot.q[:3])
-    rims = (False,) if vessel is None else (False, True)
+    carry = panda.tucked(*here.robot.q[:3])
+    rims: list[list[int]] = [[]] if vessel is None else [[], here.simulation.geoms(vessel)]
     turns = _ASKEW if thing.grasp.mode == "side" and not thing.grasp.any_yaw else (0.0,)
 
-    def search(over_rim: bool, askew: float) -> Insertion:
-        if over_rim:
-            here.scratch.mark(here.simulation.geoms(vessel or ""), TARGET)
-        raised = _RAISED[::-1] if over_rim else _RAISED
-        poses = partial(_grasping, thing, position, rotation, raised, askew)
-        return _search(here, position, carry, poses, _advanced, _CHECKS if over_rim or vessel is None else _CHECKS // 2)
+    def search(rim: list[int], askew: float) -> Insertion:
+        here.scratch.mark(rim, TARGET)
+        poses = partial(_grasping, thing, position, rotation, _RAISED[::-1] if rim else _RAISED, askew)
+        return _search(here, position, carry, poses, _advanced, _CHECKS if rim is rims[-1] else _CHECKS // 2)
 
-    *better, last = product(rims, turns)
-    for way in better:
+    return _first([partial(search, rim, askew) for rim, askew in product(rims, turns)])
+
+
+def _first(searches: Sequence[Callable[[], Insertion]]) -> Insertion:
+    """What the first of these searches finds that finds anything; fails as the last of them does."""
+    *better, last = searches
+    for search in better:
         with suppress(SkillFailure):
-            return search(*way)
-    return search(*last)
+            return search()
+    return last()
 
 
 def _up(here: Surroundings) -> Path:
@@ -156,7 +159,7 @@ def _up(here: Surroundings) -> Path:
     return here.planner.line(here.robot.q, position + [0.0, 0.0, 0.025], rotation, speed=0.1, check=False) or []
 
 
-Poses = Callable[[Array], Iterator[tuple[Array, Array, Array]]]
+Poses = Callable[[Array], Iterable[tuple[Array, Array, Array]]]
 
 
 def _search(
@@ -237,10 +240,10 @@ def _placing(
         yield at + [0.0, 0.0, clear], at, hand
 
 
-def _standing(here: Surroundings, point: Array, base: Array) -> Iterator[tuple[Array, Array, Array]]:
+def _level(here: Surroundings, point: Array) -> list[tuple[Array, Array, Array]]:
     """Hand poses that bring a vessel in level over ``point``: (while driving in, at the release, rotation)."""
-    for grasp in upright_poses(here, point, "cavity"):
-        yield grasp.position + [0.0, 0.0, 0.03], grasp.position, grasp.rotation
+    grasps = upright_poses(here, point, "cavity")
+    return [(grasp.position + [0.0, 0.0, _CLEAR_OF_FLOOR], grasp.position, grasp.rotation) for grasp in grasps]
 
 
 def _fall(thing: Category, rotation: Array) -> float:

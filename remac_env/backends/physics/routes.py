@@ -92,8 +92,8 @@ def _along_walls(start: Departure, goal: Station, end: Array, side: int) -> Iter
     q, sort = start.q, (side, "along the wall")
     leaves, comes = (start.layout.facing(at) if at.wall else None for at in (start.place, goal))
     if leaves and start.place.wall == goal.wall:
-        x, _ = leaves.local(float(end[0]), float(end[1]))
-        yield Course([q, _slid(q, leaves, x - leaves.local(float(q[0]), float(q[1]))[0]), end], sort)
+        _, y = leaves.local(float(q[0]), float(q[1]))
+        yield Course([q, _moved(q, leaves, end, y), end], sort)
     for slide in _SLIDES:
         if leaves:
             aside = _slid(q, leaves, slide)

@@ -69,9 +69,8 @@ class Category:
     mass: kg. friction: sliding, torsional (m), rolling (m). rest_height: height of the body's frame over the surface
     it rests on, m. roles: nouns that it may go by. needs_vessel_in, vessel_in: kinds of fixtures; too_big_for: those in
     which a hand has no room beside it, or no hold on it once it has toppled; too_deep_in: those in which no hand
-    reaches into it. holds: how many things it takes.
-    inside_height: of its inner floor over its frame, m. look: name of the drawn shape, "" to draw the colliders in
-    `color` (red, green, blue in 0..1).
+    reaches into it. holds: how many things it takes. inside_height: of its inner floor over its frame, m. look: name of
+    the drawn shape, "" to draw the colliders in `color` (red, green, blue in 0..1).
     """
 
     name: str
