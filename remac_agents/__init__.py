@@ -87,8 +87,8 @@ def make(
         max_adjustments, max_rounds: after so many in an episode the plan is no longer changed, or ends.
         lead: the robot that works alone or leads; None: the first by name.
         helper: the second robot of a team; None: the first by name of the others.
-        models: keywords of `filling.ModelOptions`: model, base_url, cassette, replay, max_calls, max_tokens, max_money,
-            max_seconds, limiter (docs/models.md).
+        models: keywords of `filling.ModelOptions`: model, base_url, providers, via, cassette, replay, max_calls,
+            max_tokens, max_money, max_seconds, limiter (docs/models.md).
 
     Raises:
         UnknownNameError: for an unknown method, role or model; lists the valid ones.

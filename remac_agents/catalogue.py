@@ -116,7 +116,7 @@ class FunctionRole:
 
 
 def _construct(role: str, name: str, options: Mapping[str, Any], models: Models | None) -> Any:
-    if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name):
+    if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name, models):
         return _make(_load(role, MODEL_ROLES[role]), role, name, {"model": name, "models": models, **options})
     if role == "planner" and name.startswith(("http://", "https://")):
         from remac_agents.planners.http import HttpPlanner
@@ -134,10 +134,10 @@ def _construct(role: str, name: str, options: Mapping[str, Any], models: Models 
     return found
 
 
-def _is_model(name: str) -> bool:
+def _is_model(name: str, models: Models | None) -> bool:
     from remac_agents.llm.providers import is_model  # only here: no offline role needs the client
 
-    return is_model(name)
+    return is_model(name, file=None if models is None else models.providers)
 
 
 def _find(role: str, name: str) -> Any:

@@ -35,6 +35,9 @@ class ModelOptions:
         model: `provider:model` or a name of the paper's models, for every role that is not given and that speaks: all
             but the handover; the checker only if the provider lists images.
         base_url: where the model's server is, and that of other roles' models that may be anywhere.
+        providers: a file that adds to the providers that are built in, or overrides them (docs/models.md).
+        via: the provider by which models are reached, for `model` and those of other roles, or "auto": the first route
+            whose key is set.
         cassette: a file of exchanges with models, or a Cassette. What it holds already is played, the rest is asked
             for and recorded.
         replay: nothing is asked for; what the cassette does not hold ends the episode.
@@ -45,6 +48,8 @@ class ModelOptions:
 
     model: str | None = None
     base_url: str | None = None
+    providers: str | Path | None = None
+    via: str | None = None
     cassette: Cassette | str | Path | None = None
     replay: bool = False
     max_calls: int | None = None
@@ -117,4 +122,11 @@ def _models(options: ModelOptions) -> Models:
     if cassette is not None and not isinstance(cassette, Cassette):
         raise OptionError(f"cassette {cassette!r} is not valid; valid: a path, a Cassette, or None")
     bounds: dict[str, Any] = {n: LIMITS.get(n) if bound is None else bound for n, bound in options.budget.items()}
-    return Models(budget=Budget(**bounds), cassette=cassette, limiter=options.limiter, base_url=options.base_url)
+    return Models(
+        budget=Budget(**bounds),
+        cassette=cassette,
+        limiter=options.limiter,
+        base_url=options.base_url,
+        providers=options.providers,
+        via=options.via,
+    )

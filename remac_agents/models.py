@@ -5,10 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from remac_agents.ledger import Exchange, Usage
-from remac_agents.llm import Budget, Cassette, ChatClient, ChatError, ChatReply, Limiter, Picture, load, resolve
+from remac_agents.llm import Budget, Cassette, ChatClient, ChatError, ChatReply, Limiter, Picture, load, resolve, route
 from remac_agents.llm.clock import Clock
 from remac_agents.roles import StopEpisode
 
@@ -43,6 +44,8 @@ class Models:
         cassette: Cassette | None = None,
         limiter: Limiter | None = None,
         base_url: str | None = None,
+        providers: Path | str | None = None,
+        via: str | None = None,
         clock: Clock | None = None,
         environ: Mapping[str, str] | None = None,
     ) -> None:
@@ -52,10 +55,13 @@ class Models:
             budget: None: LIMITS.
             limiter: may be shared with other agents.
             base_url: of models that may be anywhere and are named without an address.
+            providers: a file of providers that adds to those built in, or overrides them.
+            via: the provider by which models are reached, or "auto"; see `remac_agents.llm.providers.route`.
             clock, environ: given by tests.
         """
         self.budget = budget or Budget(**LIMITS)  # type: ignore[arg-type]
         self.cassette, self.page = cassette, Page()
+        self.providers, self._via = providers, via
         self._limiter, self._base_url = limiter or Limiter(clock=clock), base_url
         self._more: dict[str, Any] = {"clock": clock, "environ": environ}
         self._clients: dict[tuple[str, str, bool], ChatClient] = {}
@@ -64,12 +70,14 @@ class Models:
         """The client of a model; the same for the same model.
 
         Raises:
-            UnknownNameError: for an unknown model; lists the valid ones.
+            UnknownNameError: for an unknown model or route; lists the valid ones.
             OptionError: for an address that no request may go to.
         """
-        provider = load().providers.get(model.partition(":")[0])
+        model = route(model, via=self._via, file=self.providers, environ=self._more["environ"])
+        provider = load(self.providers).providers.get(model.partition(":")[0])
         movable = provider is not None and provider.movable
-        endpoint = resolve(model, base_url=self._base_url if base_url is None and movable else base_url)
+        base_url = self._base_url if base_url is None and movable else base_url
+        endpoint = resolve(model, base_url=base_url, file=self.providers)
         key = (endpoint.name, endpoint.base_url, stream)
         if key not in self._clients:
             shared: dict[str, Any] = {"budget": self.budget, "cassette": self.cassette, "limiter": self._limiter}
@@ -130,7 +138,7 @@ class Models:
             prompt_tokens=page.tokens_in,
             completion_tokens=page.tokens_out,
             money=sum(exchange.money or 0.0 for exchange in calls),
-            unpriced=sum(exchange.money is None and exchange.error is None for exchange in calls),
+            unpriced=sum(e.money is None and (e.error is None or e.tokens > 0) for e in calls),
             seconds=sum(exchange.seconds for exchange in calls),
         )
 

@@ -36,19 +36,31 @@ class Access:
 
     Attributes:
         base_url: of models that may be anywhere.
+        providers: file that adds to the providers that are built in, or overrides them.
         cassette: file in which exchanges are recorded, and from which those that it holds are played.
         replay: nothing is asked for; what the cassette does not hold ends an episode unscored.
     """
 
     base_url: str | None = None
+    providers: str | None = None
     cassette: str | None = None
     replay: bool = False
 
     @property
     def told(self) -> dict[str, Any]:
-        """For the record: the cassette without its folder."""
+        """For the record: files without their folders, and the digest of the providers'."""
         name = None if self.cassette is None else Path(self.cassette).name
-        return {"base_url": self.base_url, "cassette": name, "replay": self.replay}
+        told = {"base_url": self.base_url, "cassette": name, "replay": self.replay}
+        if self.providers is None:
+            return told
+        from remac_agents.llm.provider_files import digest
+
+        return {**told, "providers": f"{Path(self.providers).name} {digest(self.providers)}"}
+
+    @classmethod
+    def recorded(cls, told: Mapping[str, Any]) -> Access:
+        """What a record tells of it: no file that could be read again."""
+        return cls(**{name: value for name, value in told.items() if name != "providers"})
 
 
 class Lines:
@@ -66,7 +78,7 @@ class Lines:
         Raises:
             OptionError: for a cassette that cannot be read, or written.
         """
-        models = asked_models(job.agent)
+        models = asked_models(job.agent, providers=job.access.providers)
         if not models:
             return {}
         from remac_agents.llm import Cassette, Limiter  # only here: no offline job needs the client
@@ -77,7 +89,8 @@ class Lines:
                 self._limiters[told] = Limiter(start=self._calls, most=self._calls)
             if access.cassette is not None and access not in self._cassettes:
                 self._cassettes[access] = Cassette(access.cassette, mode="replay" if access.replay else "fill")
-            found = {"base_url": access.base_url, "cassette": self._cassettes.get(access), "replay": access.replay}
+            found: dict[str, Any] = {"base_url": access.base_url, "providers": access.providers}
+            found |= {"cassette": self._cassettes.get(access), "replay": access.replay}
             return {**found, "limiter": self._limiters[told]}
 
 
@@ -115,22 +128,41 @@ def make(job: Job, shared: Mapping[str, Any]) -> Agent:
     return agent
 
 
-def asked_models(agent: Mapping[str, Any]) -> list[str]:
-    """The language models that an agent with these options asks; none for an offline one."""
+def asked_models(agent: Mapping[str, Any], *, providers: str | None = None) -> list[str]:
+    """The language models that an agent with these options asks; none for an offline one.
+
+    Args:
+        providers: see Access.
+    """
     from remac_agents.catalogue import ROLES as KNOWN
 
     named = [str(agent["model"])] if "model" in agent else []
     for name in ROLES:
         text = str(agent.get(name, "")).partition(",")[0].strip()
-        if text and text not in KNOWN[name] and _is_model(text):
+        if text and text not in KNOWN[name] and is_model(text, providers):
             named.append(text)
     return sorted(set(named))
 
 
-def _is_model(text: str) -> bool:
-    from remac_agents.llm.providers import is_model
+def is_model(text: str, providers: str | None = None) -> bool:
+    """Whether a name speaks of a language model of a known provider."""
+    from remac_agents.llm.providers import is_model as known
 
-    return is_model(text)
+    return known(text, file=providers)
+
+
+def by_route(text: str, *, via: str | None, providers: str | None = None) -> str:
+    """A role, or a model, with options: one that names a model of the paper gets the route by which it is reached.
+
+    Raises:
+        UnknownNameError, OptionError: see `remac_agents.llm.providers.route`.
+    """
+    name, comma, options = text.partition(",")
+    if via is None or not is_model(name.strip(), providers):
+        return text
+    from remac_agents.llm.providers import route
+
+    return route(name.strip(), via=via, file=providers) + comma + options
 
 
 def role(text: object) -> object:

@@ -52,7 +52,8 @@ class Engine:
             return "here"
         if self.name != "auto":
             return self.name
-        return "threads" if any(agents.asked_models(job.agent) for job in jobs) else "processes"
+        waits = any(agents.asked_models(job.agent, providers=job.access.providers) for job in jobs)
+        return "threads" if waits else "processes"
 
 
 def play_all(

@@ -75,6 +75,12 @@ Models = Annotated[
     list[str] | None, _models("provider:model, an entry that fills every role that speaks; may be repeated.", "--model")
 ]
 BaseUrl = Annotated[str | None, _models("Address of custom:<model>, such as http://127.0.0.1:8000/v1.")]
+Providers = Annotated[
+    str | None, _models("FILE.toml that adds to the providers that are built in, or overrides them.", "--providers")
+]
+Via = Annotated[
+    str | None, _models("Provider by which models are reached, or auto: the first route whose key is set.", "--via")
+]
 Cassette = Annotated[str | None, _models("File of exchanges: plays what it holds, asks for the rest and records it.")]
 Replay = Annotated[bool, _models("Ask nobody: what the cassette does not hold ends an episode unscored.", "--replay")]
 MaxCalls = Annotated[int | None, _models("Requests of a job at most.")]

@@ -13,15 +13,6 @@ from importlib.metadata import PackageNotFoundError, version
 from remac_env.errors import RenderingError
 from remac_env.simulator import load_mujoco
 
-KEYS: Mapping[str, str] = {
-    "OPENAI_API_KEY": "language models of OpenAI, or of any endpoint that speaks its protocol",
-    "DEEPSEEK_API_KEY": "language models of DeepSeek",
-    "ANTHROPIC_API_KEY": "language models of Anthropic",
-    "GEMINI_API_KEY": "language models of Google",
-    "OPENROUTER_API_KEY": "language models by way of OpenRouter",
-}
-"""Environment variables that may hold a key. Values are never shown."""
-
 PACKAGES: Mapping[str, str] = {
     "mujoco": "the physics backend and pictures",
     "numpy": "everywhere",
@@ -72,8 +63,8 @@ def cores() -> int:
 
 
 def examine() -> list[Finding]:
-    """Everything that the doctor looks at. Takes a second or two: OpenGL is tried in a process of its own."""
-    return [*_machine(), *_packages(), _mujoco(), _opengl(), *_extras(), *_keys()]
+    """Everything that the doctor looks at here. Takes a second or two: OpenGL is tried in a process of its own."""
+    return [*_machine(), *_packages(), _mujoco(), _opengl(), *_extras()]
 
 
 def _machine() -> list[Finding]:
@@ -141,19 +132,6 @@ def _extras() -> list[Finding]:
             "extras", name, (_version(name) or "present") if here else "not installed", here or None, purpose
         )
         for name, here, purpose in found
-    ]
-
-
-def _keys() -> list[Finding]:
-    return [
-        Finding(
-            "keys",
-            name,
-            "set" if os.environ.get(name) else "not set",
-            True if os.environ.get(name) else None,
-            use,
-        )
-        for name, use in KEYS.items()
     ]
 
 

@@ -40,7 +40,8 @@ class Row:
         best_speedup: the same for the team's own shortest plan.
         idle: share of the robots' time in which they wait. contacts, near_misses: control steps an episode.
         calls, tokens, money, wall: of a job with all its iterations: calls and tokens of language models, US dollars,
-            seconds of the clock on the wall. unpriced: calls whose price is not known, in all.
+            seconds of the clock on the wall. unpriced: calls whose price is not known, in all; money leaves them
+            out, and is None where there are no others.
         crashed: scored episodes that a crash of the agent ended; they are failures.
         infrastructure: jobs without a score because something else broke; the next call runs them again.
     """
@@ -201,11 +202,12 @@ def _costs(records: Sequence[Record], jobs: int) -> dict[str, Any]:
     """What a job took, all its iterations together: what was learnt had to be paid for."""
     if not jobs:
         return {}
+    spent, unpriced = math.fsum(record.usage.money for record in records), any(r.usage.unpriced for r in records)
     tokens = sum(record.usage.prompt_tokens + record.usage.completion_tokens for record in records)
     return {
         "calls": sum(record.usage.calls for record in records) / jobs,
         "tokens": tokens / jobs,
-        "money": math.fsum(record.usage.money for record in records) / jobs,
+        "money": None if unpriced and not spent else spent / jobs,
         "wall": math.fsum(record.wall_seconds for record in records) / jobs,
     }
 

@@ -64,9 +64,9 @@ class Suite:
     budget: Mapping[str, Any]
     blocks: tuple[Block, ...]
 
-    def given(self, entry: Mapping[str, Any]) -> dict[str, Any]:
+    def given(self, entry: Mapping[str, Any], *, providers: str | None = None) -> dict[str, Any]:
         """What the suite gives to an entry: roles that no model takes over, and what the entry may spend."""
-        speaks = bool(agents.asked_models(entry))
+        speaks = bool(agents.asked_models(entry, providers=providers))
         roles = {name: who for name, who in self.roles.items() if name == "handover" or "model" not in entry}
         budget = {name: bound for name, bound in self.budget.items() if speaks or name not in agents.BUDGET}
         return {**roles, **budget}
@@ -86,7 +86,7 @@ class Suite:
         """
         jobs: dict[str, Job] = {}
         for entry in entries:
-            given = self.given(entry)
+            given = self.given(entry, providers=None if access is None else access.providers)
             agent = {**given, **{name: value for name, value in entry.items() if value is not None}}
             mark = SuiteMark(name=self.name, version=self.version, digest=self.digest, given=given)
             for block in self.blocks:

@@ -111,7 +111,7 @@ def read_job(record: Record) -> Job:
         options=Options(**kitchen),
         agent=dict(record.options["agent"]),
         iterations=int(record.options["iterations"]),
-        access=Access(**told) if told else Access(),
+        access=Access.recorded(told),
     )
 
 

@@ -14,7 +14,7 @@ from remac_agents.llm.cassette import Cassette
 from remac_agents.llm.client import ChatClient
 from remac_agents.llm.limiter import Limiter
 from remac_agents.llm.outcomes import KINDS, ChatError, ChatReply
-from remac_agents.llm.providers import Endpoint, Model, Provider, load, resolve
+from remac_agents.llm.providers import Catalogue, Endpoint, Model, Provider, load, resolve, route
 from remac_agents.llm.redaction import file_name, plain
 from remac_agents.llm.request import Picture
 
@@ -24,6 +24,7 @@ __all__ = [
     "BadAnswer",
     "Budget",
     "Cassette",
+    "Catalogue",
     "ChatClient",
     "ChatError",
     "ChatReply",
@@ -38,4 +39,5 @@ __all__ = [
     "plain",
     "read_json",
     "resolve",
+    "route",
 ]

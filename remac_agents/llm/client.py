@@ -218,7 +218,7 @@ class ChatClient:
         longest = request.max_tokens
         if isinstance(outcome, ChatReply):
             longest = min(longest, int(len(outcome.text + outcome.reasoning) / CHARACTERS_PER_TOKEN) + 1)
-        return Cost(request.tokens_estimated() + longest, None)
+        return Cost(request.tokens_estimated() + longest, outcome.money)
 
     def _tell_limiter(self, outcome: ChatReply | ChatError) -> None:
         if isinstance(outcome, ChatReply) or not KINDS[outcome.kind].infrastructure:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from remac_agents.llm.outcomes import ChatError, ChatReply
@@ -11,6 +12,9 @@ from remac_agents.llm.wire import Raw
 
 MOST_TOKENS = 100_000_000
 """A larger count of tokens is not credible."""
+
+MOST_MONEY = 10_000.0
+"""Nor is a request that cost more US dollars."""
 
 _TOO_LONG = (
     "context_length",
@@ -27,7 +31,9 @@ _NO_MONEY = ("insufficient_quota", "exceeded your current quota", "billing", "in
 def judge(raw: Raw, request: ChatRequest) -> ChatReply | ChatError:
     """A reply only if the answer is whole, is text, and came to its own end."""
     tokens_in, tokens_out = tokens(raw.usage)
-    money = request.endpoint.model.money(tokens_in, tokens_out)
+    money = cost(raw.usage)
+    if money is None:
+        money = request.endpoint.model.money(tokens_in, tokens_out)
     text, thoughts = split_reasoning(raw.content)
     finish = (raw.finish or "").casefold()
     kind, detail = _fault(raw, finish, text)
@@ -70,6 +76,31 @@ def tokens(usage: Any) -> tuple[int | None, int | None]:
     if all(type(count) is int and 0 <= count <= MOST_TOKENS for count in counts):
         return counts  # type: ignore[return-value]
     return None, None
+
+
+def cost(usage: Any) -> float | None:
+    """US dollars that a request did cost, as an endpoint says; None where it does not, or not credibly.
+
+    `usage.cost` is a sum (OpenRouter, LiteLLM) or a table with a total (Perplexity); elsewhere a total stands beside
+    it. OpenRouter's sum leaves out what went to an account of the user's own, which `cost_details` then tells.
+    """
+    if not isinstance(usage, Mapping):
+        return None
+    details = usage.get("cost_details")
+    upstream = _dollars(details.get("upstream_inference_cost")) if isinstance(details, Mapping) else None
+    told = usage.get("cost")
+    tables = [table for table in (told, usage, details) if isinstance(table, Mapping)]
+    sums = [_dollars(told), *(_dollars(table.get("total_cost")) for table in tables)]
+    known = next((value for value in sums if value is not None), None)
+    if known is None or upstream is None:
+        return upstream if known is None else known
+    own_key = usage.get("is_byok", upstream > known)
+    return known + upstream if own_key is True else known
+
+
+def _dollars(value: Any) -> float | None:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if number and 0 <= value <= MOST_MONEY else None  # no NaN is, and no infinity
 
 
 def _flags(raw: Raw, request: ChatRequest, tokens_in: int | None, tokens_out: int | None) -> tuple[str, ...]:

@@ -63,7 +63,7 @@ class ChatReply:
         text: the answer, without reasoning; never empty.
         reasoning: what the model thought aloud, "" if it did not.
         tokens_in, tokens_out: as the endpoint counted them; None where it did not, or not credibly.
-        money: US dollars by the provider's listed price; None where tokens or price are unknown.
+        money: US dollars, as the endpoint says, or else by the provider's listed price; None where neither is known.
         seconds: the whole call by the monotonic clock, waiting included.
         attempts: requests sent; 0 when played from a cassette.
         finish_reason: as the endpoint gave it.

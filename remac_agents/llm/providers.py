@@ -1,25 +1,33 @@
-"""Who serves language models, and what they offer and cost: providers.toml, and `resolve` to pick from it."""
+"""Who serves language models, and what they offer and cost: `resolve` picks an endpoint, `route` a way to a model.
+
+The facts are data: providers.toml, and a file of one's own that adds to it or overrides it (provider_files.py).
+"""
 
 from __future__ import annotations
 
 import difflib
 import ipaddress
-import tomllib
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from remac_env.errors import OptionError, UnknownNameError
+from remac_env.errors import OptionError, UnknownNameError, check_choice
 
-FILE = Path(__file__).with_name("providers.toml")
+AUTO = "auto"
+"""In place of a provider in `via`: the first route whose key is set."""
 
 
 @dataclass(frozen=True)
 class Model:
-    """A model at a provider. Prices are US dollars per million tokens; None: unknown. `context` 0: unknown."""
+    """A model at a provider; the fields are described in providers.toml.
+
+    Prices are US dollars per million tokens; None: unknown. `context` 0: unknown. `seconds`: how long a call may take
+    where nobody says otherwise. `reasoning_tokens`: about how many tokens it thinks a call, for estimates alone.
+    `extra`: fields that are sent with every request.
+    """
 
     name: str
     images: bool = True
@@ -31,14 +39,21 @@ class Model:
     max_tokens_field: str = "max_tokens"
     context: int = 0
     max_tokens: int = 8192
+    seconds: float = 300.0
+    reasoning_tokens: int = 0
+    extra: Mapping[str, Any] = field(default_factory=dict)
     price_in: float | None = None
     price_out: float | None = None
     priced_on: str = ""
     note: str = ""
 
     def money(self, tokens_in: int | None, tokens_out: int | None) -> float | None:
-        """US dollars for so many tokens; None where tokens or price are unknown."""
-        if tokens_in is None or tokens_out is None or self.price_in is None or self.price_out is None:
+        """US dollars for so many tokens; None where tokens or price are unknown. What is free needs no count."""
+        if self.price_in is None or self.price_out is None:
+            return None
+        if not self.price_in and not self.price_out:
+            return 0.0
+        if tokens_in is None or tokens_out is None:
             return None
         return (tokens_in * self.price_in + tokens_out * self.price_out) / 1e6
 
@@ -57,6 +72,10 @@ class Provider:
     any_model: bool = False
     models: Mapping[str, Model] = field(default_factory=dict)
 
+    def ready(self, environ: Mapping[str, str] | None = None) -> bool:
+        """Whether its key is set, or it does without."""
+        return not self.key_required or bool((os.environ if environ is None else environ).get(self.key, "").strip())
+
 
 @dataclass(frozen=True)
 class Endpoint:
@@ -74,33 +93,48 @@ class Endpoint:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """All providers, and the names that stand for a provider and model."""
+    """All providers, and the models of the paper: name -> routes, each `provider:model`, the best first."""
 
     providers: Mapping[str, Provider]
-    paper: Mapping[str, str]
+    paper: Mapping[str, tuple[str, ...]]
 
     def names(self) -> list[str]:
         """Every name that can be resolved without further ado."""
         listed = [f"{p.name}:{model}" for p in self.providers.values() for model in p.models]
         return [*self.paper, *listed, *(f"{p.name}:<model>" for p in self.providers.values() if p.any_model)]
 
+    def routes(self, name: str) -> tuple[str, ...]:
+        """The routes to a model of the paper, by its name (case does not matter) or by one of them; else the name."""
+        for alias, routes in self.paper.items():
+            if name.casefold() == alias.casefold() or name in routes:
+                return routes
+        return (name,)
 
-def resolve(name: str, *, base_url: str | None = None, file: Path | str | None = None) -> Endpoint:
+    def ready(self, full: str, environ: Mapping[str, str] | None = None) -> bool:
+        """Whether the key for `provider:model` is set, or none is needed."""
+        provider = self.providers.get(full.partition(":")[0])
+        return provider is not None and provider.ready(environ)
+
+
+def resolve(
+    name: str, *, base_url: str | None = None, file: Path | str | None = None, via: str | None = None
+) -> Endpoint:
     """The endpoint that `provider:model`, or a name of the paper's models, stands for.
 
     Args:
         name: such as "openai:o3", "custom:my-model", "DeepSeek-R1".
         base_url: where the server is, for providers that can be anywhere; elsewhere it must be the provider's own
             and then allows models that are not listed.
-        file: another providers.toml.
+        file: a file of providers that adds to the ones built in, or overrides them.
+        via: see `route`.
 
     Raises:
-        UnknownNameError: for an unknown provider or model; lists the valid ones.
-        OptionError: for an address that no request may go to.
+        UnknownNameError: for an unknown provider, model or route; lists the valid ones.
+        OptionError: for an address that no request may go to, or a file that is not valid.
     """
-    catalogue = load(FILE if file is None else file)
-    aliases = {alias.casefold(): full for alias, full in catalogue.paper.items()}
-    provider_name, colon, model_name = aliases.get(name.casefold(), name).partition(":")
+    catalogue = load(file)
+    name = route(name, via=via, file=file)
+    provider_name, colon, model_name = name.partition(":")
     provider = catalogue.providers.get(provider_name)
     if not colon or provider is None or not model_name.strip():
         raise UnknownNameError(f"unknown model {name[:80]!r}; valid: {', '.join(catalogue.names())}")
@@ -117,11 +151,61 @@ def resolve(name: str, *, base_url: str | None = None, file: Path | str | None =
     return Endpoint(provider, model, _address(provider, base_url))
 
 
-def is_model(name: str) -> bool:
+def route(
+    name: str,
+    *,
+    via: str | None = None,
+    file: Path | str | None = None,
+    environ: Mapping[str, str] | None = None,
+) -> str:
+    """The `provider:model` by which a model is reached.
+
+    Args:
+        name: `provider:model`, or a name of the paper's models.
+        via: a provider, or "auto" for the first route whose key is set; None: the first route, or the name as it is.
+        environ: where keys are looked up; None: the environment.
+
+    Raises:
+        UnknownNameError: for a provider that does not exist, or by which there is no route; lists the routes.
+        OptionError: for "auto" where no key is set; lists the keys.
+    """
+    catalogue = load(file)
+    routes = catalogue.routes(name)
+    if via is None:
+        return name if name in routes else routes[0]
+    check_choice("via", via, (AUTO, *catalogue.providers))
+    if via == AUTO:
+        ready = [each for each in routes if catalogue.ready(each, environ)]
+        if ready or len(routes) == 1:
+            return name if name in ready else (ready or routes)[0]
+        keys = ", ".join(f"{_key(catalogue, each)} ({each})" for each in routes)
+        raise OptionError(f"no key is set for {name[:80]!r}; set one of {keys}")
+    for each in routes:
+        if each.partition(":")[0] == via:
+            return each
+    raise UnknownNameError(f"{name[:80]!r} has no route via {via!r}; valid: {', '.join(routes)}")
+
+
+def is_model(name: str, *, file: Path | str | None = None) -> bool:
     """Whether a name speaks of a provider that is known, or of one of the paper's models; it may still not resolve."""
-    catalogue = load()
+    catalogue = load(file)
     aliases = {alias.casefold() for alias in catalogue.paper}
     return name.casefold() in aliases or name.partition(":")[0] in catalogue.providers and ":" in name
+
+
+def load(file: Path | str | None = None) -> Catalogue:
+    """The providers that are built in, and what a file adds to them.
+
+    Raises:
+        OptionError: naming file, provider and key of what is wrong in it.
+    """
+    from remac_agents.llm.provider_files import read_catalogue  # which knows the classes of this file
+
+    return read_catalogue(file)
+
+
+def _key(catalogue: Catalogue, full: str) -> str:
+    return catalogue.providers[full.partition(":")[0]].key
 
 
 def _renamed(model: Model, name: str, *, priced: bool) -> Model:
@@ -163,42 +247,3 @@ def _link_local(host: str) -> bool:
         return ipaddress.ip_address(host).is_link_local
     except ValueError:
         return False
-
-
-@lru_cache(maxsize=8)
-def load(file: Path | str = FILE) -> Catalogue:
-    """Read a providers.toml.
-
-    Raises:
-        OptionError: naming file, provider and key of what is wrong in it.
-    """
-    try:
-        data = tomllib.loads(Path(file).read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        raise OptionError(f"{file}: {error}") from error
-    providers = {name: _provider(file, name, dict(entry)) for name, entry in data.get("providers", {}).items()}
-    return Catalogue(providers, dict(data.get("paper", {})))
-
-
-def _provider(file: Path | str, name: str, entry: dict[str, Any]) -> Provider:
-    models = entry.pop("models", {})
-    own = {field.name for field in fields(Provider)} - {"name", "default", "models"}
-    shared = {key: value for key, value in entry.items() if key not in own}
-    missing = {"title", "base_url", "key"} - set(entry)
-    if missing:
-        raise OptionError(f"{file}: provider {name}: {', '.join(sorted(missing))} missing")
-    default = _model(file, name, "", shared)
-    listed = {model: _model(file, f"{name}:{model}", model, shared | dict(more)) for model, more in models.items()}
-    return Provider(name=name, default=default, models=listed, **{k: v for k, v in entry.items() if k in own})
-
-
-def _model(file: Path | str, where: str, name: str, values: dict[str, Any]) -> Model:
-    valid = {field.name for field in fields(Model)} - {"name"}
-    unknown = set(values) - valid
-    if unknown:
-        raise OptionError(
-            f"{file}: provider {where}: unknown key {sorted(unknown)[0]!r}; valid: {', '.join(sorted(valid))}"
-        )
-    values = dict(values)
-    values["response_format"] = tuple(values.get("response_format", ()))
-    return Model(name=name, **values)

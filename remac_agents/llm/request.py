@@ -95,6 +95,7 @@ class ChatRequest:
         """The JSON to send: only what the model takes."""
         model = self.endpoint.model
         body: dict[str, Any] = {
+            **model.extra,
             "model": model.name,
             "messages": self._messages(),
             model.max_tokens_field: self.max_tokens,

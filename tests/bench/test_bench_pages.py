@@ -176,7 +176,7 @@ def test_images_that_a_checker_saw(run: Path) -> None:
     root = parse((run / "episodes" / "spoken-0.html").read_text("utf-8"))
     (picture,) = root.all("img")
     assert picture.attributes["src"] == "../pictures/a1b2c3.png"
-    assert "an image that is not in the folder" in root.text and "9 tokens, $0.2500" in root.text
+    assert "an image that is not in the folder" in root.text and "9 tokens, $0.25," in root.text
 
 
 def test_what_changed_in_a_world() -> None:

@@ -35,7 +35,7 @@ def test_the_papers_models_are_ready(name: str) -> None:
 def test_every_listed_price_has_its_date() -> None:
     catalogue = load()
     models = [model for provider in catalogue.providers.values() for model in provider.models.values()]
-    assert len(catalogue.providers) == 9 and len(models) > 8
+    assert len(catalogue.providers) == 10 and len(models) > 8
     for model in models:
         assert (model.price_in is None) == (model.price_out is None) == (model.priced_on == ""), model.name
     for alias in catalogue.paper:

@@ -24,6 +24,8 @@ def run(
     suite: flags.Suite = None,
     models: flags.Models = None,
     base_url: flags.BaseUrl = None,
+    providers: flags.Providers = None,
+    via: flags.Via = None,
     cassette: flags.Cassette = None,
     replay: flags.Replay = False,
     max_calls: flags.MaxCalls = None,

@@ -11,17 +11,23 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from remac_bench import flags
 from remac_bench.console import FAILED, clean_errors, console
 
 _MARKS = {True: "[green]ok[/green]", False: "[red]problem[/red]", None: "[dim]-[/dim]"}
 
 
 @clean_errors
-def doctor(as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False) -> None:
+def doctor(
+    providers: flags.Providers = None,
+    as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+) -> None:
     """Say what this machine has and what for; the exit code is 1 where something needed does not work."""
     from remac_bench.machine import examine
+    from remac_bench.routes import examine_models
 
-    findings = examine()
+    findings = [*examine_models(providers), *examine()]
+    findings.sort(key=lambda finding: finding.group in ("keys", "models"))
     if as_json:
         typer.echo(json.dumps([asdict(finding) for finding in findings]))
     else:

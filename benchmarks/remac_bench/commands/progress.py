@@ -125,7 +125,7 @@ class Tally:
     def told(self, seconds: float) -> str:
         """As text: "3 failed, 1 broken, 12.5/s, $0.42"; what is not there is not told."""
         rate = f"{self.episodes / seconds:.1f}/s" if seconds > 0 else ""
-        more = "+" if self.unpriced else ""  # some calls had no known price
-        money = f"${self.money:.2f}{more}" if self.money or self.unpriced else ""
+        unknown = self.unpriced and not self.money
+        money = "cost unknown" if unknown else f"${self.money:.2f}{'+' * bool(self.unpriced)}" if self.money else ""
         broken = f"{self.broken} broken" if self.broken else ""
         return ", ".join(part for part in (f"{self.failed} failed", broken, rate, money) if part)

@@ -6,7 +6,7 @@ from typing import Any
 
 import typer
 
-from remac_bench import flags
+from remac_bench import agents, flags
 from remac_bench.agents import Access
 from remac_bench.commands.progress import run_and_report
 from remac_bench.console import FAILED, console, plain
@@ -30,7 +30,7 @@ def run_command(context: typer.Context) -> None:
     load_extensions(given["extensions"] or ())
     if given["out"] is None and given["suite"] is None:
         raise UsageError("--out is missing: a folder for the records; only a suite has one of its own")
-    access = Access(base_url=given["base_url"], cassette=given["cassette"], replay=given["replay"])
+    access = Access(**{name: given[name] for name in ("base_url", "providers", "cassette", "replay")})
     if access.replay and access.cassette is None:
         raise UsageError("--replay needs --cassette FILE")
     entries = _entries(context)
@@ -77,9 +77,15 @@ def verify_command(folder: str, *, sample: int | None, seed: int, extensions: tu
 
 
 def _entries(context: typer.Context) -> list[dict[str, Any]]:
-    """An entry for each --model, or one without; each with the agent's flags."""
+    """An entry for each --model, or one without; each with the agent's flags. Models go by their routes."""
+    given = context.params
+
+    def routed(text: str) -> str:
+        return agents.by_route(text, via=given["via"], providers=given["providers"])
+
     agent = {name: value for name, value in flags.pick(context, flags.AGENT).items() if value is not None}
-    return [{"model": model, **agent} for model in dict.fromkeys(context.params["models"] or ())] or [agent]
+    agent |= {name: routed(agent[name]) for name in agents.ROLES if name in agent}
+    return [{"model": model, **agent} for model in dict.fromkeys(map(routed, given["models"] or ()))] or [agent]
 
 
 def _jobs(context: typer.Context, entry: dict[str, Any], access: Access) -> list[Job]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from remac_bench.board import Cell
 from remac_bench.judging.statistics import wilson
+from remac_bench.prices import digits, dollars
 
 DASH = Cell(text="-")
 Cells = dict[str, Cell]
@@ -51,12 +52,17 @@ def signed_interval(low: float, high: float) -> Cell:
     return Cell(text=f"{100 * low:+.0f} to {100 * high:+.0f}", low=low, high=high)
 
 
-def money(value: float | None, *, note: str = "") -> Cell:
-    """US dollars; small sums keep their digits."""
-    if value is None:
-        return DASH
-    text = "0" if value == 0 else f"{value:.2f}" if value >= 1 else f"{value:.2g}"
-    return Cell(text=text, value=value, note=note)
+def money(value: float | None, *, unpriced: int = 0) -> Cell:
+    """US dollars; where calls have no known price there is no value, and the text says so.
+
+    Args:
+        value: of the calls whose price is known; None: nothing was measured, or no price is known.
+        unpriced: calls without one.
+    """
+    if unpriced:
+        text = dollars(value, unpriced).removeprefix("$")
+        return Cell(text=text, note=f"{unpriced} calls without a known price are left out")
+    return DASH if value is None else Cell(text=digits(value), value=value)
 
 
 def probability(value: float) -> Cell:

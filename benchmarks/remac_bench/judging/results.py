@@ -38,7 +38,7 @@ COLUMNS: tuple[Column, ...] = (
     Column(key="near_misses", title="Near", help="control steps an episode in which robots were within 0.05 m"),
     Column(key="calls", title="Calls", help="calls of language models a job, all its iterations"),
     Column(key="tokens", title="Tokens", help="tokens a job, prompts and answers"),
-    Column(key="money", title="USD", help="US dollars a job"),
+    Column(key="money", title="USD", help="US dollars a job; + where some calls have no known price"),
     Column(key="wall", title="Wall s", help="seconds on the wall a job"),
 )
 
@@ -95,7 +95,6 @@ def facts(row: Row) -> dict[str, str]:
 
 def cells(row: Row) -> Cells:
     """A row of `metrics` as cells."""
-    priced = f"{row.unpriced} calls without a known price are left out" if row.unpriced else ""
     plain = {
         name: number(getattr(row, name))
         for name in ("seconds", "seconds_all", "ipl", "ipl_all", "fpl", "fpl_all", "rounds", "rounds_all", "calls")
@@ -117,7 +116,7 @@ def cells(row: Row) -> Cells:
             "contacts": number(row.contacts),
             "near_misses": number(row.near_misses),
             "tokens": number(row.tokens, 0),
-            "money": money(row.money, note=priced),
+            "money": money(row.money, unpriced=row.unpriced),
             "wall": number(row.wall),
             "tries": count(row.tries),
             "crashed": _alarm(row.crashed),

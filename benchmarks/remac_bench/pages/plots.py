@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from remac_bench.board import Cell, Sheet
@@ -73,7 +73,8 @@ def interval(cell: Cell) -> Interval | None:
 def scatter(sheet: Sheet) -> Scatter | None:
     """Success against money of a sheet of results: over all tasks, or of the one task there is.
 
-    Where no entry spent money, against simulated time with failures at the cap.
+    Where no entry is known to have spent any, against simulated time with failures at the cap. An entry whose cost
+    is not known in full is left out of a plot of money, and the note says so.
     """
     tasks = list(dict.fromkeys(row["task"].text for row in sheet.rows))
     task = ALL_TASKS if ALL_TASKS in tasks else tasks[0] if tasks else ""
@@ -84,7 +85,7 @@ def scatter(sheet: Sheet) -> Scatter | None:
     if not known:
         return None
     axis = "US dollars a job" if paid else "simulated seconds an episode, failures at the cap"
-    note = "" if paid else "No entry spent money on a language model, so time stands in its place."
+    note = _scatter_note(rows, paid=paid)
     top = max(row[key].value or 0.0 for row in known)
     marks = _ticks(top)
     points = [(row["agent"].text, row[key].value or 0.0, row["tsr"]) for row in known]
@@ -97,6 +98,15 @@ def scatter(sheet: Sheet) -> Scatter | None:
         x_ticks=tuple((_x(mark, marks[-1]), f"{mark:g}") for mark in marks),
         y_ticks=tuple((_y(share / 4), f"{25 * share}%") for share in range(5)),
     )
+
+
+def _scatter_note(rows: Sequence[Mapping[str, Cell]], *, paid: bool) -> str:
+    unknown = [row["agent"].text for row in rows if "money" in row and row["money"].value is None]
+    told = f"The cost of {', '.join(unknown)} is not known in full" if unknown else ""
+    if paid:
+        return f"{told}: left out." if told else ""
+    told = told or "No entry spent money on a language model"
+    return f"{told}, so time stands in its place."
 
 
 def _dots(points: Sequence[tuple[str, float, Cell]], most: float) -> list[Dot]:

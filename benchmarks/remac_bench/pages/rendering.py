@@ -12,6 +12,7 @@ import jinja2
 from markupsafe import Markup
 
 from remac_bench.pages.text import shown, slug
+from remac_bench.prices import dollars
 
 FONT = "system-ui, -apple-system, 'Segoe UI', 'Helvetica Neue', 'DejaVu Sans', sans-serif"
 
@@ -46,6 +47,7 @@ def _environment(limit: int) -> jinja2.Environment:
         lstrip_blocks=True,
     )
     made.filters["slug"] = slug
+    made.filters["dollars"] = dollars
     return made
 
 
