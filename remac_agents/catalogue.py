@@ -6,7 +6,8 @@
     http://127.0.0.1:8000/plan   a planner that is sent the request as JSON
     answers:FILE.json            a planner whose answers lie in a file
     provider:model               a language model (docs/models.md), or a name of the paper's models, such as "o3"
-A class is made with the options that are given; a function is called in place of the role's only verb.
+Options stand behind a name: name,option=value (option_text.py). A class is made with the options that are given; a
+function is called in place of the role's only verb.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from remac_agents.from_file import load_file
+from remac_agents.option_text import FORM, read_value, split_options
 from remac_env.errors import OptionError, UnknownNameError
 
 if TYPE_CHECKING:
@@ -79,8 +81,8 @@ def make_role(role: str, given: object, *, models: Models | None = None) -> Any:
 
     Args:
         role: a key of ROLES.
-        given: a text of the forms above; a mapping {"name": text, **options of its class}; a plain function; or a
-            ready object.
+        given: a text of the forms above, with options or without; a mapping {"name": text, **options of its class}; a
+            plain function; or a ready object.
         models: what roles that are language models share; None: each has a budget of its own and no cassette.
 
     Raises:
@@ -88,7 +90,7 @@ def make_role(role: str, given: object, *, models: Models | None = None) -> Any:
         OptionError: for options or objects that do not fit the role.
     """
     if isinstance(given, str):
-        given = {"name": given}
+        given = read_role(given, models)
     if isinstance(given, Mapping):
         options = {str(key): value for key, value in given.items() if key != "name"}
         made = _construct(role, str(given.get("name", "")), options, models)
@@ -101,6 +103,20 @@ def make_role(role: str, given: object, *, models: Models | None = None) -> Any:
         lacks = f"lacks {', '.join(missing)}()" if missing else "is a class, not an object of it"
         raise OptionError(f"{role} {made!r} {lacks}; see remac_agents.roles")
     return made
+
+
+def read_role(text: str, models: Models | None = None) -> dict[str, Any]:
+    """A role from its text: {"name": ..., **options}. What a model's options mean, the model's settings say.
+
+    Args:
+        models: who knows which providers there are; None: those that are built in.
+
+    Raises:
+        OptionError: for an option without a value, or one that is given twice.
+    """
+    model = _is_model(text.partition(",")[0].strip(), models)
+    name, options = split_options(text, commas=not model)
+    return {"name": name, **(options if model else {option: read_value(value) for option, value in options.items()})}
 
 
 class FunctionRole:
@@ -146,7 +162,8 @@ def _find(role: str, name: str) -> Any:
     is_module = all(part.isidentifier() for part in source.split("."))
     if not colon or not (is_module or source.endswith(".py")):
         forms = (*FORMS, *(MODEL_FORMS * (role in MODEL_ROLES)), *(PLANNER_FORMS * (role == "planner")))
-        raise UnknownNameError(f"unknown {role} {name!r}; valid: {', '.join((*ROLES[role], *forms))}")
+        more = f"; options: {FORM}" if "," in name else ""
+        raise UnknownNameError(f"unknown {role} {name!r}; valid: {', '.join((*ROLES[role], *forms))}{more}")
     return _load(role, f"{source}:{attribute}", name)
 
 

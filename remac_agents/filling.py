@@ -7,7 +7,8 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from remac_agents.catalogue import MODEL_ROLES, make_role
+from remac_agents.catalogue import MODEL_ROLES, make_role, read_role
+from remac_agents.option_text import MOST_SPENT, check_number
 from remac_agents.roles import Roles
 from remac_env.errors import OptionError, check_choice
 
@@ -32,8 +33,9 @@ class ModelOptions:
     """How an agent uses language models.
 
     Attributes:
-        model: `provider:model` or a name of the paper's models, for every role that is not given and that speaks: all
-            but the handover; the checker only if the provider lists images.
+        model: `provider:model` or a name of the paper's models, with options behind it or without (docs/models.md),
+            for every role that is not given and that speaks: all but the handover; the checker only if the provider
+            lists images.
         base_url: where the model's server is, and that of other roles' models that may be anywhere.
         providers: a file that adds to the providers that are built in, or overrides them (docs/models.md).
         via: the provider by which models are reached, for `model` and those of other roles, or "auto": the first route
@@ -76,6 +78,16 @@ def read_options(given: Mapping[str, Any]) -> ModelOptions:
     return ModelOptions(**given)
 
 
+def check_spending(name: str, bound: object) -> None:
+    """Refuse a bound on what models may take that is none.
+
+    Raises:
+        OptionError: naming the bound and what is valid.
+    """
+    if bound is not None:
+        check_number(name, bound, 0, MOST_SPENT, whole=name in ("max_calls", "max_tokens"), more=", or None")
+
+
 def fill_roles(given: Mapping[str, Any], options: ModelOptions) -> Roles:
     """The roles of one agent; those that are language models share budget, cassette and limiter.
 
@@ -88,8 +100,7 @@ def fill_roles(given: Mapping[str, Any], options: ModelOptions) -> Roles:
     models = _models(options) if options.given or any(_may_be_model(who) for who in given.values()) else None
     chosen: dict[str, Any] = {role: DEFAULTS[role] if who is None else who for role, who in given.items()}
     if options.model is not None and models is not None:
-        entry = {"name": options.model, "base_url": options.base_url}
-        chosen |= dict.fromkeys(_taken_over(given, options, models), entry)
+        chosen |= dict.fromkeys(_taken_over(given, options, models), options.model)
     return Roles(**{role: make_role(role, who, models=models) for role, who in chosen.items()})
 
 
@@ -99,9 +110,12 @@ def _may_be_model(who: object) -> bool:
 
 def _taken_over(given: Mapping[str, Any], options: ModelOptions, models: Models) -> list[str]:
     """The roles that the model fills."""
+    from remac_agents.llm.settings import read_settings
+
     if not isinstance(options.model, str):
         raise OptionError(f"model {options.model!r} is not valid; valid: a text provider:model")
-    eyes = models.client(options.model, base_url=options.base_url).endpoint.model.images
+    told = read_role(options.model, models)
+    eyes = models.client(told.pop("name"), read_settings(told)).endpoint.model.images
     return [role for role in MODEL_ROLES if given[role] is None and (eyes or role != "checker")]
 
 
@@ -110,8 +124,7 @@ def _models(options: ModelOptions) -> Models:
     from remac_agents.models import LIMITS, Models
 
     for name, bound in options.budget.items():
-        if bound is not None and (isinstance(bound, bool) or not isinstance(bound, int | float) or not bound >= 0):
-            raise OptionError(f"max_{name} {bound!r} is not valid; valid: a number from 0, or None")
+        check_spending(f"max_{name}", bound)
     if options.limiter is not None and not isinstance(options.limiter, Limiter):
         raise OptionError(f"limiter {options.limiter!r} is not valid; valid: a remac_agents.llm.Limiter, or None")
     if options.replay and options.cassette is None:

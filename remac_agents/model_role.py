@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from remac_agents.llm import BadAnswer, ChatReply, Picture, read_json
-from remac_agents.llm.client import DEADLINE_S, check_bounds
+from remac_agents.llm.settings import read_settings
 from remac_agents.models import Models
 from remac_agents.prompt import Message, load
 
@@ -26,37 +26,19 @@ class ModelRole:
 
     Args:
         model: `provider:model`, or a name of the paper's models.
-        base_url: where the server is, for providers that can be anywhere.
         models: the agent's; None: its own.
-        temperature: 0..2; None: the model's own.
-        max_tokens: the longest answer, reasoning included; None: the model's default.
-        seed: for endpoints that take one.
-        seconds: deadline of one question, all in all.
-        stream: ask for answers in pieces.
+        options: those of `llm.ModelSettings`; `extra.NAME` for further fields of requests.
 
     Raises:
-        UnknownNameError, OptionError: for a model or address that is not valid.
+        UnknownNameError, OptionError: for a model, option or address that is not valid.
     """
 
     role = ""
     needs_truth = False
 
-    def __init__(
-        self,
-        model: str,
-        *,
-        base_url: str | None = None,
-        models: Models | None = None,
-        temperature: float | None = 0.0,
-        max_tokens: int | None = None,
-        seed: int | None = None,
-        seconds: float = DEADLINE_S,
-        stream: bool = False,
-    ) -> None:
-        check_bounds(max_tokens=max_tokens, temperature=temperature, deadline=seconds)
+    def __init__(self, model: str, *, models: Models | None = None, **options: Any) -> None:
         self.models = models or Models()
-        self.client = self.models.client(model, base_url=base_url, stream=stream)
-        self.options = {"temperature": temperature, "max_tokens": max_tokens, "seed": seed, "deadline": seconds}
+        self.client = self.models.client(model, read_settings(options))
         self.open()
 
     def open(self) -> None:
@@ -82,9 +64,7 @@ class ModelRole:
         Raises:
             StopEpisode: see `Models.ask`.
         """
-        reply = self.models.ask(
-            self.client, self.role, messages, about=about, images=images, response_format=form, **self.options
-        )
+        reply = self.models.ask(self.client, self.role, messages, about=about, images=images, response_format=form)
         return reply.text if isinstance(reply, ChatReply) else BadAnswer(f"{reply.kind}: {reply.detail}")
 
     def ask(

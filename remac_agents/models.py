@@ -9,7 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from remac_agents.ledger import Exchange, Usage
-from remac_agents.llm import Budget, Cassette, ChatClient, ChatError, ChatReply, Limiter, Picture, load, resolve, route
+from remac_agents.llm import (
+    Budget,
+    Cassette,
+    ChatClient,
+    ChatError,
+    ChatReply,
+    Limiter,
+    ModelSettings,
+    Picture,
+    load,
+    resolve,
+    route,
+)
 from remac_agents.llm.clock import Clock
 from remac_agents.roles import StopEpisode
 
@@ -64,24 +76,25 @@ class Models:
         self.providers, self._via = providers, via
         self._limiter, self._base_url = limiter or Limiter(clock=clock), base_url
         self._more: dict[str, Any] = {"clock": clock, "environ": environ}
-        self._clients: dict[tuple[str, str, bool], ChatClient] = {}
+        self._clients: dict[tuple[str, str, str], ChatClient] = {}
 
-    def client(self, model: str, *, base_url: str | None = None, stream: bool = False) -> ChatClient:
-        """The client of a model; the same for the same model.
+    def client(self, model: str, settings: ModelSettings | None = None) -> ChatClient:
+        """The client of a model; the same for the same model and settings.
 
         Raises:
             UnknownNameError: for an unknown model or route; lists the valid ones.
             OptionError: for an address that no request may go to.
         """
+        settings = settings or ModelSettings()
         model = route(model, via=self._via, file=self.providers, environ=self._more["environ"])
         provider = load(self.providers).providers.get(model.partition(":")[0])
         movable = provider is not None and provider.movable
-        base_url = self._base_url if base_url is None and movable else base_url
-        endpoint = resolve(model, base_url=base_url, file=self.providers)
-        key = (endpoint.name, endpoint.base_url, stream)
+        own = settings.base_url
+        endpoint = resolve(model, base_url=self._base_url if own is None and movable else own, file=self.providers)
+        key = (endpoint.name, endpoint.base_url, settings.key)
         if key not in self._clients:
             shared: dict[str, Any] = {"budget": self.budget, "cassette": self.cassette, "limiter": self._limiter}
-            self._clients[key] = ChatClient(endpoint, stream=stream, **shared, **self._more)
+            self._clients[key] = ChatClient(endpoint, settings=settings, **shared, **self._more)
         return self._clients[key]
 
     def begin_episode(self, label: str, errors: list[str]) -> None:
@@ -100,7 +113,7 @@ class Models:
         *,
         about: str = "",
         images: Sequence[Picture] = (),
-        **options: Any,
+        response_format: Mapping[str, Any] | None = None,
     ) -> ChatReply | ChatError:
         """Put one question and note it.
 
@@ -110,7 +123,7 @@ class Models:
         page = self.page
         number = page.asked[role] = page.asked.get(role, 0) + 1
         label = f"{page.label}/{role}/{number}"
-        outcome = client.complete(messages, images=images, label=label, **options)
+        outcome = client.complete(messages, images=images, response_format=response_format, label=label)
         self._note(client, role, about, messages, images, outcome)
         if isinstance(outcome, ChatReply):
             return outcome

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import json
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from remac_bench.errors import UsageError
-from remac_env.errors import check_choice
+from remac_env.errors import OptionError, check_choice
 
 if TYPE_CHECKING:
     from remac_bench.jobs import Job
@@ -121,10 +120,7 @@ def make(job: Job, shared: Mapping[str, Any]) -> Agent:
     """
     import remac_agents
 
-    options: dict[str, Any] = {
-        name: role(value) if name in ROLES else value for name, value in job.agent.items()
-    }
-    agent: Agent = remac_agents.make(job.method, **options, **shared)
+    agent: Agent = remac_agents.make(job.method, **job.agent, **shared)
     return agent
 
 
@@ -136,9 +132,9 @@ def asked_models(agent: Mapping[str, Any], *, providers: str | None = None) -> l
     """
     from remac_agents.catalogue import ROLES as KNOWN
 
-    named = [str(agent["model"])] if "model" in agent else []
+    named = [_bare(agent["model"])] if "model" in agent else []
     for name in ROLES:
-        text = str(agent.get(name, "")).partition(",")[0].strip()
+        text = _bare(agent.get(name, ""))
         if text and text not in KNOWN[name] and is_model(text, providers):
             named.append(text)
     return sorted(set(named))
@@ -165,35 +161,40 @@ def by_route(text: str, *, via: str | None, providers: str | None = None) -> str
     return route(name.strip(), via=via, file=providers) + comma + options
 
 
+def _bare(text: object) -> str:
+    """The name of a role or model without its options."""
+    return str(text).partition(",")[0].strip()
+
+
 def role(text: object) -> object:
     """A role from its text: "noisy", "package.module:Name", or with options "noisy,miss=0.2".
 
     Raises:
         UsageError: for an option that is not name=value.
     """
+    from remac_agents.catalogue import read_role
+
     if not isinstance(text, str) or "," not in text:
         return text
-    name, *options = (part.strip() for part in text.split(","))
-    read: dict[str, Any] = {"name": name}
-    for option in options:
-        key, equals, value = option.partition("=")
-        if not key.isidentifier() or not equals:
-            raise UsageError(f"role {text!r}: {option!r} is not valid; valid: name,option=value,option=value")
-        try:
-            read[key] = json.loads(value)
-        except json.JSONDecodeError:
-            read[key] = value
-    return read
+    try:
+        return read_role(text)
+    except OptionError as error:
+        raise UsageError(f"role {error}") from error
 
 
 def changed_options(given: Mapping[str, Any]) -> dict[str, Any]:
     """Those keywords of `remac_agents.make` that are given (not None) and not at their defaults.
 
     With a model every role that is given counts: a role that is not is the model's.
+
+    Raises:
+        OptionError: for a bound on what models may take that is none.
     """
     import remac_agents
-    from remac_agents.filling import DEFAULTS
+    from remac_agents.filling import DEFAULTS, check_spending
 
+    for name in BUDGET:
+        check_spending(name, given.get(name))
     parameters = inspect.signature(remac_agents.make).parameters
     kept = {name: value for name, value in given.items() if value is not None}
     defaults = {name: parameter.default for name, parameter in parameters.items()}

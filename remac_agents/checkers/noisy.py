@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remac_agents.checkers.truth import UNJUDGED, TruthChecker
+from remac_agents.option_text import check_number
 from remac_agents.roles import Verdict, View
 from remac_env.conditions import Condition
-from remac_env.errors import OptionError
 from remac_env.seeding import generator
 
 
@@ -23,8 +23,7 @@ class NoisyChecker:
 
     def __init__(self, *, false_alarm: float = 0.1, miss: float = 0.1) -> None:
         for name, value in (("false_alarm", false_alarm), ("miss", miss)):
-            if not 0.0 <= value <= 1.0:
-                raise OptionError(f"{name} {value!r} is not valid; valid: 0..1")
+            check_number(name, value, 0, 1)
         self.false_alarm, self.miss = false_alarm, miss
         self._truth = TruthChecker()
         self._chance = generator(0, "noisy checker")

@@ -17,6 +17,7 @@ from remac_agents.llm.outcomes import KINDS, ChatError, ChatReply
 from remac_agents.llm.providers import Catalogue, Endpoint, Model, Provider, load, resolve, route
 from remac_agents.llm.redaction import file_name, plain
 from remac_agents.llm.request import Picture
+from remac_agents.llm.settings import ModelSettings, plain_model_name, read_model_name, read_settings
 
 __all__ = [
     "KINDS",
@@ -31,13 +32,17 @@ __all__ = [
     "Endpoint",
     "Limiter",
     "Model",
+    "ModelSettings",
     "Picture",
     "Provider",
     "Spent",
     "file_name",
     "load",
     "plain",
+    "plain_model_name",
     "read_json",
+    "read_model_name",
+    "read_settings",
     "resolve",
     "route",
 ]

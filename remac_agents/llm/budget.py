@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass
 
-from remac_env.errors import OptionError
+from remac_agents.option_text import MOST_SPENT, check_number
 
 
 @dataclass(frozen=True)
@@ -46,12 +46,12 @@ class Budget:
         """Args: calls: requests, repeated ones included; money: US dollars; seconds: spent in calls, waiting included.
 
         Raises:
-            OptionError: for a negative bound.
+            OptionError: for a bound that is negative or no number.
         """
         self._bounds = {"calls": calls, "tokens": tokens, "money": money, "seconds": seconds}
         for name, bound in self._bounds.items():
-            if bound is not None and not bound >= 0:
-                raise OptionError(f"{name} {bound!r} is not valid; valid: a number from 0, or None for no bound")
+            if bound is not None:
+                check_number(name, bound, 0, MOST_SPENT, more=", or None for no bound")
         self._lock = threading.Lock()
         self._spent = Spent()
         self._open = Spent()

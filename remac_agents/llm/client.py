@@ -8,6 +8,7 @@ import random
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from enum import Enum
 from typing import Any
 
 from remac_agents.llm.budget import Budget, Cost
@@ -20,12 +21,17 @@ from remac_agents.llm.providers import Endpoint, resolve
 from remac_agents.llm.redaction import Redactor, plain
 from remac_agents.llm.request import CHARACTERS_PER_TOKEN, ChatRequest, Picture, digest, read_messages
 from remac_agents.llm.retry import wait_before
+from remac_agents.llm.settings import ModelSettings, check_bounds, read_model_name
 from remac_agents.llm.transport import READ_S, Transport
 from remac_agents.llm.wire import Caps
-from remac_env.errors import OptionError
 
-DEADLINE_S = 300.0
 SEEN_IDS = 10_000
+
+
+class Unset(Enum):
+    """That nothing was said, where None says something."""
+
+    UNSET = "unset"
 
 
 class ChatClient:
@@ -36,7 +42,7 @@ class ChatClient:
         endpoint: Endpoint | str,
         *,
         base_url: str | None = None,
-        stream: bool = False,
+        settings: ModelSettings | None = None,
         limiter: Limiter | None = None,
         budget: Budget | None = None,
         cassette: Cassette | None = None,
@@ -50,9 +56,10 @@ class ChatClient:
         """Open a client; nothing is sent yet.
 
         Args:
-            endpoint: from `resolve`, or the name for it.
+            endpoint: from `resolve`, or the name for it, with options behind it or without (`read_model_name`).
             base_url: see `resolve`.
-            stream: ask for the answer in pieces, where the model offers it; the replies are the same.
+            settings: how the model is asked; None: as its name says, else as its provider's data say. Answers come in
+                pieces wherever the model offers it; the replies are the same.
             limiter: how many requests may be under way.
             budget: what may be spent.
             cassette: where exchanges are recorded or come from.
@@ -62,10 +69,15 @@ class ChatClient:
             clock, jitter: time, and draws from [0, 1); given by tests.
             environ: where the key is looked up; None: the environment.
         """
-        self.endpoint = resolve(endpoint, base_url=base_url) if isinstance(endpoint, str) else endpoint
+        if isinstance(endpoint, str):
+            name, named = read_model_name(endpoint)
+            settings = settings or named
+            endpoint = resolve(name, base_url=base_url or settings.base_url)
+        self.settings = settings or ModelSettings()
+        self.endpoint = self.settings.applied(endpoint)
         self.budget = budget or Budget()
         self.cassette = cassette
-        self._stream = (stream and self.endpoint.model.stream) or self.endpoint.model.stream_only
+        self._stream = self.endpoint.model.stream or self.endpoint.model.stream_only
         self._clock = clock or Clock()
         self.limiter = limiter or Limiter(clock=self._clock)
         self._versions = dict(versions or {})
@@ -101,8 +113,8 @@ class ChatClient:
         images: Sequence[Picture] = (),
         response_format: Mapping[str, Any] | None = None,
         max_tokens: int | None = None,
-        temperature: float | None = 0.0,
-        deadline: float = DEADLINE_S,
+        temperature: float | Unset | None = Unset.UNSET,
+        deadline: float | None = None,
         seed: int | None = None,
         label: str = "",
     ) -> ChatReply | ChatError:
@@ -113,23 +125,26 @@ class ChatClient:
             images: shown with the last message of the user.
             response_format: sent where the model offers its type; else left out, which a flag of the reply says.
             max_tokens: the longest answer, reasoning included; None: the model's default.
-            temperature: None: the model's own.
-            deadline: seconds for the whole call, waiting and repeated requests included.
-            seed: for endpoints that take one.
+            temperature: 0..2; None: the model's own. Not given: as the settings say.
+            deadline: seconds for the whole call, waiting and repeated requests included; None: as the settings say.
+            seed: for endpoints that take one; None: as the settings say.
             label: which question of which episode; equal requests with different labels are apart on a cassette.
 
         Raises:
             OptionError: for messages or bounds that are none.
         """
+        settings, model = self.settings, self.endpoint.model
+        deadline = model.seconds if deadline is None else deadline
+        temperature = settings.temperature if isinstance(temperature, Unset) else temperature
         check_bounds(max_tokens=max_tokens, temperature=temperature, deadline=deadline)
         request = ChatRequest(
             endpoint=self.endpoint,
             messages=read_messages(messages, images=bool(images)),
             images=tuple(images),
             response_format=response_format,
-            max_tokens=max_tokens or self.endpoint.model.max_tokens,
+            max_tokens=max_tokens or model.max_tokens,
             temperature=temperature,
-            seed=seed,
+            seed=settings.seed if seed is None else seed,
             versions=self._versions,
             label=label,
         )
@@ -260,21 +275,6 @@ class ChatClient:
             if len(self._seen) > SEEN_IDS:
                 del self._seen[next(iter(self._seen))]
         return replace(outcome, flags=(*outcome.flags, "id_repeated")) if repeated else outcome
-
-
-def check_bounds(*, max_tokens: object, temperature: object, deadline: object) -> None:
-    """Refuse bounds of a call that are none.
-
-    Raises:
-        OptionError: naming the bound and what is valid.
-    """
-    whole = isinstance(max_tokens, int) and not isinstance(max_tokens, bool) and max_tokens >= 1
-    if max_tokens is not None and not whole:
-        raise OptionError(f"max_tokens {max_tokens!r} is not valid; valid: from 1")
-    if temperature is not None and not (isinstance(temperature, int | float) and 0 <= temperature <= 2):
-        raise OptionError(f"temperature {temperature!r} is not valid; valid: 0 to 2, or None")
-    if not (isinstance(deadline, int | float) and deadline > 0):
-        raise OptionError(f"deadline {deadline!r} is not valid; valid: seconds, more than 0")
 
 
 def _key_problem(endpoint: Endpoint, key: str) -> str:

@@ -24,8 +24,9 @@ AUTO = "auto"
 class Model:
     """A model at a provider; the fields are described in providers.toml.
 
-    Prices are US dollars per million tokens; None: unknown. `context` 0: unknown. `seconds`: how long a call may take
-    where nobody says otherwise. `reasoning_tokens`: about how many tokens it thinks a call, for estimates alone.
+    Prices are US dollars per million tokens; None: unknown. `context`, `max_tokens_bound` 0: unknown. `seconds`: how
+    long a call may take where nobody says otherwise. `reasoning_tokens`: about how many tokens it thinks a call, for
+    estimates alone.
     `extra`: fields that are sent with every request.
     """
 
@@ -39,6 +40,7 @@ class Model:
     max_tokens_field: str = "max_tokens"
     context: int = 0
     max_tokens: int = 8192
+    max_tokens_bound: int = 0
     seconds: float = 300.0
     reasoning_tokens: int = 0
     extra: Mapping[str, Any] = field(default_factory=dict)

@@ -89,6 +89,7 @@ class ChatRequest:
             "seed": self.seed,
             "versions": dict(self.versions),
             "label": self.label,
+            **({"extra": dict(self.endpoint.model.extra)} if self.endpoint.model.extra else {}),
         }
 
     def body(self, *, stream: bool) -> dict[str, Any]:
@@ -98,7 +99,7 @@ class ChatRequest:
             **model.extra,
             "model": model.name,
             "messages": self._messages(),
-            model.max_tokens_field: self.max_tokens,
+            **({model.max_tokens_field: self.max_tokens} if model.max_tokens_field else {}),
         }
         if self.temperature is not None and model.temperature:
             body["temperature"] = self.temperature

@@ -117,7 +117,9 @@ def test_a_role_with_options() -> None:
 
 
 @pytest.mark.parametrize(
-    "agent", [{"planner": "nobody"}, {"checker": "noisy,miss=7"}, {"handover": "x.y:Z"}, {"retries": -1}]
+    "agent",
+    [{"planner": "nobody"}, {"checker": "noisy,miss=7"}, {"handover": "x.y:Z"}, {"retries": -1},
+     {"max_seconds": float("inf")}, {"max_money": float("nan")}, {"model": "vllm:m,max_tokens=0"}],
 )
 def test_bad_agents_come_out_before_any_work(agent: dict) -> None:
     with pytest.raises((UnknownNameError, OptionError), match="valid|imported"):

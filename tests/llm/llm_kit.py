@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from chaos_server import Act, ChaosServer
 
-from remac_agents.llm import ChatClient, ChatError, ChatReply, resolve
+from remac_agents.llm import ChatClient, ChatError, ChatReply, read_settings, resolve
 from remac_agents.llm.clock import Clock
 
 KEY = "sk-canary-0123456789abcdef"
@@ -46,11 +46,18 @@ class Kit:
     monkeypatch: pytest.MonkeyPatch
 
     def client(
-        self, *, base_url: str | None = None, key: str = KEY, model: str = "test-model", **more: Any
+        self,
+        *,
+        base_url: str | None = None,
+        key: str = KEY,
+        model: str = "test-model",
+        stream: bool | None = None,
+        options: dict[str, Any] | None = None,
+        **more: Any,
     ) -> ChatClient:
         endpoint = resolve(f"custom:{model}", base_url=base_url or self.server.url)
         more = {"clock": self.time.clock, "jitter": lambda: 0.5, "environ": {"CUSTOM_API_KEY": key}} | more
-        return ChatClient(endpoint, **more)
+        return ChatClient(endpoint, settings=read_settings({"stream": stream, **(options or {})}), **more)
 
     def outcome(self, *acts: Act, ask: dict[str, Any] | None = None, **more: Any) -> ChatReply | ChatError:
         """What comes of one call when the server plays these acts."""

@@ -26,11 +26,11 @@ def kit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Kit]:
 
 
 def test_plain_and_streamed_answers_are_the_same(kit: Kit) -> None:
-    plainly = kit.reply(says("pick up\ncup", reasoning_content="first\nthen", id="a"))
+    plainly = kit.reply(says("pick up\ncup", reasoning_content="first\nthen", id="a"), stream=False)
     assert "stream" not in kit.server.asked[0].body
     pieces = [chunk(reasoning_content="first"), chunk(reasoning_content="\nthen"), chunk("pick up"), chunk("\ncup")]
     ids = chunk("", finish="stop").replace(b'"id": ""', b'"id": "a"')
-    streamed = kit.reply(streams(*pieces, ids, USAGE, DONE), stream=True)
+    streamed = kit.reply(streams(*pieces, ids, USAGE, DONE))
     assert kit.server.asked[0].body["stream"] is True
     assert replace(streamed, seconds=0.0) == replace(plainly, seconds=0.0)
     assert (plainly.text, plainly.reasoning) == ("pick up\ncup", "first\nthen")
@@ -39,7 +39,8 @@ def test_plain_and_streamed_answers_are_the_same(kit: Kit) -> None:
 
 def test_a_plain_answer_to_a_streamed_question_is_read_and_the_other_way_round(kit: Kit) -> None:
     assert kit.reply(says("whole"), stream=True).text == "whole"
-    assert kit.reply(streams(chunk("in pieces"), chunk("", finish="stop"), DONE)).text == "in pieces"
+    pieces = [chunk("in pieces"), chunk("", finish="stop"), DONE]
+    assert kit.reply(streams(*pieces), stream=False).text == "in pieces"
 
 
 @pytest.mark.parametrize(
@@ -69,12 +70,16 @@ def test_reasoning_fields_and_blocks_add_up(kit: Kit) -> None:
 
 def test_what_is_sent(kit: Kit) -> None:
     form = {"type": "json_object"}
-    kit.reply(says(), ask={"max_tokens": 77, "temperature": 0.5, "seed": 3, "response_format": form})
+    asks = {"max_tokens": 77, "temperature": 0.5, "seed": 3, "response_format": form}
+    kit.reply(says(), ask=asks, stream=False)
     asked = kit.server.asked[0]
     assert asked.path == "/v1/chat/completions"
     assert asked.headers["authorization"] == f"Bearer {KEY}"
     sent = {"model": "test-model", "max_tokens": 77, "temperature": 0.5, "seed": 3, "response_format": form}
     assert asked.body == {**sent, "messages": ASK}
+    kit.reply(says(), ask=asks)
+    in_pieces = {"stream": True, "stream_options": {"include_usage": True}}
+    assert kit.server.asked[0].body == {**sent, **in_pieces, "messages": ASK}
     kit.reply(says(), key="", ask={"temperature": None})
     assert "authorization" not in kit.server.asked[0].headers and "temperature" not in kit.server.asked[0].body
 

@@ -77,7 +77,8 @@ def verify_command(folder: str, *, sample: int | None, seed: int, extensions: tu
 
 
 def _entries(context: typer.Context) -> list[dict[str, Any]]:
-    """An entry for each --model, or one without; each with the agent's flags. Models go by their routes."""
+    """An entry for each --model, or one without; each with the agent's flags. Models go by their routes; the same model
+    with other options is another entry."""
     given = context.params
 
     def routed(text: str) -> str:
@@ -85,7 +86,11 @@ def _entries(context: typer.Context) -> list[dict[str, Any]]:
 
     agent = {name: value for name, value in flags.pick(context, flags.AGENT).items() if value is not None}
     agent |= {name: routed(agent[name]) for name in agents.ROLES if name in agent}
-    return [{"model": model, **agent} for model in dict.fromkeys(map(routed, given["models"] or ()))] or [agent]
+    if not given["models"]:
+        return [agent]
+    from remac_agents.llm.settings import plain_model_name  # only here: no offline run needs the client
+
+    return [{"model": model, **agent} for model in dict.fromkeys(plain_model_name(routed(m)) for m in given["models"])]
 
 
 def _jobs(context: typer.Context, entry: dict[str, Any], access: Access) -> list[Job]:
