@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from remac_agents.asking import ran_so_far
 from remac_agents.briefing import Bounds, Briefing
 from remac_agents.correspondence import Correspondence
 from remac_agents.episode import Episode
@@ -227,7 +228,7 @@ def _look(obs: Told, infos: Told, briefing: Briefing) -> tuple[View, WorldState 
         for robot, seen in obs.items()
     }
     reports = {robot: _report(info) for robot, info in infos.items()}
-    return View(briefing.goal, told["scene"], holding, reports, images), world
+    return View(briefing.goal, told["scene"], holding, reports, images, text=str(told.get("text", ""))), world
 
 
 def _report(info: Mapping[str, Any]) -> Report | None:
@@ -239,14 +240,14 @@ def _report(info: Mapping[str, Any]) -> Report | None:
 
 
 def _run(episode: Episode, *, success: bool) -> Run:
-    """The episode in the eight fields of the memory."""
+    """The episode as the memory keeps it."""
     ledger: Ledger = episode.ledger
     initial: Plan = ledger.initial
     return Run(
         task_description=episode.briefing.task,
         task_goal=episode.briefing.goal,
         initial_plan={robot: list(row) for robot, row in initial.as_text().items()},
-        action_list=[f"{step.robot}: {step.subtask} ({step.status or 'unknown'})" for step in ledger.steps],
+        action_list=[ran.line for ran in ran_so_far(episode.moments)],
         pre_check_results=[_checked(check) for check in ledger.pre_checks if not check.asked],
         post_check_results=[_checked(check) for check in ledger.post_checks],
         success=success,

@@ -8,6 +8,9 @@ from typing import Any
 
 from remac_env.tasks.goals import Goal
 
+ANSWERS = 3
+"""How often a question is put: an answer that is of no use is sent back twice, with all that is wrong with it."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
@@ -16,7 +19,7 @@ class Bounds:
     rounds: int = 60
     retries: int = 2
     adjustments: int = 20
-    replies: int = 2
+    replies: int = ANSWERS
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sequence
-from dataclasses import replace
 
+from remac_agents.asking import ask_planner, plan_request, ran_so_far
 from remac_agents.briefing import Bounds, Briefing
 from remac_agents.free_text import truth_of
 from remac_agents.ledger import Check, Ledger, really_done
@@ -71,43 +71,24 @@ class Episode:
         self.reflecting = True
 
     def make_plan(self, robots: Sequence[str] | None = None) -> None:
-        """Ask the planner; a reply that is no plan is sent back once, then counts as an empty plan."""
+        """Ask the planner; a reply that is no plan is sent back, and counts as an empty plan at last."""
         self.adopt(self.consult(self.plan_request(tuple(robots or (self.briefing.lead,)))))
 
     def consult(self, request: PlanRequest) -> Plan:
         """The planner's answer to a request; see `make_plan` for one that is no plan."""
-        for _ in range(self.bounds.replies):
-            plan = read_plan(
-                self.roles.planner.plan(request), self.commands, request.robots, self.briefing.lead
-            )
-            if not isinstance(plan, PlanError):
-                return plan
-            request = replace(request, failure=plan.problem)
-            self.ledger.errors.append(plan.problem)
-        return Plan.of({})
+        answer = self.answer_to(request)
+        return Plan.of({}) if isinstance(answer, PlanError) else answer
+
+    def answer_to(self, request: PlanRequest, *, most: int | None = None) -> Plan | PlanError:
+        """The planner's answer, or what is wrong with its last; every answer that is no plan is noted."""
+        most = self.bounds.replies if most is None else min(most, self.bounds.replies)
+        came = ask_planner(self.roles.planner, request, self.commands, most=most)
+        self.ledger.errors += [error.told for error in came if isinstance(error, PlanError)]
+        return came[-1] if came else PlanError("the planner may not be asked")
 
     def plan_request(self, names: tuple[str, ...]) -> PlanRequest:
         """What a planner is told now."""
-        runs = self.memory.runs(self.briefing.task) if self.reflecting else ()
-        before = {robot: tuple(row) for robot, row in runs[-1].initial_plan.items()} if runs else None
-        world = self.seen_by(self.roles.planner).world
-        return PlanRequest(
-            goal=self.briefing.goal,
-            scene=self.briefing.text,
-            facts=self.view.scene,
-            robots=names,
-            lead=self.briefing.lead,
-            commands=self.briefing.commands,
-            reflections=self.lessons,
-            previous_plan=before,
-            executed=self.ledger.executed(),
-            holding=self.view.holding,
-            images=self.view.images,
-            verbs=self.briefing.verbs,
-            episode=self.briefing.episode,
-            world=world,
-            goal_test=self.briefing.goal_test if world is not None else None,
-        )
+        return plan_request(self, names)
 
     def seen_by(self, role: object) -> View:
         """The present moment as this role may see it."""
@@ -186,6 +167,7 @@ class Episode:
             commands=self.briefing.commands,
             view=self.seen_by(self.roles.adjuster),
             ask=lambda condition: self._ask(robot, subtask, condition),
+            ran=ran_so_far(self.moments),
         )
         advice = self.roles.adjuster.adjust(request)
         old = self.plan.row(robot)

@@ -41,7 +41,10 @@ class Step:
 
 @dataclass(frozen=True)
 class Usage:
-    """What an episode took of language models. `money`: US dollars, of the calls whose price is known."""
+    """What an episode took of language models. `money`: US dollars, of the calls whose price is known.
+
+    `repeats`: questions that were not put because the same had been answered in this episode.
+    """
 
     calls: int = 0
     prompt_tokens: int = 0
@@ -49,6 +52,7 @@ class Usage:
     money: float = 0.0
     unpriced: int = 0
     seconds: float = 0.0
+    repeats: int = 0
 
 
 @dataclass(frozen=True)

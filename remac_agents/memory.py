@@ -21,7 +21,7 @@ class Run:
     """One episode, in the eight fields of the paper's appendix.
 
     `initial_plan` maps robots to commands; `action_list`, `pre_check_results` and `post_check_results` have
-    one entry an event, in order.
+    one entry an event, in order; the lines of `action_list` are those of `remac_agents.accounts.Ran`.
     """
 
     task_description: str

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from remac_agents import wording
+from remac_agents.briefing import ANSWERS
 from remac_agents.llm import BadAnswer, ChatReply, Picture, read_json
 from remac_agents.llm.settings import read_settings
 from remac_agents.models import Models
 from remac_agents.prompt import Message, load
 
-ANSWERS = 2
-"""How often a question is put: an answer that cannot be read is sent back once, with what is wrong with it."""
+LONGEST = 8000
+"""Characters of a refused answer that are sent back, its end, where plans and JSON stand."""
 
 JSON = {"type": "json_object"}
 
@@ -23,6 +25,10 @@ T = TypeVar("T")
 
 class ModelRole:
     """Base of the roles. `role` is the name under which its questions are recorded.
+
+    `asks_once`: a question that was answered in this episode is not put again but answered as before - always
+    ("episode"), only where it shows pictures ("picture": without them the same words may be about another moment),
+    or never ("": another answer is wanted).
 
     Args:
         model: `provider:model`, or a name of the paper's models.
@@ -35,6 +41,7 @@ class ModelRole:
 
     role = ""
     needs_truth = False
+    asks_once: Literal["episode", "picture", ""] = "episode"
 
     def __init__(self, model: str, *, models: Models | None = None, **options: Any) -> None:
         self.models = models or Models()
@@ -77,12 +84,16 @@ class ModelRole:
         images: Sequence[Picture] = (),
         form: Mapping[str, Any] | None = JSON,
     ) -> T | BadAnswer:
-        """The answer as `read` reads it. One that it cannot read is sent back once; then the problem is noted.
+        """The answer as `read` reads it. One that it cannot read is sent back; at last the problem is noted.
 
         Raises:
             StopEpisode: see `Models.ask`.
         """
         messages = load(prompt).messages(fields)
+        question = self._question(messages, images)
+        told = self.models.answered(question)
+        if told is not None and not isinstance(again := read(told), BadAnswer):
+            return again
         problem = BadAnswer("")
         for _ in range(ANSWERS):
             text = self.say(messages, about=about, images=images, form=form)
@@ -91,12 +102,26 @@ class ModelRole:
                 break  # the client has asked as often as helps
             answer = read(text)
             if not isinstance(answer, BadAnswer):
+                self.models.keep(question, text)
                 return answer
             problem = answer
-            (_, again) = load("again").messages({"problem": answer.problem})
-            messages = [*messages, {"role": "assistant", "content": text}, again]
+            messages = sent_back(messages, text, [answer.problem])
         self.models.page.errors.append(f"{self.role}: {problem.problem}")
         return problem
+
+    def _question(self, messages: Sequence[Message], images: Sequence[Picture]) -> str:
+        """What is the same for the same question, "" for one that is put each time."""
+        if not self.asks_once or (self.asks_once == "picture" and not images):
+            return ""
+        asked = [(message["role"], message["content"]) for message in messages]
+        return repr((self.client.endpoint.name, self.role, asked, [picture.digest for picture in images]))
+
+
+def sent_back(messages: Sequence[Message], answer: str, problems: Sequence[str]) -> list[Message]:
+    """A dialogue with an answer that was of no use, and the question again with all that is wrong with it."""
+    (_, again) = load("again").messages({"problems": wording.bullets(problems)})
+    cut = answer if len(answer) <= LONGEST else f"[...] {answer[-LONGEST:]}"
+    return [*messages, {"role": "assistant", "content": cut or "(no answer)"}, again]
 
 
 def reads(shape: type[Shape]) -> Callable[[str], Shape | BadAnswer]:
@@ -110,7 +135,7 @@ def reads(shape: type[Shape]) -> Callable[[str], Shape | BadAnswer]:
             return shape.model_validate(answer.value, strict=True)
         except ValidationError as error:
             found = error.errors(include_url=False, include_input=False, include_context=False)
-            told = "; ".join(f"{'.'.join(map(str, each['loc'])) or 'the answer'}: {each['msg']}" for each in found[:3])
+            told = "; ".join(f"{'.'.join(map(str, each['loc'])) or 'the answer'}: {each['msg']}" for each in found[:12])
             return BadAnswer(f"{told}; valid: a JSON object with {', '.join(shape.model_fields)}")
 
     return read

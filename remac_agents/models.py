@@ -42,6 +42,8 @@ class Page:
     pictures: dict[str, bytes] = field(default_factory=dict)
     errors: list[str] = field(default_factory=list)
     asked: dict[str, int] = field(default_factory=dict)
+    answered: dict[str, str] = field(default_factory=dict)
+    repeats: int = 0
     tokens_in: int = 0
     tokens_out: int = 0
 
@@ -131,6 +133,17 @@ class Models:
             raise StopEpisode(f"{role}: {outcome.kind}: {outcome.detail}", infrastructure=outcome.infrastructure)
         return outcome
 
+    def answered(self, question: str) -> str | None:
+        """What was answered in this episode to a question that is kept; that is no call and costs nothing."""
+        text = self.page.answered.get(question) if question else None
+        self.page.repeats += text is not None
+        return text
+
+    def keep(self, question: str, text: str) -> None:
+        """Keep a usable answer, so that the question need not be put again in this episode; "" is no question."""
+        if question:
+            self.page.answered[question] = text
+
     @property
     def exchanges(self) -> tuple[Exchange, ...]:
         """Questions and answers of the episode, in order."""
@@ -153,6 +166,7 @@ class Models:
             money=sum(exchange.money or 0.0 for exchange in calls),
             unpriced=sum(e.money is None and (e.error is None or e.tokens > 0) for e in calls),
             seconds=sum(exchange.seconds for exchange in calls),
+            repeats=page.repeats,
         )
 
     def _note(

@@ -19,19 +19,43 @@ MAX_STEPS = 200
 MAX_CHARACTERS = 400_000
 """A longer text is refused unread; thoughts count."""
 
+MAX_PROBLEMS = 12
+"""Problems of one reply that are told and looked for."""
+
 
 @dataclass(frozen=True)
 class PlanError:
     """Why a reply is no plan, in words that its planner can use to do better.
 
     `entry`, with its `robot` and `index` in the row from 0, is what stands in a plan and is no command of this
-    kitchen; all three are None for a reply that cannot be read as a plan.
+    kitchen; all three are None for a reply that cannot be read as a plan. `problem` comes first, `more` are the rest.
     """
 
     problem: str
     robot: str | None = None
     index: int | None = None
     entry: str | None = None
+    more: tuple[str, ...] = ()
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """Everything that is wrong, each problem once."""
+        return (self.problem, *self.more)
+
+    @property
+    def told(self) -> str:
+        """Everything that is wrong, in one line."""
+        return "; ".join(self.problems)
+
+    @classmethod
+    def of(cls, errors: Sequence[PlanError]) -> PlanError:
+        """All that several errors say, as one; at least one is needed."""
+        first = errors[0]
+        others = [text for error in errors for text in error.problems]
+        more = [text for text in dict.fromkeys(others) if text != first.problem]
+        if len(more) >= MAX_PROBLEMS:
+            more = [*more[: MAX_PROBLEMS - 2], "and more of this kind"]
+        return cls(first.problem, first.robot, first.index, first.entry, tuple(more))
 
 
 @dataclass(frozen=True)
@@ -161,9 +185,9 @@ def read_plan(reply: object, commands: Commands, robots: Sequence[str], lead: st
     names = Names(robots, lead, commands.unknown)
     if isinstance(reply, Mapping):
         rows = names.rows(reply)
-        return PlanError(rows) if isinstance(rows, str) else _from_rows(rows, commands)
+        return PlanError(rows) if isinstance(rows, str) else _from_rows(rows, commands, names)
     if isinstance(reply, Iterable):
-        return _from_rows({lead: list(itertools.islice(reply, MAX_STEPS + 1))}, commands)
+        return _from_rows({lead: list(itertools.islice(reply, MAX_STEPS + 1))}, commands, names)
     return PlanError(f"a plan is a mapping from robots to lists of commands, not {type(reply).__name__}")
 
 
@@ -175,20 +199,25 @@ def parse_text(text: str, commands: Commands, robots: Sequence[str], lead: str) 
     if len(text) > MAX_CHARACTERS:
         return PlanError(f"the text has {len(text)} characters; valid: at most {MAX_CHARACTERS}")
     names = Names(robots, lead, commands.unknown)
+    reader = PlanText(lambda part: commands.parse(part) is not None, names)
+    errors: list[PlanError] = []
     try:
-        found = PlanText(lambda part: commands.parse(part) is not None, names).read(text)
+        found = reader.read(text)
     except UnreadableError as error:
-        return PlanError(str(error))
+        found, errors = [], [PlanError(str(error))]
     plans: list[Plan] = []
-    for rows in found:
-        plan = _from_rows(rows, commands)
+    different: list[Mapping[str, Any]] = []
+    for rows in itertools.takewhile(lambda _: len(errors) < MAX_PROBLEMS, found):
+        plan = _from_rows(rows, commands, names)
         if isinstance(plan, PlanError):
-            return plan
-        if not any(_says_the_same(plan, other) for other in plans):
+            errors.append(plan)
+            different += [rows] if rows not in different else []
+        elif not any(_says_the_same(plan, other) for other in plans):
             plans.append(plan)
-    if len(plans) > 1:
-        return PlanError(f"the answer holds {len(plans)} different plans; give one")
-    return plans.pop()
+    errors = [*(PlanError(problem) for problem in reader.problems), *errors]
+    if len(plans) + len(different) > 1:
+        errors.append(PlanError(f"the answer holds {len(plans) + len(different)} different plans; give one"))
+    return PlanError.of(errors) if errors else plans.pop()
 
 
 def _says_the_same(plan: Plan, other: Plan) -> bool:
@@ -196,22 +225,29 @@ def _says_the_same(plan: Plan, other: Plan) -> bool:
     return all(plan.row(robot) == other.row(robot) for robot in (*plan.robots, *other.robots))
 
 
-def _from_rows(rows: Mapping[str, Any], commands: Commands) -> Plan | PlanError:
+def _from_rows(rows: Mapping[str, Any], commands: Commands, names: Names) -> Plan | PlanError:
+    """The plan, or everything that is wrong with its rows."""
     read: dict[str, list[Subtask]] = {}
+    errors = [PlanError(names.stranger(robot)) for robot in rows if robot not in names.robots]
     for robot, row in rows.items():
         if isinstance(row, str | Mapping) or not isinstance(row, Iterable):
-            return PlanError(f"the row of {robot} is not a list of commands")
+            errors.append(PlanError(f"the row of {robot} is not a list of commands"))
+            continue
         entries = list(itertools.islice(row, MAX_STEPS + 1))
         if len(entries) > MAX_STEPS:
-            return PlanError(f"the row of {robot} has more subtasks than valid: at most {MAX_STEPS}")
-        read[robot] = []
-        for entry in entries:
-            subtask = _read_step(entry, commands)
-            if subtask is None:
-                told = entry[:80] if isinstance(entry, str) else repr(entry)[:80]
-                return PlanError(commands.unknown(entry), robot=robot, index=len(read[robot]), entry=told)
-            read[robot].append(subtask)
-    return Plan.of(read)
+            errors.append(PlanError(f"the row of {robot} has more subtasks than valid: at most {MAX_STEPS}"))
+        steps = [_read_step(entry, commands) for entry in entries[:MAX_STEPS]]
+        wrong = [(index, entries[index]) for index, step in enumerate(steps) if step is None]
+        errors += [_no_command(entry, robot, index, commands) for index, entry in wrong[:MAX_PROBLEMS]]
+        if len(wrong) > MAX_PROBLEMS:
+            errors.append(PlanError(f"and {len(wrong) - MAX_PROBLEMS} more in the row of {robot}"))
+        read[robot] = [step for step in steps if step is not None]
+    return PlanError.of(errors) if errors else Plan.of(read)
+
+
+def _no_command(entry: object, robot: str, index: int, commands: Commands) -> PlanError:
+    told = entry[:80] if isinstance(entry, str) else repr(entry)[:80]
+    return PlanError(commands.unknown(entry), robot=robot, index=index, entry=told)
 
 
 def _read_step(entry: object, commands: Commands) -> Subtask | None:

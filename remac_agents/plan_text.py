@@ -35,7 +35,10 @@ class UnreadableError(Exception):
 
 
 class PlanText:
-    """Reads one text. `legal` says whether a string is a command; `names` knows the robots."""
+    """Reads one text. `legal` says whether a string is a command; `names` knows the robots.
+
+    `problems`: what is wrong in a text that can be read all the same, so that all of it can be told at once.
+    """
 
     def __init__(self, legal: Callable[[str], bool], names: Names) -> None:
         self._legal, self._names = legal, names
@@ -49,6 +52,7 @@ class PlanText:
         self._goes_on = False
         self._stated = False
         self._values = 0
+        self.problems: list[str] = []
         self._doubtful = ""
         self._last_resort: list[object] = []
 
@@ -102,7 +106,8 @@ class PlanText:
         if kind is None:
             return False
         if kind == "unknown":
-            raise UnreadableError(f"unknown robot {name[:40]!a}; valid: {', '.join(self._names.robots)}")
+            self.problems.append(self._names.stranger(name))
+            kind = name
         self._end_block()
         if kind == "plan" or kind in self._rows:
             self._close_plan()
@@ -147,7 +152,8 @@ class PlanText:
             raise UnreadableError(f"a command stands right before a list: {line[:80]!a}")
         word = None if self._headed else split_heading(line[:start])[0]
         if word is not None and " " not in word.strip():
-            raise UnreadableError(f"unknown robot {word!a}; valid: {', '.join(self._names.robots)}")
+            self.problems.append(self._names.stranger(word))
+            self._headed = True
         self._values += 1
         if self._values > MAX_VALUES:
             raise UnreadableError(f"the text holds more than {MAX_VALUES} lists")

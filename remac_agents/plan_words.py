@@ -107,8 +107,15 @@ class Names:
             return "unknown" if self._called.get(normalise(who)) else None
         return self.robot(who) or ("unknown" if _ROBOT.match(who) else None)
 
+    def stranger(self, words: str) -> str:
+        """That there is no such robot."""
+        return f"unknown robot {words[:40]!a}; valid: {', '.join(self.robots)}"
+
     def rows(self, value: Mapping[Any, Any]) -> dict[str, Any] | str:
-        """Robot -> row of a mapping that may hold them under "plan"; or what is wrong with it."""
+        """Robot -> row of a mapping that may hold them under "plan"; or what is wrong with its form.
+
+        Rows of robots that there are not keep the name that they have.
+        """
         for _ in range(3):
             inner = [key for key in value if isinstance(key, str) and normalise(key) == "plan"]
             if not inner:
@@ -121,9 +128,7 @@ class Names:
             value = under
         read: dict[str, Any] = {}
         for key, row in value.items():
-            robot = self.robot(key)
-            if robot is None:
-                return f"unknown robot {str(key)[:40]!a}; valid: {', '.join(self.robots)}"
+            robot = self.robot(key) or str(key)
             if robot in read:
                 return f"the answer holds two different plans: two rows for {robot}"
             read[robot] = row

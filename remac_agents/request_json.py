@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_agents.roles import Attempt, PlanRequest
+from remac_agents.accounts import Attempt, PreviousTry, Ran
+from remac_agents.roles import PlanRequest
 
 
 def as_json(request: PlanRequest, iteration: int = 0) -> dict[str, Any]:
@@ -27,8 +28,11 @@ def as_json(request: PlanRequest, iteration: int = 0) -> dict[str, Any]:
         "commands": list(request.commands),
         "reflections": list(request.reflections),
         "previous_plan": _rows(request.previous_plan),
+        "previous": _previous(request.previous),
         "executed": _rows(request.executed),
+        "ran": [_ran(ran) for ran in request.ran],
         "failure": request.failure,
+        "repairs": [{"answer": repair.answer, "problems": list(repair.problems)} for repair in request.repairs],
         "holding": dict(request.holding),
         "history": [_attempt(attempt) for attempt in request.history],
         "single_step": request.single_step,
@@ -59,12 +63,35 @@ def _rows(plan: Any) -> dict[str, list[str]] | None:
     return None if plan is None else {robot: list(row) for robot, row in plan.items()}
 
 
+def _previous(previous: PreviousTry | None) -> dict[str, Any] | None:
+    if previous is None:
+        return None
+    return {
+        "plan": _rows(previous.plan),
+        "success": previous.success,
+        "rounds": previous.rounds,
+        "changed": previous.changed,
+        "ran": [_ran(ran) for ran in previous.ran],
+    }
+
+
+def _ran(ran: Ran) -> dict[str, Any]:
+    return {
+        "round": ran.round,
+        "robot": ran.robot,
+        "command": ran.command,
+        "succeeded": ran.succeeded,
+        "reason": ran.reason,
+    }
+
+
 def _attempt(attempt: Attempt) -> dict[str, Any]:
     return {
         "robot": attempt.robot,
         "command": attempt.subtask.text,
         "ran": attempt.ran,
         "succeeded": attempt.succeeded,
+        "reason": attempt.reason,
         "false": [condition.sentence for condition in attempt.false],
     }
 

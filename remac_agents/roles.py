@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from remac_agents.accounts import Attempt, PreviousTry, Ran, Repair
 from remac_agents.plan import Plan, PlanError
 from remac_env.conditions import Condition
 from remac_env.errors import RemacError
@@ -50,7 +51,10 @@ class Report:
 
 @dataclass(frozen=True)
 class View:
-    """What a role sees at one moment. `holding` is what every robot feels in its own gripper."""
+    """What a role sees at one moment. `holding` is what every robot feels in its own gripper.
+
+    `text`: what the kitchen says of itself now, "" where nobody passed it on.
+    """
 
     goal: str
     scene: Scene
@@ -58,23 +62,7 @@ class View:
     reports: Mapping[str, Report | None] = field(default_factory=dict)
     images: Images = field(default_factory=dict)
     world: WorldState | None = None
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """A step of this episode as its planner hears of it.
-
-    Attributes:
-        ran: False for a step that was only proposed and then refused.
-        succeeded: how it ended, None where nobody said.
-        false: what the checker found false about it.
-    """
-
-    robot: str
-    subtask: Subtask
-    ran: bool
-    succeeded: bool | None = None
-    false: tuple[Condition, ...] = ()
+    text: str = ""
 
 
 @dataclass(frozen=True)
@@ -88,8 +76,12 @@ class PlanRequest:
         commands: every legal command.
         reflections: what earlier iterations taught, oldest first.
         previous_plan: robot -> commands of the iteration before, if any.
+        previous: the same iteration with how it went.
         executed: robot -> commands run so far in this episode.
+        ran: the same commands in order, and how each ended.
         failure: why the last reply was no plan or its step was refused, "" at first.
+        refusal: of that only why a step was refused (CAPE).
+        repairs: this request's answers that were no plans, oldest first, and all that is wrong with each.
         holding: what each robot feels in its gripper.
         history: steps run and refused so far, oldest first, where the method tells them.
         single_step: only the next step is wanted; an empty answer or `done` ends the episode.
@@ -121,6 +113,10 @@ class PlanRequest:
     episode: Mapping[str, Any] = field(default_factory=dict)
     world: WorldState | None = None
     goal_test: Goal | None = None
+    previous: PreviousTry | None = None
+    ran: tuple[Ran, ...] = ()
+    refusal: str = ""
+    repairs: tuple[Repair, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -140,7 +136,8 @@ class AdjustRequest:
         failed: the conditions that were found false.
         subtask: what `robot` was to do next; the first of its row in `plan`.
         plan: what remains of the plan, for all robots.
-        executed: the robot's subtasks so far.
+        executed: the robot's subtasks so far, without their retries.
+        ran: every command so far of every robot, and how each ended.
         commands: every legal command.
         view: the moment.
         ask: puts further conditions to the checker.
@@ -154,6 +151,7 @@ class AdjustRequest:
     commands: tuple[str, ...]
     view: View
     ask: Ask
+    ran: tuple[Ran, ...] = ()
 
 
 @dataclass(frozen=True)

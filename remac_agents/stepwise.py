@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Literal
 
 from remac_agents.episode import Episode
-from remac_agents.plan import Plan, PlanError, read_plan
+from remac_agents.plan import Plan, PlanError
 from remac_agents.roles import Attempt
 from remac_env.conditions import Condition
 from remac_env.subtasks import DONE, WAIT, Subtask
@@ -31,13 +31,8 @@ class Stepwise:
         """Put a step whose pre-conditions hold into the plan; False when the planner or the bound ends it."""
         episode, problem = self._episode, ""
         while self._left > 0 and episode.rounds < episode.bounds.rounds:
-            self._left -= 1
             step = self._ask(problem)
-            if isinstance(step, PlanError):
-                episode.ledger.errors.append(step.problem)
-                problem = step.problem
-                continue
-            if step == DONE:
+            if isinstance(step, PlanError) or step == DONE:
                 break
             episode.change_plan(Plan.of({self._robot: [step]}))
             failed = episode.check_before().get(self._robot)
@@ -52,18 +47,22 @@ class Stepwise:
         (step,) = self._episode.plan.row(self._robot)
         report = self._episode.view.reports.get(self._robot)
         succeeded = None if report is None else report.status == "success"
-        self._history.append(Attempt(self._robot, step, True, succeeded))
+        reason = None if report is None else report.reason
+        self._history.append(Attempt(self._robot, step, True, succeeded, reason=reason))
         self._episode.advance()
 
     def _ask(self, problem: str) -> Subtask | PlanError:
+        episode = self._episode
         request = replace(
-            self._episode.plan_request((self._robot,)),
+            episode.plan_request((self._robot,)),
             failure=problem,
+            refusal=problem,
             history=tuple(self._history),
             single_step=True,
         )
-        reply = self._episode.roles.planner.plan(request)
-        plan = read_plan(reply, self._episode.commands, request.robots, self._robot)
+        unusable = len(episode.ledger.errors)
+        plan = episode.answer_to(request, most=self._left)
+        self._left -= len(episode.ledger.errors) - unusable + isinstance(plan, Plan)
         if isinstance(plan, PlanError):
             return plan
         # A robot that works alone has nobody to wait for: an answer of waits alone ends the episode.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from remac_agents.accounts import Attempt, PreviousTry, Ran
 from remac_agents.llm import plain
-from remac_agents.roles import Attempt, View
+from remac_agents.roles import View
 from remac_env.conditions import Condition
 from remac_env.subtasks import Subtask
 
@@ -55,6 +56,32 @@ def room(view: View) -> dict[str, str]:
     return {"fixtures": ", ".join(scene.fixtures), "things": ", ".join(scene.objects), "goal": view.goal}
 
 
+def rounds(ran: Iterable[Ran]) -> str:
+    """Commands that were run and how each ended, a line a round; of one that fails again, how often it has by then."""
+    lines: dict[int, list[str]] = {}
+    failures: dict[tuple[str, str], int] = {}
+    for each in ran:
+        what = (each.robot, each.command)
+        failures[what] = failures.get(what, 0) + each.failed
+        again = f" ({failures[what]} times so far)" if each.failed and failures[what] > 1 else ""
+        lines.setdefault(each.round, []).append(f"{each.robot}: {each.command}: {each.status}{again}")
+    return "\n".join(f"{number}. {'; '.join(told)}" for number, told in lines.items())
+
+
+def previous_try(previous: PreviousTry | None) -> str:
+    """The plan of the iteration before and how that went; "" where there was none."""
+    if previous is None:
+        return ""
+    count = "" if previous.rounds is None else f" in {previous.rounds} round{'s' * (previous.rounds != 1)}"
+    ended = f"It {'reached' if previous.success else 'did not reach'} the goal{count}."
+    told = [rows(previous.plan) or "(an empty plan)", ended]
+    failed = [what if often == 1 else f"{what} ({often} times)" for what, often in previous.failed.items()]
+    told += [f"Commands that failed: {'; '.join(failed)}."] if failed else []
+    if previous.changed:
+        return "\n".join([*told, "It was changed on the way. What was run, round by round:", rounds(previous.ran)])
+    return "\n".join([*told, "It was not changed on the way."])
+
+
 def attempts(history: Iterable[Attempt]) -> str:
     """Steps that were run or refused, one a line, with what was found false about them."""
     return numbered(f"{attempt.robot}: {attempt.subtask.text}: {_ended(attempt)}" for attempt in history)
@@ -63,4 +90,5 @@ def attempts(history: Iterable[Attempt]) -> str:
 def _ended(attempt: Attempt) -> str:
     words = {True: "worked", False: "failed", None: "was run"}[attempt.succeeded] if attempt.ran else "was not run"
     false = "; ".join(condition.sentence for condition in attempt.false)
-    return f"{words}, not true: {false}" if false else words
+    why = f" ({attempt.reason})" if attempt.reason else ""
+    return f"{words}{why}, not true: {false}" if false else f"{words}{why}"

@@ -51,7 +51,10 @@ class ErrorEntry(Model):
 
 
 class UsageEntry(Model):
-    """What an episode took of language models. `money`: US dollars, of the calls whose price is known."""
+    """What an episode took of language models. `money`: US dollars, of the calls whose price is known.
+
+    `repeats`: questions that were not put because the same had been answered in this episode.
+    """
 
     calls: int = 0
     prompt_tokens: int = 0
@@ -59,6 +62,7 @@ class UsageEntry(Model):
     money: float = 0.0
     unpriced: int = 0
     seconds: float = 0.0
+    repeats: int = 0
 
 
 class ExchangeEntry(Model):

@@ -25,6 +25,7 @@ class LlmAdjuster(ModelRole):
     first, and then the old plan."""
 
     role = "adjuster"
+    asks_once = ""
 
     def adjust(self, request: AdjustRequest) -> Advice:
         """Reason and recommended steps, and the robot's new row."""
@@ -52,7 +53,7 @@ def _analysis(request: AdjustRequest) -> dict[str, str]:
     return {
         **wording.room(request.view),
         "commands": ", ".join(request.commands),
-        "executed": wording.commands(request.executed) if request.executed else "",
+        "ran": wording.rounds(request.ran),
         "plan": wording.rows(request.plan.as_text()),
         "robot": request.robot,
         "held": wording.held(request.view, request.robot),
@@ -65,6 +66,7 @@ def _adjustment(request: AdjustRequest, reason: str, steps: tuple[Subtask, ...])
     return {
         "commands": ", ".join(request.commands),
         "goal": request.view.goal,
+        "ran": wording.rounds(request.ran),
         "robot": request.robot,
         "held": wording.held(request.view, request.robot),
         "row": wording.commands(request.plan.row(request.robot)),
@@ -82,7 +84,8 @@ def _reader(commands: Commands):  # type: ignore[no-untyped-def]
             return answer
         steps = [commands.parse(step) for step in answer.next_steps]
         if None in steps:
-            return BadAnswer(commands.unknown(answer.next_steps[steps.index(None)]))
+            wrong = [text for text, step in zip(answer.next_steps, steps, strict=True) if step is None]
+            return BadAnswer("; ".join(commands.unknown(text) for text in dict.fromkeys(wrong)))
         return wording.one_line(answer.reason), tuple(step for step in steps if step is not None)
 
     return read
@@ -90,4 +93,4 @@ def _reader(commands: Commands):  # type: ignore[no-untyped-def]
 
 def _row(text: str, commands: Commands, robot: str) -> tuple[Subtask, ...] | BadAnswer:
     plan: Plan | PlanError = read_plan(text, commands, (robot,), robot)
-    return BadAnswer(plan.problem) if isinstance(plan, PlanError) else plan.row(robot)
+    return BadAnswer(plan.told) if isinstance(plan, PlanError) else plan.row(robot)

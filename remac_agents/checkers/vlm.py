@@ -32,6 +32,7 @@ class VlmChecker(ModelRole):
     """
 
     role = "checker"
+    asks_once = "picture"
 
     def open(self) -> None:
         """Refuse a model without eyes."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from remac_agents import wording
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import ModelRole
+from remac_agents.model_role import ModelRole, sent_back
 from remac_agents.plan import PlanError
 from remac_agents.prompt import load
 from remac_agents.roles import PlanRequest
@@ -16,11 +16,13 @@ class LlmPlanner(ModelRole):
     role = "planner"
 
     def plan(self, request: PlanRequest) -> str | PlanError:
-        """The model's answer, or why there is none."""
+        """The model's answer, or why there is none. Answers of its own that were no plans are part of the dialogue."""
         prompt = load(_prompt(request))
         fields = {name: text for name, text in _fields(request).items() if name in prompt.fields}
-        about = f"{', '.join(request.robots)}: {prompt.name}"
-        text = self.say(prompt.messages(fields), about=about)
+        messages = prompt.messages(fields)
+        for repair in request.repairs:
+            messages = sent_back(messages, repair.answer, repair.problems)
+        text = self.say(messages, about=f"{', '.join(request.robots)}: {prompt.name}")
         return PlanError(text.problem) if isinstance(text, BadAnswer) else text
 
 
@@ -34,13 +36,15 @@ def _fields(request: PlanRequest) -> dict[str, str]:
     listed = ", ".join(request.commands)
     return {
         "scene": request.scene,
-        "commands": "" if listed in request.scene else listed,  # the kitchen's text lists them, others may not
-        "goal": request.goal,
+        # The kitchen's text lists commands and goal, others may not; each stands once.
+        "commands": "" if listed in request.scene else listed,
+        "goal": "" if request.goal in request.scene else request.goal,
         "robots": ", ".join(request.robots),
         "reflections": wording.bullets(request.reflections),
         "previous_plan": wording.rows(request.previous_plan),
-        "executed": wording.rows(request.executed),
-        "failure": request.failure,
+        "previous_try": wording.previous_try(request.previous) or wording.rows(request.previous_plan),
+        "ran": wording.rounds(request.ran),
+        "refusal": request.refusal,
         "history": wording.attempts(request.history),
         "events": wording.numbered(request.events),
         "explanation": request.explanation,

@@ -202,7 +202,7 @@ def test_faults_of_an_address_are_errors_of_the_agent(address: str, path: str, t
     start = time.monotonic()
     report = play(suite_kitchen(TASK, robots=1), remac_agents.make("BASE", planner=planner))
     assert time.monotonic() - start < 5.0
-    assert not report.success and len(report.errors) == 2
+    assert not report.success and len(report.errors) == 3
     assert told in report.errors[0]
 
 

@@ -8,6 +8,7 @@ import pytest
 from agent_kitchens import play, suite_kitchen
 
 import remac_agents
+from remac_agents.briefing import ANSWERS
 from remac_agents.roles import PlanRequest, View
 from remac_env.errors import LifecycleError, OptionError, UnknownNameError
 
@@ -129,13 +130,21 @@ def test_reasons_are_seen_only_with_that_feedback() -> None:
     assert "door_closed" in seen["reason"]
 
 
-def test_a_reply_that_is_no_plan_is_sent_back_once() -> None:
-    spy = Spy("fly to the moon", ["navigate aside"])
+def test_a_reply_that_is_no_plan_is_sent_back_twice() -> None:
+    spy = Spy("fly to the moon", {"robot_9": ["navigate asides"]}, ["navigate aside"])
     report = play(suite_kitchen(TASK), remac_agents.make("CC", planner=spy))
-    assert "fly to the moon" in spy.requests[1].failure
+    first, second, third = spy.requests
+    assert not first.failure and not first.repairs
+    assert "fly to the moon" in second.failure and second.repairs[0].answer == "fly to the moon"
+    assert third.repairs[0] == second.repairs[0]
+    assert third.repairs[1].answer == '{"robot_9": ["navigate asides"]}'
+    assert "robot_9" in third.repairs[1].problems[0] and "'navigate aside'" in third.repairs[1].problems[1]
+    assert third.failure == "; ".join(third.repairs[1].problems)
     assert report.initial_plan_length == 1
-    assert len(report.errors) == 1
-    assert play(suite_kitchen(TASK), remac_agents.make("CC", planner=Spy(7, 7, 7))).initial_plan_length == 0
+    assert len(report.errors) == 2
+    stubborn = Spy(7, 7, 7, ["navigate aside"])
+    assert play(suite_kitchen(TASK), remac_agents.make("CC", planner=stubborn)).initial_plan_length == 0
+    assert len(stubborn.requests) == 3 == ANSWERS and stubborn.requests[2].repairs[0].answer == "7"
 
 
 def test_robots_that_a_method_does_not_use_step_aside_then_wait() -> None:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import remac_agents
 from remac_agents import Bounds, Memory, Plan, PlanError
+from remac_agents.accounts import PreviousTry
 from remac_agents.agent import Agent
+from remac_agents.asking import previous_try
 from remac_agents.episode import Episode, Turns
 from remac_agents.methods import Method
-from remac_agents.plan import read_plan
 from remac_bench.plans.judge import Judgement, judge
 from remac_env.oracle import solve
 
@@ -40,10 +41,15 @@ class Cell:
 
 @dataclass(frozen=True)
 class Taught:
-    """What an earlier iteration left behind: its first plan and its reflections."""
+    """What an earlier iteration left behind: its first plan, how that went, and its reflections."""
 
-    plan: Mapping[str, tuple[str, ...]]
+    previous: PreviousTry
     reflections: tuple[str, ...]
+
+    @property
+    def plan(self) -> Mapping[str, tuple[str, ...]]:
+        """Its first plan, robot -> commands."""
+        return self.previous.plan
 
 
 def kitchen(cell: Cell) -> Any:
@@ -81,15 +87,15 @@ def judged(cell: Cell, planner: object, taught: Taught | None = None) -> Judgeme
 
 
 def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> Plan | PlanError:
-    """The planner's answer at the start of the episode; it is asked once."""
+    """The planner's answer at the start of the episode; one that is no plan is sent back as in an episode."""
     answers: list[Plan | PlanError] = []
 
     def run(episode: Episode) -> Turns:
         request = episode.plan_request(tuple(episode.briefing.robots))
         if taught is not None:
-            request = replace(request, previous_plan=taught.plan, reflections=taught.reflections)
-        reply = episode.roles.planner.plan(request)
-        answers.append(read_plan(reply, episode.commands, request.robots, episode.briefing.lead))
+            told = {"previous": taught.previous, "previous_plan": taught.plan, "reflections": taught.reflections}
+            request = replace(request, **told)  # type: ignore[arg-type]
+        answers.append(episode.answer_to(request))
         yield from ()
 
     roles = remac_agents.make("BASE", planner=planner).roles
@@ -114,8 +120,4 @@ def teach(cell: Cell) -> Taught:
         observations, _, _, _, infos = env.step(agent.act(observations, infos))
     agent.close_episode(observations, infos)
     (run,) = agent.memory.runs(cell.task)
-    return Taught(_rows(run.initial_plan), agent.memory.lessons(cell.task))
-
-
-def _rows(plan: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
-    return {robot: tuple(row) for robot, row in plan.items()}
+    return Taught(previous_try(run), agent.memory.lessons(cell.task))
