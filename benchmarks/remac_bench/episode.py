@@ -18,9 +18,9 @@ from remac_bench.machine import versions
 from remac_bench.recording import Recorder
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record, VideoEntry
 from remac_bench.redaction import redact
-from remac_bench.worlds import as_values
+from remac_bench.worlds import as_values, fallen
 from remac_env.errors import ActionError, UnknownNameError
-from remac_env.oracle import solve
+from remac_env.oracle import Certificate, certify
 
 FRAMES_MAX = 12
 """Frames of an exception's traceback in a record."""
@@ -65,7 +65,7 @@ class Course:
     outcomes: list[dict[str, OutcomeEntry]] = field(default_factory=list)
     worlds: list[dict[str, Any]] = field(default_factory=list)
     progress: float = 0.0
-    optimum: int | None = None
+    certificate: Certificate | None = None
     joined: bool = False
 
     @property
@@ -135,8 +135,7 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, *, optimum: bool) ->
     course.progress = env.progress
     course.worlds.append(as_values(env.world))
     if optimum:
-        plan = solve(env.start.scene, env.world, env.goal)
-        course.optimum = None if plan is None else plan.length
+        course.certificate = certify(env.start.scene, env.world, env.goal)
     with blaming("agent"):
         agent.reset(observations, course.infos)
         course.joined = True
@@ -154,6 +153,16 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, *, optimum: bool) ->
             env.render()
     with blaming("agent"):
         agent.close_episode(observations, course.infos)
+
+
+def _proven(certificate: Certificate | None) -> dict[str, Any]:
+    if certificate is None:
+        return {}
+    return {
+        "optimum_rounds": certificate.optimum,
+        "optimum_lower": certificate.lower,
+        "optimum_proof": certificate.proof,
+    }
 
 
 def read_outcomes(env: Any, actions: Mapping[str, int], infos: Mapping[str, Any]) -> dict[str, OutcomeEntry]:
@@ -212,7 +221,8 @@ def make_record(
         robot_contacts=int(shared.get("robot_contacts", 0)),
         near_misses=int(shared.get("near_misses", 0)),
         physics_steps=int(shared.get("physics_steps", 0)),
-        optimum_rounds=course.optimum,
+        littered=fallen(course.worlds),
+        **_proven(course.certificate),
         video=video,
         error=None if fault is None else fault.entry(),
         options=job.facts,

@@ -10,6 +10,7 @@ from typing import Any
 from remac_bench.judging.episodes import cap_rounds, cap_seconds, cell, distinct, idle_share, setting
 from remac_bench.judging.statistics import mean, wilson
 from remac_bench.records import Record
+from remac_env.oracle import LITTER_ROUNDS
 
 ALL_TASKS = "all tasks"
 """Stands in place of a task's name in a row over all of them."""
@@ -35,7 +36,8 @@ class Row:
         progress: mean fraction of the goal's parts that hold at the end, over all scored episodes.
         seconds, ipl, fpl, rounds: means over successes: simulated seconds, lengths of the first and the final plan,
             rounds played.
-        optimum: rounds played over those of the shortest plan for as many robots, mean over successes.
+        optimum: rounds played over those of the shortest plan for as many robots, mean over successes; a thing that
+            was let fall counts as LITTER_ROUNDS more. Episodes whose shortest plan is not known do not count.
         speedup: rounds of the shortest plan for one robot over rounds played, mean over the successes of a team.
         best_speedup: the same for the team's own shortest plan.
         idle: share of the robots' time in which they wait. contacts, near_misses: control steps an episode.
@@ -191,11 +193,16 @@ def _against_best(scored: Sequence[Record], won: Sequence[Record], single: dict[
     teams = [record for record in won if record.robots > 1 and record.rounds and _spot(record) in single]
     certified = [record for record in teams if record.optimum_rounds]
     return {
-        "optimum": mean(r.rounds / (r.optimum_rounds or 1) for r in known if r.success),
-        "optimum_all": mean((r.rounds if r.success else cap_rounds(r)) / (r.optimum_rounds or 1) for r in known),
+        "optimum": mean(_cost(r) / (r.optimum_rounds or 1) for r in known if r.success),
+        "optimum_all": mean((_cost(r) if r.success else cap_rounds(r)) / (r.optimum_rounds or 1) for r in known),
         "speedup": mean(single[_spot(record)] / record.rounds for record in teams),
         "best_speedup": mean(single[_spot(record)] / (record.optimum_rounds or 1) for record in certified),
     }
+
+
+def _cost(record: Record) -> int:
+    """What the oracle would count for what was played: rounds, and more for what fell."""
+    return record.rounds + LITTER_ROUNDS * record.littered
 
 
 def _costs(records: Sequence[Record], jobs: int) -> dict[str, Any]:

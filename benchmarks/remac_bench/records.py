@@ -120,7 +120,9 @@ class Record(Model):
         truth_readers: the roles that were given the WorldState.
         usage, exchanges: what language models were asked, and what that took.
         planner_errors: replies of the planner that were no plans.
-        optimum_rounds: length of the shortest plan, where it was asked for.
+        optimum_rounds: length of the shortest plan, where it was asked for and is known; `optimum_proof` says how it
+            is known, and `optimum_lower` how long it is at least (`remac_env.oracle.Certificate`).
+        littered: things that were let fall and lie on the floor at the end.
         options: {"kitchen": ..., "agent": ...}: everything that the job was made with; "access": how language models
             were reached.
         suite, suite_version, suite_digest: the frozen list that the job belongs to, and the digest of its content;
@@ -169,6 +171,9 @@ class Record(Model):
     near_misses: int = 0
     physics_steps: int = 0
     optimum_rounds: int | None = None
+    optimum_lower: int | None = None
+    optimum_proof: str | None = None
+    littered: int = 0
     video: VideoEntry | None = None
     error: ErrorEntry | None = None
     options: dict[str, Any] = Field(default_factory=dict)

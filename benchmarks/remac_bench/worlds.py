@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from remac_env.state import FixtureState, FrozenMap, ObjectState, Place, RobotState, WorldState
@@ -34,3 +34,11 @@ def from_values(values: Mapping[str, Any]) -> WorldState:
         objects[name] = ObjectState(Place(relation, where), frozenset(item["marks"]))
     fixtures = {name: FixtureState(each["door"], frozenset(each["on"])) for name, each in values["fixtures"].items()}
     return WorldState(FrozenMap(robots), FrozenMap(objects), FrozenMap(fixtures))
+
+
+def fallen(worlds: Sequence[Mapping[str, Any]]) -> int:
+    """How many objects lie on the floor in the last of these worlds (as values) that did not in the first."""
+    if not worlds:
+        return 0
+    first, last = worlds[0]["objects"], worlds[-1]["objects"]
+    return sum(last[name]["place"][0] == "floor" != first[name]["place"][0] for name in last)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from bench_helpers import record
 from planted_failures import KINDS, failures, planted, planted_in_physics
+from remac_bench.blame import replay
 from remac_bench.blame.labels import Blame, blame, blame_all
 from remac_bench.blame.replay import play_again, rescue
 from remac_bench.blame.sheet import blame_sheets, read_blames, write_blames
@@ -16,6 +17,7 @@ from remac_bench.errors import RecordFileError
 from remac_bench.judging import board
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record
 from remac_bench.store import Store
+from remac_env.oracle import Certificate
 from typer.testing import CliRunner
 
 ENOUGH, RIGHT = 40, 0.95
@@ -61,6 +63,16 @@ def test_a_failed_skill_is_shown_where_it_failed() -> None:
         found = blame(episode, rescuing=False)
         at = episode.outcomes[found.round][found.robot]
         assert (found.label, at.status, at.reason) == ("skill", "failure", "slipped")
+
+
+def test_blame_that_hangs_on_an_optimum_nobody_knows_is_unclear(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the search gives up, neither the rounds nor the planner are to blame."""
+    failed = first_failure(planner="noop")
+    assert blame(failed, rescuing=False).label == "planner"
+    unknown = Certificate(plan=None, lower=3, proof="bounds")
+    monkeypatch.setattr(replay, "certify", lambda *given, **options: unknown)
+    found = blame(failed, rescuing=False)
+    assert found.label == "unclear" and "gave up" in found.what
 
 
 def test_records_that_were_tampered_with_cannot_be_blamed() -> None:

@@ -37,7 +37,34 @@ def test_oracle_prints_the_shortest_plans() -> None:
 def test_oracle_says_null_where_there_is_no_plan() -> None:
     result = remac("oracle", "--task", "HeatOnStove", "--max-rounds", "3")
     assert result.exit_code == 0
-    assert json.loads(result.stdout) == {"rounds": None, "plan": None}
+    assert json.loads(result.stdout) == {"rounds": None, "proof": "rounds", "lower": 6, "plan": None}
+
+
+PAN_INTO_MICROWAVE = '''
+import remac_env
+from remac_env.tasks.goals import All, Inside, Released
+from remac_env.tasks.spec import Role, TaskSpec
+
+remac_env.register_task(TaskSpec(
+    name="PanIntoMicrowave",
+    wordings=("place the {vessel} into the microwave",) * 3,
+    goal=All(Inside("{vessel}", "microwave"), Released("{vessel}")),
+    roles=(Role("vessel", ("pan",)),),
+    fixtures=("counter", "microwave", "stove"),
+    verbs={"place": ()},
+))
+'''
+
+
+def test_starts_without_a_plan_are_refused_before_anything_is_played(tmp_path: Path) -> None:
+    """A pan is too big for the microwave: no run of it says anything about a planner."""
+    (tmp_path / "pan.py").write_text(PAN_INTO_MICROWAVE)
+    common = ("bench", "run", "--methods", "BASE", "--seeds", "0:2", "--backend", "symbolic", "--jobs", "0")
+    more = ("--import", str(tmp_path / "pan.py"), "--out", str(tmp_path / "out"))
+    result = remac(*common, "--tasks", "OpenCabinetPnP,PanIntoMicrowave", *more)
+    assert result.exit_code == 2
+    assert "no plan reaches the goal" in result.output and "PanIntoMicrowave, seed 0" in result.output
+    assert not (tmp_path / "out" / "records.jsonl").exists()
 
 
 def test_tasks_lists_them() -> None:

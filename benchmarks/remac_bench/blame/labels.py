@@ -17,7 +17,8 @@ from remac_env.subtasks import DONE, WAIT
 
 Label = Literal["planner", "checker", "skill", "budget", "crash", "unclear"]
 LABELS: tuple[Label, ...] = Label.__args__  # type: ignore[attr-defined]
-"""`crash`: the agent raised an exception. `unclear`: the episode could not be played again as it was recorded."""
+"""`crash`: the agent raised an exception. `unclear`: the episode could not be played again as it was recorded, or
+how long its shortest plan is could not be found out."""
 
 
 class Blame(BaseModel):
@@ -72,13 +73,16 @@ def blame(record: Record, *, rescuing: bool = True) -> Blame:
         at = max(0, len(replay.rounds) - 1)
         return _labelled(record, "unclear", at, "played again, the episode goes another way than its record")
     label, fault = _decide(record, replay)
+    if label == "unclear":
+        return _labelled(record, label, fault.round, fault.what)
     rescued = rescue(record, fault.round) if rescuing and label != "budget" else None
     return _labelled(record, label, fault.round, fault.what, robot=fault.robot, subtask=fault.subtask, rescued=rescued)
 
 
 def _decide(record: Record, replay: Replay) -> tuple[Label, Fault]:
     limit = _limit(record)
-    if replay.solve(replay.start, max_rounds=limit) is None:
+    certificate = replay.certify(replay.start, max_rounds=limit)
+    if certificate.plan is None and not certificate.unknown:
         return "budget", _at(limit, f"no plan has so few rounds: {limit}")
     faults = find_faults(record, replay)
     if _cut_short(record, limit):
@@ -114,7 +118,8 @@ def _of_faults(record: Record, replay: Replay, faults: Faults) -> tuple[Label, F
     first = not faults.planner or (bool(checker) and checker[0].round <= faults.planner[0].round)
     if checker and (planned or (first and not _wrong_unseen(record, replay))):
         return "checker", checker[0]
-    return "planner", _first_mistake(record, replay, faults)
+    mistake = _first_mistake(record, replay, faults)
+    return ("unclear", _at(0, "the search for the shortest plan gave up")) if mistake is None else ("planner", mistake)
 
 
 def _wrong_unseen(record: Record, replay: Replay) -> bool:
@@ -136,20 +141,27 @@ def _planned(record: Record, replay: Replay) -> bool:
     return any(replay.carry_out(plan, replay.start) is not None for plan in plans)
 
 
-def _first_mistake(record: Record, replay: Replay, faults: Faults) -> Fault:
-    """The first subtask that could not go well; else the first round after which the way to the goal is no shorter."""
+def _first_mistake(record: Record, replay: Replay, faults: Faults) -> Fault | None:
+    """The first subtask that could not go well; else the first round after which the way to the goal is no shorter.
+
+    None where that hangs on the length of a shortest plan that is not known.
+    """
     if faults.planner:
         return faults.planner[0]
-    shortest = replay.solve(replay.start, max_rounds=_limit(record))
-    left = 0 if shortest is None else shortest.length
+    shortest = replay.certify(replay.start, max_rounds=_limit(record))
+    if shortest.unknown:
+        return None
+    left = shortest.optimum or 0
     for index, turn in enumerate(replay.rounds):
         if all(subtask == DONE for subtask in turn.joint.values()):
             return _at(index, "the plan ended, and the goal did not hold")
-        found = replay.solve(turn.after, max_rounds=left)
-        if found is None or found.length >= left:
+        found = replay.certify(turn.after, max_rounds=left)
+        if found.unknown:
+            return None
+        if found.optimum is None or found.optimum >= left:
             told = "; ".join(f"{robot}: {subtask.text}" for robot, subtask in turn.joint.items())
             return _at(index, f"{told}: the goal is no nearer after it")
-        left = found.length
+        left = found.optimum
     return _at(len(replay.rounds), "the plan ended, and the goal did not hold")
 
 

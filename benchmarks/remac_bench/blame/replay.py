@@ -11,7 +11,7 @@ from remac_agents.plan import Commands
 from remac_bench.judging.episodes import RESTING
 from remac_bench.records import OutcomeEntry, Record
 from remac_env.errors import UnknownNameError
-from remac_env.oracle import OraclePlan, solve
+from remac_env.oracle import Certificate, certify, solve
 from remac_env.rounds import transition
 from remac_env.state import Scene, WorldState
 from remac_env.subtasks import WAIT, Outcome, Subtask
@@ -66,9 +66,9 @@ class Replay:
         """The world before round `index`."""
         return self.rounds[index].before if index < len(self.rounds) else self.end
 
-    def solve(self, world: WorldState, *, max_rounds: int) -> OraclePlan | None:
-        """The shortest plan from there."""
-        return solve(self.scene, world, self.goal, max_rounds=max_rounds)
+    def certify(self, world: WorldState, *, max_rounds: int) -> Certificate:
+        """What is known of the shortest plan from there."""
+        return certify(self.scene, world, self.goal, max_rounds=max_rounds)
 
     def carry_out(self, plan: Sequence[Joint], world: WorldState) -> int | None:
         """Rounds after which the goal holds if every skill does what the table says; None if it never does."""

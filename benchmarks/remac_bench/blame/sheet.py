@@ -23,7 +23,7 @@ COLUMNS = (
     Column(key="skill", title="Skill", help="a subtask failed though the skill table says that it succeeds"),
     Column(key="budget", title="Budget", help="the plan was on its way when the rounds ran out"),
     Column(key="crash", title="Crash", help="the agent raised an exception"),
-    Column(key="unclear", title="Unclear", help="played again, the episode goes another way than its record"),
+    Column(key="unclear", title="Unclear", help="it goes another way when played again, or its optimum is unknown"),
     Column(key="rescued", title="Rescued", help="the oracle's steps from the bad round on reach the goal"),
     Column(key="first", title="For example", numeric=False, help="seed and round, counted from 0"),
 )

@@ -22,10 +22,14 @@ def oracle(
     max_rounds: Annotated[int, typer.Option(help="Where the search gives up.")] = 30,
     extensions: Extensions = None,
 ) -> None:
-    """Print the shortest plan of an episode as JSON; rounds and plan are null where there is none."""
+    """Print the shortest plan of an episode as JSON, and how far it is proven.
+
+    proof is search (the plan is the shortest), bounds (the search gave up: the truth lies from lower to the plan's
+    rounds), rounds (no plan has so few rounds) or exhausted (there is none at all).
+    """
     import remac_env
     from remac_bench.extensions import load_extensions
-    from remac_env.oracle import solve
+    from remac_env.oracle import certify
 
     load_extensions(extensions or ())
     kitchen = remac_env.parallel_env(
@@ -38,6 +42,11 @@ def oracle(
         max_rounds=max_rounds,
     )
     kitchen.reset(seed=seed)
-    found = solve(kitchen.start.scene, kitchen.world, kitchen.goal, max_rounds=max_rounds)
-    answer = {"rounds": found.length, "plan": found.as_text()} if found else {"rounds": None, "plan": None}
+    found = certify(kitchen.start.scene, kitchen.world, kitchen.goal, max_rounds=max_rounds)
+    answer = {
+        "rounds": None if found.plan is None else found.plan.length,
+        "proof": found.proof,
+        "lower": found.lower,
+        "plan": None if found.plan is None else found.plan.as_text(),
+    }
     typer.echo(json.dumps(answer))

@@ -19,6 +19,7 @@ from remac_bench.jobs import Job
 from remac_bench.records import Record
 from remac_bench.report import read_rows, tables
 from remac_bench.runner import Listener, Settings, pending, run_jobs
+from remac_bench.solvable import refuse_unsolvable
 from remac_bench.store import FILE
 
 
@@ -26,8 +27,10 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
     """Run jobs, print the table, and say where the records are.
 
     Raises:
+        UsageError: if a start has no plan that reaches its goal; nothing is played then.
         typer.Exit: 130 after Ctrl-C or SIGTERM; 1 if infrastructure errors left jobs without a score.
     """
+    refuse_unsolvable(jobs if settings.fresh else pending(jobs, folder))
     bar = Bar()
     try:
         with _terminable():

@@ -74,7 +74,7 @@ _KEYS: dict[str, tuple[Callable[[Trial], Key], Callable[[Trial], Key]]] = {
 
 def _counts(experiment: str, trials: Sequence[Trial]) -> dict[tuple[Key, Key], Count]:
     row, column = _KEYS[experiment]
-    groups: dict[tuple[Key, Key], list[bool]] = {}
+    groups: dict[tuple[Key, Key], list[bool | None]] = {}
     for trial in trials:
         good = trial.judgement.optimal if experiment == "reflection" else trial.judgement.valid
         groups.setdefault((row(trial), column(trial)), []).append(good)

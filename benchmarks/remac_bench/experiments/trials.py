@@ -71,7 +71,7 @@ def suboptimal(task: str, *, count: int, robots: int, starts: str) -> list[Cell]
             break
         cell = Cell(task=task, robots=robots, seed=seed, starts=starts)
         lessons = teach(cell)
-        if not judged(cell, lambda request, first=lessons.plan: dict(first)).optimal:
+        if judged(cell, lambda request, first=lessons.plan: dict(first)).optimal is False:
             found.append(cell)
     return found
 
@@ -109,9 +109,9 @@ def validity(
 EXPERIMENTS = {"reflection": reflection, "wording": wording, "validity": validity}
 
 
-def counted(successes: Iterable[bool]) -> Count:
-    """How many of them, of how many."""
-    values = list(successes)
+def counted(successes: Iterable[bool | None]) -> Count:
+    """How many of them, of how many; what is not known (None) does not count."""
+    values = [value for value in successes if value is not None]
     return Count(successes=sum(values), n=len(values))
 
 

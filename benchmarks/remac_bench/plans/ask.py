@@ -15,7 +15,7 @@ from remac_agents.asking import previous_try
 from remac_agents.episode import Episode, Turns
 from remac_agents.methods import Method
 from remac_bench.plans.judge import Judgement, judge
-from remac_env.oracle import solve
+from remac_env.oracle import certify
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,13 +65,12 @@ def kitchen(cell: Cell) -> Any:
 
 @lru_cache(maxsize=4096)
 def optimum(cell: Cell) -> int | None:
-    """Rounds of the shortest plan of a cell's start; its wording does not matter."""
+    """Rounds of the shortest plan of a cell's start, None where none is known to be; its wording does not matter."""
     if cell.wording != 3 or cell.text != "plain":
         return optimum(replace(cell, wording=3, text="plain"))
     env = kitchen(cell)
     env.reset(seed=cell.seed)
-    found = solve(env.start.scene, env.world, env.goal)
-    return None if found is None else found.length
+    return certify(env.start.scene, env.world, env.goal).optimum
 
 
 def judged(cell: Cell, planner: object, taught: Taught | None = None) -> Judgement:

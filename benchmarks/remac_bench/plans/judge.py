@@ -25,15 +25,15 @@ class Judgement:
     Attributes:
         plan: robot -> commands; None where the reply was no plan.
         valid: every step works and the goal holds at the end.
-        optimal: valid, and as short as the optimum.
+        optimal: valid, and as short as the optimum; None for a valid plan where that is not known.
         rounds: of the plan; a closing `done` is not counted.
-        optimum: rounds of the shortest plan, None where there is none.
+        optimum: rounds of the shortest plan, None where there is none, or it is not known.
         error: the first thing wrong, None for an optimal plan.
     """
 
     plan: Mapping[str, tuple[str, ...]] | None
     valid: bool
-    optimal: bool
+    optimal: bool | None
     rounds: int | None
     optimum: int | None
     error: Fault | None
@@ -63,7 +63,7 @@ def judge(scene: Scene, world: WorldState, goal: Goal, plan: Plan | PlanError, o
     Args:
         world: the start, in which the goal does not hold.
         plan: the plan, or why there is none.
-        optimum: rounds of the shortest plan for the robots of the scene (`remac_env.oracle.solve`).
+        optimum: rounds of the shortest plan for the robots of the scene (`remac_env.oracle.certify`).
     """
     if isinstance(plan, PlanError):
         kind = "unknown_thing" if plan.entry is not None else "parse"
@@ -81,7 +81,7 @@ def judge(scene: Scene, world: WorldState, goal: Goal, plan: Plan | PlanError, o
     return Judgement(
         plan=plan.as_text(),
         valid=course.works,
-        optimal=course.works and plan.length == optimum,
+        optimal=None if course.works and optimum is None else course.works and plan.length == optimum,
         rounds=plan.length,
         optimum=optimum,
         error=fault,

@@ -1,0 +1,19 @@
+"""The oracle: shortest plans by exact search over rounds of the skill table, and what is proven about them."""
+
+from remac_env.oracle.certificate import Certificate, certify, solvable, solve
+from remac_env.oracle.commands import relevant_commands
+from remac_env.oracle.moves import LITTER_ROUNDS
+from remac_env.oracle.search import Found, OraclePlan, search, search_plan
+
+__all__ = [
+    "LITTER_ROUNDS",
+    "Certificate",
+    "Found",
+    "OraclePlan",
+    "certify",
+    "relevant_commands",
+    "search",
+    "search_plan",
+    "solvable",
+    "solve",
+]

@@ -1,0 +1,115 @@
+"""What is proven about an episode: its optimum, or bounds, and how they came about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from remac_env.oracle.bounds import IMPOSSIBLE, make_bound
+from remac_env.oracle.commands import relevant_commands
+from remac_env.oracle.search import MAX_STATES, OraclePlan, search
+from remac_env.state import ASIDE, FrozenMap, Scene, WorldState
+from remac_env.tasks.goals import Goal
+
+GREED = 4.0
+"""How much more than the way behind counts the way ahead, in a search for any plan at all."""
+
+LONGEST = 1000
+"""Rounds that a plan may take where nothing bounds them: more than any kitchen needs."""
+
+Proof = Literal["search", "bounds", "exhausted", "rounds"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Certificate:
+    """The shortest plan of an episode as far as it is known. Costs are rounds, and LITTER_ROUNDS for what falls.
+
+    Attributes:
+        plan: the cheapest plan that is known, None where none is.
+        lower: no plan costs less; None where there is none at all.
+        proof: "search" - the plan is the cheapest; "bounds" - the search met its bound on states, and the truth lies
+            between `lower` and the plan's cost, if a plan is known; "exhausted" - every way was followed to its end,
+            there is no plan; "rounds" - there is no plan within the bound on rounds.
+        expanded: states that were looked at.
+    """
+
+    plan: OraclePlan | None
+    lower: int | None
+    proof: Proof
+    expanded: int = 0
+
+    @property
+    def optimum(self) -> int | None:
+        """The cost of the cheapest plan, None where it is not known or there is none."""
+        return None if self.plan is None or self.proof != "search" else self.plan.cost
+
+    @property
+    def upper(self) -> int | None:
+        """The cost of the cheapest plan that is known, None where none is."""
+        return None if self.plan is None else self.plan.cost
+
+    @property
+    def unknown(self) -> bool:
+        """True where the search gave up before it could say how long the shortest plan is, or whether there is one."""
+        return self.proof == "bounds"
+
+
+def certify(
+    scene: Scene, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int = MAX_STATES
+) -> Certificate:
+    """The certificate of a start for all robots of the scene.
+
+    Args:
+        max_rounds: what a plan may cost at most, in rounds.
+        max_states: states to look at before giving up; a second search for any plan may look at as many.
+    """
+    commands, bound = relevant_commands(scene, world, goal), make_bound(scene, goal)
+
+    def reached(state: WorldState) -> bool:
+        return goal.holds(scene, state)
+
+    options = {"commands": commands, "bound": bound, "max_rounds": max_rounds, "max_states": max_states}
+    found = search(scene, world, reached, **options)  # type: ignore[arg-type]
+    if found.plan is not None:
+        return Certificate(plan=found.plan, lower=found.lower, proof="search", expanded=found.plan.expanded)
+    if not found.gave_up:
+        lower = None if found.lower >= IMPOSSIBLE else found.lower
+        return Certificate(plan=None, lower=lower, proof="rounds" if found.too_long else "exhausted")
+    some = search(scene, world, reached, greed=GREED, **options).plan  # type: ignore[arg-type]
+    proof: Proof = "search" if some is not None and some.cost == found.lower else "bounds"
+    return Certificate(plan=some, lower=found.lower, proof=proof, expanded=max_states)
+
+
+def solve(
+    scene: Scene, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int = MAX_STATES
+) -> OraclePlan | None:
+    """The cheapest plan to the goal for all robots of the scene, or None where none of at most `max_rounds` is known.
+
+    Who must tell "there is none" from "none is known" asks `certify`.
+    """
+    certificate = certify(scene, world, goal, max_rounds=max_rounds, max_states=max_states)
+    return certificate.plan
+
+
+def solvable(scene: Scene, world: WorldState, goal: Goal, *, max_states: int = MAX_STATES) -> bool | None:
+    """Whether any plan reaches the goal, however long; None where the search gave up.
+
+    One robot is tried first, since that is quicker; then all of them together.
+    """
+    idle = [name for name, state in world.robots.items() if state.station == ASIDE and state.holding is None]
+    for robots in dict.fromkeys((tuple(idle[:1]) if len(idle) == len(scene.robots) else scene.robots, scene.robots)):
+        part = replace(scene, robots=robots)
+        there = WorldState(FrozenMap({name: world.robots[name] for name in robots}), world.objects, world.fixtures)
+        found = search(
+            part,
+            there,
+            lambda state, part=part: goal.holds(part, state),  # type: ignore[misc]
+            commands=relevant_commands(part, there, goal),
+            bound=make_bound(part, goal),
+            max_rounds=LONGEST,
+            max_states=max_states,
+            greed=GREED,
+        )
+        if found.plan is not None:
+            return True
+    return None if found.gave_up or found.too_long else False

@@ -1,0 +1,53 @@
+"""Which commands can matter for a goal: the search tries no others, and tests hold it against one that tries all."""
+
+from __future__ import annotations
+
+from remac_env.marks import SEASONED, WASHED
+from remac_env.state import Scene, WorldState, contents, occupant, supports
+from remac_env.subtasks import Subtask
+from remac_env.tasks.goals import Goal, Marked
+
+
+def relevant_commands(scene: Scene, world: WorldState, goal: Goal) -> list[Subtask]:
+    """The commands that can matter: about what the goal names, what is around or in its way, and where to put down."""
+    objects, fixtures = _relevant_nouns(scene, world, goal)
+    surfaces = [name for name, facts in scene.fixtures.items() if facts.slots and not facts.door and not facts.switches]
+    commands = [Subtask("navigate aside")]
+    for name in objects:
+        commands += [Subtask("navigate to", name), Subtask("pick up", name)]
+        if scene.objects[name].holds:
+            commands.append(Subtask("place to", name))
+    for name in dict.fromkeys([*fixtures, *surfaces]):
+        facts = scene.fixtures[name]
+        commands.append(Subtask("navigate to", name))
+        commands += [Subtask("place to", name)] if facts.slots else []
+        commands += [Subtask("open door", name), Subtask("close door", name)] if facts.door else []
+        commands += [Subtask("turn on", name), Subtask("turn off", name)] if facts.switches else []
+    return commands + [Subtask("season", name) for name in to_mark(goal, SEASONED)]
+
+
+def to_mark(goal: Goal, mark: str) -> list[str]:
+    """The objects to which `mark` is to happen."""
+    return [atom.name for atom in goal.atoms() if isinstance(atom, Marked) and atom.mark == mark]
+
+
+def _relevant_nouns(scene: Scene, world: WorldState, goal: Goal) -> tuple[list[str], list[str]]:
+    objects = [name for name in goal.names() if name in scene.objects]
+    fixtures = [name for name in goal.names() if name in scene.fixtures]
+    if to_mark(goal, SEASONED):
+        objects += [name for name, facts in scene.objects.items() if facts.seasons]
+    if to_mark(goal, WASHED):
+        fixtures += [name for tap, facts in scene.fixtures.items() if facts.wets for name in (tap, *facts.wets)]
+    for name in list(fixtures):
+        facts = scene.fixtures[name]
+        standing = [other for slot in facts.slots if (other := occupant(world, slot)) is not None]
+        if facts.slots and (len(standing) == len(facts.slots) or facts.switch_per_slot):
+            objects += standing  # it takes the only room, or decides which switch is turned
+    for name in objects:
+        # The list grows while it is read: what lies in a thing that is in the way is in the way too.
+        fresh = [other for other in contents(world, name) if other not in objects]
+        fresh += [other for other in supports(scene, world, name) if other in scene.objects and other not in objects]
+        objects += fresh
+        around = [scene.fixtures[other] for other in supports(scene, world, name) if other in scene.fixtures]
+        fixtures += [facts.name for facts in around if facts.door]
+    return list(dict.fromkeys(objects)), list(dict.fromkeys(fixtures))
