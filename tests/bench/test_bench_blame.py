@@ -17,8 +17,9 @@ from remac_bench.errors import RecordFileError
 from remac_bench.judging import board
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record
 from remac_bench.store import Store
-from remac_env.oracle import Certificate
 from typer.testing import CliRunner
+
+from remac_env.oracle import Certificate
 
 ENOUGH, RIGHT = 40, 0.95
 """Planted failures of a kind at least, and the share of them that has to be labelled right."""
