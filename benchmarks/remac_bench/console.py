@@ -20,6 +20,9 @@ R = TypeVar("R")
 USAGE, FAILED, INTERRUPTED = 2, 1, 130
 """Exit codes: a command line to be mended; something went wrong; Ctrl-C."""
 
+MARKS = {True: "[green]ok[/green]", False: "[red]problem[/red]", None: "[dim]-[/dim]"}
+"""How findings are marked: it works, it does not, or nothing is there and nothing is wrong."""
+
 _USAGE_ERRORS = (UsageError, UnknownNameError, OptionError, KitchenFileError, RecordFileError)
 _WIDTH = 120
 

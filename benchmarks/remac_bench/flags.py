@@ -74,6 +74,9 @@ def _models(text: str, *names: str) -> Any:
 Models = Annotated[
     list[str] | None, _models("provider:model, an entry that fills every role that speaks; may be repeated.", "--model")
 ]
+AskedModels = Annotated[
+    list[str] | None, _models("provider:model to ask one tiny question; may be repeated.", "--model")
+]
 BaseUrl = Annotated[str | None, _models("Address of custom:<model>, such as http://127.0.0.1:8000/v1.")]
 Providers = Annotated[
     str | None, _models("FILE.toml that adds to the providers that are built in, or overrides them.", "--providers")
@@ -83,6 +86,10 @@ Via = Annotated[
 ]
 Cassette = Annotated[str | None, _models("File of exchanges: plays what it holds, asks for the rest and records it.")]
 Replay = Annotated[bool, _models("Ask nobody: what the cassette does not hold ends an episode unscored.", "--replay")]
+Preflight = Annotated[
+    bool,
+    _models("Ask each model one tiny question first, and say what the run may cost.", "--preflight/--no-preflight"),
+]
 MaxCalls = Annotated[int | None, _models("Requests of a job at most.")]
 MaxTokens = Annotated[int | None, _models("Tokens of a job at most.")]
 MaxMoney = Annotated[float | None, _models("US dollars of a job at most.")]

@@ -39,6 +39,7 @@ class Settings:
         optimum: search the shortest plan of every episode.
         extensions: modules or files that register tasks, imported in every process.
         fresh: forget the records and videos that the folder holds.
+        preflight: ask each language model one tiny question before jobs are played.
     """
 
     workers: int | None = 1
@@ -49,6 +50,7 @@ class Settings:
     optimum: bool = False
     extensions: tuple[str, ...] = ()
     fresh: bool = False
+    preflight: bool = False
 
     def __post_init__(self) -> None:
         """Refuse an unknown kind of video or engine, and a number of workers that is none.

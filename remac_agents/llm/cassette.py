@@ -65,6 +65,11 @@ class Cassette:
     def __len__(self) -> int:
         return sum(len(outcomes) for outcomes in self._told.values())
 
+    @property
+    def models(self) -> frozenset[str]:
+        """The models, `provider:model`, that it holds answers of."""
+        return frozenset(str(request.get("model")) for request in self._requests.values())
+
     def play(self, canonical: Mapping[str, Any]) -> ChatReply | ChatError | None:
         """The next recorded outcome of this request; None: ask the model."""
         if self.mode == "record":

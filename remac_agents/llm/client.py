@@ -52,6 +52,7 @@ class ChatClient:
         clock: Clock | None = None,
         jitter: Callable[[], float] | None = None,
         environ: Mapping[str, str] | None = None,
+        tries: int = PATIENT,
     ) -> None:
         """Open a client; nothing is sent yet.
 
@@ -68,6 +69,7 @@ class ChatClient:
             read_s: the longest wait for the next bytes, s.
             clock, jitter: time, and draws from [0, 1); given by tests.
             environ: where the key is looked up; None: the environment.
+            tries: requests that one call sends at most.
         """
         if isinstance(endpoint, str):
             name, named = read_model_name(endpoint)
@@ -81,6 +83,7 @@ class ChatClient:
         self._clock = clock or Clock()
         self.limiter = limiter or Limiter(clock=self._clock)
         self._versions = dict(versions or {})
+        self._environ, self._tries = environ, tries
         self._jitter = jitter or random.Random().random
         key = (os.environ if environ is None else environ).get(self.endpoint.provider.key, "").strip()
         self._key_problem = _key_problem(self.endpoint, key)
@@ -97,6 +100,22 @@ class ChatClient:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    @property
+    def streams(self) -> bool:
+        """Whether answers are asked for in pieces."""
+        return self._stream
+
+    @property
+    def has_key(self) -> bool:
+        """Whether a key is sent along."""
+        return self._transport.has_key
+
+    def apart(self, *, budget: Budget, tries: int, clock: Clock | None = None) -> ChatClient:
+        """A client of the same model that shares nothing with this one: no cassette, no limiter, another budget."""
+        return ChatClient(
+            self.endpoint, stream=self._stream, budget=budget, tries=tries, clock=clock, environ=self._environ
+        )
 
     def redacted(self, text: str) -> str:
         """A text without this client's key, for records."""
@@ -196,7 +215,7 @@ class ChatClient:
             return None
         tries[outcome.kind] = tries.get(outcome.kind, 0) + 1
         total = sum(tries.values())
-        if tries[outcome.kind] >= KINDS[outcome.kind].tries or total >= PATIENT:
+        if tries[outcome.kind] >= KINDS[outcome.kind].tries or total >= self._tries:
             return None
         if not outcome.infrastructure:
             return 0.0  # the endpoint is well and needs no rest

@@ -27,6 +27,9 @@ from remac_agents.llm.wire import Caps, Raw, StreamReader, error_text, read_body
 CONNECT_S, WRITE_S, READ_S = 5.0, 30.0, 60.0
 """How long a connection, one write, and the wait for the next bytes may take."""
 
+NO_CONNECTION = "no connection"
+"""With this begins the detail of an error where nobody was there to talk to."""
+
 
 class Transport:
     """Sends requests. Thread-safe; each request has a connection of its own, so that its deadline can cut it."""
@@ -38,6 +41,7 @@ class Transport:
         self._clock = clock or Clock()
         self._caps = caps or Caps()
         self._read_s = read_s
+        self.has_key = bool(key)
         headers = {"accept-encoding": "identity", "user-agent": "remac-kitchen"}
         if key:
             headers["authorization"] = f"Bearer {key}"
@@ -169,6 +173,8 @@ def _refused(response: httpx.Response, body: bytes, wall: float) -> ChatError:
 def _fault(error: Exception, late: bool, begun: list[int]) -> ChatError:
     """A failure of the connection as a value. httpx's messages name addresses, never headers."""
     told = f"{type(error).__name__}: {error}"
+    if isinstance(error, httpx.ConnectError | httpx.ConnectTimeout):
+        return ChatError("endpoint_unavailable", f"{NO_CONNECTION}: {told}")
     if late:
         return ChatError("timeout", "the deadline passed")
     if isinstance(error, httpx.TimeoutException):

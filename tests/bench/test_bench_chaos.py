@@ -115,7 +115,7 @@ def test_a_model_in_every_role_is_an_entry_of_a_suite_and_is_replayed_without_a_
     cassette = str(tmp_path / "cassette.jsonl")
     with ChaosServer([answer]) as server:
         model = ("--model", "custom:m", "--base-url", server.url, "--max-calls", "40", "--cassette", cassette)
-        arguments = ("bench", "run", "--suite", "smoke", *model)
+        arguments = ("bench", "run", "--suite", "smoke", "--no-preflight", *model)
         first = start(*arguments, "--out", str(tmp_path / "asked"))
         _, told = first.communicate(timeout=120)
         assert first.returncode == 0, told

@@ -28,6 +28,7 @@ def run(
     via: flags.Via = None,
     cassette: flags.Cassette = None,
     replay: flags.Replay = False,
+    preflight: flags.Preflight = True,
     max_calls: flags.MaxCalls = None,
     max_tokens: flags.MaxTokens = None,
     max_money: flags.MaxMoney = None,

@@ -12,17 +12,24 @@ from rich.markup import escape
 from rich.table import Table
 
 from remac_bench import flags
-from remac_bench.console import FAILED, clean_errors, console
-
-_MARKS = {True: "[green]ok[/green]", False: "[red]problem[/red]", None: "[dim]-[/dim]"}
+from remac_bench.console import FAILED, MARKS, clean_errors, console
 
 
 @clean_errors
 def doctor(
+    models: flags.AskedModels = None,
+    base_url: flags.BaseUrl = None,
     providers: flags.Providers = None,
+    via: flags.Via = None,
     as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
 ) -> None:
-    """Say what this machine has and what for; the exit code is 1 where something needed does not work."""
+    """Say what this machine has and what for, or ask models one tiny question each.
+
+    The exit code is 1 where something needed does not work.
+    """
+    if models:
+        _ask_models(models, base_url=base_url, providers=providers, via=via, as_json=as_json)
+        return
     from remac_bench.machine import examine
     from remac_bench.routes import examine_models
 
@@ -40,8 +47,27 @@ def doctor(
                 table.add_section()
             group = finding.group
             table.add_row(
-                _MARKS[finding.ok], escape(finding.name), escape(finding.value), escape(finding.purpose)
+                MARKS[finding.ok], escape(finding.name), escape(finding.value), escape(finding.purpose)
             )
         console().print(table)
     if any(finding.ok is False for finding in findings):
+        raise typer.Exit(FAILED)
+
+
+def _ask_models(
+    names: list[str], *, base_url: str | None, providers: str | None, via: str | None, as_json: bool
+) -> None:
+    from remac_agents.models import Models
+    from remac_bench.agents import by_route
+    from remac_bench.commands.preflight import ask_and_show
+    from remac_bench.preflight.probes import ask_all
+
+    shared = Models(base_url=base_url, providers=providers)
+    clients = [shared.client(by_route(name, via=via, providers=providers)) for name in dict.fromkeys(names)]
+    if as_json:
+        found = ask_all(clients)
+        typer.echo(json.dumps([asdict(probe) for preflight in found for probe in preflight.probes]))
+    else:
+        found = ask_and_show(clients)
+    if any(preflight.fatal for preflight in found):
         raise typer.Exit(FAILED)

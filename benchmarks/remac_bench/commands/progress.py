@@ -28,12 +28,15 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
 
     Raises:
         UsageError: if a start has no plan that reaches its goal; nothing is played then.
-        typer.Exit: 130 after Ctrl-C or SIGTERM; 1 if infrastructure errors left jobs without a score.
+        typer.Exit: 130 after Ctrl-C or SIGTERM; 1 if infrastructure errors left jobs without a score; 2 if a language
+            model could answer no job.
     """
     refuse_unsolvable(jobs if settings.fresh else pending(jobs, folder))
     bar = Bar()
     try:
         with _terminable():
+            if settings.preflight:
+                _preflight(jobs, folder)
             summary = run_jobs(jobs, folder, settings, listener=bar)
     except KeyboardInterrupt:
         bar.stop()
@@ -58,6 +61,15 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
             err=True,
         )
         raise typer.Exit(FAILED)
+
+
+def _preflight(jobs: Sequence[Job], folder: str) -> None:
+    """Of the models that are still to be asked; nothing is written."""
+    left = pending(jobs, folder)
+    if left:
+        from remac_bench.commands.preflight import check_jobs_models  # only here: offline runs need no client
+
+        check_jobs_models(left)
 
 
 @contextmanager

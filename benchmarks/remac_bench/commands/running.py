@@ -117,6 +117,7 @@ def _settings(given: dict[str, Any]) -> Settings:
         video=given["video"],
         optimum=given["optimum"],
         extensions=tuple(given["extensions"] or ()),
+        preflight=given["preflight"],
     )
 
 

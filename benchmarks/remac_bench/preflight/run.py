@@ -1,0 +1,136 @@
+"""Which models a run asks, and what it may cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from remac_agents.llm import Cassette, ChatClient, Model
+from remac_agents.models import LIMITS
+from remac_bench import agents
+from remac_bench.jobs import Job
+from remac_bench.preflight.estimates import Costs, Need
+from remac_bench.prices import UNKNOWN, dollars
+
+Filled = Mapping[str, ChatClient]
+"""Role -> the client of the model that fills it."""
+
+
+@dataclass(frozen=True)
+class Bill:
+    """What jobs cost, US dollars; None: not known.
+
+    Attributes:
+        jobs: how many.
+        estimate: by the tokens that episodes were measured to take.
+        most: what their budgets allow.
+        bound: what bounds them, in words.
+    """
+
+    jobs: int
+    estimate: float | None
+    most: float | None
+    bound: str
+
+    @property
+    def told(self) -> str:
+        """One line."""
+        most = "not bounded by a known price" if self.most is None else f"{dollars(self.most)} at most"
+        about = UNKNOWN if self.estimate is None else f"about {dollars(self.estimate)}"
+        return f"{self.jobs} jobs: {about} by measured tokens, {most} ({self.bound})"
+
+
+def filled_by_models(job: Job) -> Filled:
+    """The roles of a job's agent that language models fill; nothing is asked, and no cassette opened.
+
+    Raises:
+        UnknownNameError, OptionError: see `remac_agents.make`.
+    """
+    access = job.access
+    if not agents.asked_models(job.agent, providers=access.providers):
+        return {}
+    agent: Any = agents.make(job, {"base_url": access.base_url, "providers": access.providers})
+    return clients_of(agent.roles.named())
+
+
+def clients_of(roles: Mapping[str, object]) -> Filled:
+    """Those of these roles that ask a language model."""
+    found = {name: getattr(role, "client", None) for name, role in roles.items()}
+    return {name: client for name, client in found.items() if isinstance(client, ChatClient)}
+
+
+def by_kind(jobs: Iterable[Job]) -> dict[tuple[str, str], Filled]:
+    """Each kind of agent among the jobs, as `kind` names it -> the roles that models fill."""
+    found: dict[tuple[str, str], Filled] = {}
+    for job in jobs:
+        if kind(job) not in found:
+            found[kind(job)] = filled_by_models(job)
+    return found
+
+
+def kind(job: Job) -> tuple[str, str]:
+    """Equal for jobs whose agents are."""
+    return job.method, repr((sorted(job.agent.items()), job.access))
+
+
+def distinct(kinds: Iterable[Filled]) -> list[ChatClient]:
+    """One client for every model, address and way of asking it."""
+    found = {repr((c.endpoint, c.streams)): c for filled in kinds for c in filled.values()}
+    return list(found.values())
+
+
+def to_ask(clients: Sequence[ChatClient], access: agents.Access) -> list[ChatClient]:
+    """Those that may have to be asked at all: none in a replay, and none for which the cassette holds answers."""
+    if access.replay:
+        return []
+    if access.cassette is None or not Path(access.cassette).is_file():
+        return list(clients)
+    known = Cassette(access.cassette, mode="replay").models
+    return [client for client in clients if client.endpoint.name not in known]
+
+
+def bill(jobs: Sequence[Job], kinds: Mapping[tuple[str, str], Filled], costs: Costs) -> Bill:
+    """What jobs with models cost; those without cost nothing and are not counted."""
+    asking = [job for job in jobs if kinds[kind(job)]]
+    estimates = [_estimate(job, kinds[kind(job)], costs) for job in asking]
+    bounds = [_most(job, kinds[kind(job)]) for job in asking]
+    words = list(dict.fromkeys(told for _, told in bounds))
+    return Bill(
+        len(asking), _sum(estimates), _sum([most for most, _ in bounds]), " or ".join(words) if words else "no budget"
+    )
+
+
+def _estimate(job: Job, filled: Filled, costs: Costs) -> float | None:
+    needs = costs.of(job.method, job.task)
+    if needs is None:
+        return None
+    episodes = job.iterations + 1
+    takes = {role: needs.get(role, Need()).times(episodes) for role in filled}
+    return _sum([takes[role].money(client.endpoint.model) for role, client in filled.items()])
+
+
+def _most(job: Job, filled: Filled) -> tuple[float | None, str]:
+    """What a job's budget allows, and what bounds it."""
+    models = [client.endpoint.model for client in filled.values()]
+    dearest = [_dearest(model) for model in models]
+    money = job.agent.get("max_money")
+    if all(price == 0 for price in dearest):
+        return 0.0, "the models are free"
+    if any(price is None for price in dearest):
+        return None, "a price is unknown, so that no bound on money holds"
+    if money is not None:
+        return float(money), f"max_money {dollars(float(money))} a job"
+    tokens = float(job.agent.get("max_tokens") or LIMITS["tokens"])
+    return tokens * max(price or 0.0 for price in dearest) / 1e6, f"max_tokens {tokens:.0f} a job, no max_money"
+
+
+def _dearest(model: Model) -> float | None:
+    if model.price_in is None or model.price_out is None:
+        return None
+    return max(model.price_in, model.price_out)
+
+
+def _sum(parts: Sequence[float | None]) -> float | None:
+    return None if any(part is None for part in parts) else sum(part or 0.0 for part in parts)
