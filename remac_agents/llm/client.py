@@ -113,9 +113,8 @@ class ChatClient:
 
     def apart(self, *, budget: Budget, tries: int, clock: Clock | None = None) -> ChatClient:
         """A client of the same model that shares nothing with this one: no cassette, no limiter, another budget."""
-        return ChatClient(
-            self.endpoint, stream=self._stream, budget=budget, tries=tries, clock=clock, environ=self._environ
-        )
+        more: dict[str, Any] = {"budget": budget, "tries": tries, "clock": clock, "environ": self._environ}
+        return ChatClient(self.endpoint, settings=self.settings, **more)
 
     def redacted(self, text: str) -> str:
         """A text without this client's key, for records."""

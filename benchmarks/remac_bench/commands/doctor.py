@@ -57,13 +57,15 @@ def doctor(
 def _ask_models(
     names: list[str], *, base_url: str | None, providers: str | None, via: str | None, as_json: bool
 ) -> None:
+    from remac_agents.llm import read_model_name
     from remac_agents.models import Models
     from remac_bench.agents import by_route
     from remac_bench.commands.preflight import ask_and_show
     from remac_bench.preflight.probes import ask_all
 
     shared = Models(base_url=base_url, providers=providers)
-    clients = [shared.client(by_route(name, via=via, providers=providers)) for name in dict.fromkeys(names)]
+    routed = [by_route(name, via=via, providers=providers) for name in dict.fromkeys(names)]
+    clients = [shared.client(*read_model_name(name)) for name in routed]
     if as_json:
         found = ask_all(clients)
         typer.echo(json.dumps([asdict(probe) for preflight in found for probe in preflight.probes]))

@@ -77,7 +77,7 @@ def kind(job: Job) -> tuple[str, str]:
 
 def distinct(kinds: Iterable[Filled]) -> list[ChatClient]:
     """One client for every model, address and way of asking it."""
-    found = {repr((c.endpoint, c.streams)): c for filled in kinds for c in filled.values()}
+    found = {repr((c.endpoint, c.settings)): c for filled in kinds for c in filled.values()}
     return list(found.values())
 
 
