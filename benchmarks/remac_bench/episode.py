@@ -20,7 +20,7 @@ from remac_bench.records import ErrorEntry, OutcomeEntry, Record, VideoEntry
 from remac_bench.redaction import redact
 from remac_bench.worlds import as_values, fallen
 from remac_env.errors import ActionError, UnknownNameError
-from remac_env.oracle import Certificate, certify
+from remac_env.oracle import Certificate, certify, problem_id
 
 FRAMES_MAX = 12
 """Frames of an exception's traceback in a record."""
@@ -66,6 +66,7 @@ class Course:
     worlds: list[dict[str, Any]] = field(default_factory=list)
     progress: float = 0.0
     certificate: Certificate | None = None
+    problem: str | None = None
     joined: bool = False
 
     @property
@@ -134,6 +135,7 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, *, optimum: bool) ->
     observations, course.infos = env.reset(seed=job.seed)
     course.progress = env.progress
     course.worlds.append(as_values(env.world))
+    course.problem = problem_id(env.start.scene, env.world, env.goal)
     if optimum:
         course.certificate = certify(env.start.scene, env.world, env.goal)
     with blaming("agent"):
@@ -221,6 +223,7 @@ def make_record(
         robot_contacts=int(shared.get("robot_contacts", 0)),
         near_misses=int(shared.get("near_misses", 0)),
         physics_steps=int(shared.get("physics_steps", 0)),
+        problem=course.problem,
         littered=fallen(course.worlds),
         **_proven(course.certificate),
         video=video,

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from remac_bench.judging.episodes import cap_rounds, cap_seconds, cell, distinct, idle_share, setting
+from remac_bench.judging.episodes import cap_rounds, cap_seconds, cell, distinct, idle_share, problem, setting
 from remac_bench.judging.statistics import mean, wilson
 from remac_bench.records import Record
 from remac_env.oracle import LITTER_ROUNDS
@@ -27,11 +27,12 @@ class Row:
     Attributes:
         setting, task, agent, method, robots: what was played, and by whom.
         tries: episodes that a job has, the scored one included: the agent's budget.
-        tasks, cells: how many different ones there are among the scored episodes.
+        tasks, cells, problems: how many different ones there are among the scored episodes.
         n, successes: scored episodes, and those in which the goal held at the end.
         low, high: Wilson's 95% interval of the task success rate.
         scr: subtask completion rate: rounds done of the plans in force at the end, over their lengths;
-            successes and failures pooled, as the paper's fractions are (70/110).
+            successes and failures pooled, as the paper's fractions are (70/110). A crash without a plan counts as
+            nothing done of a plan of the others' mean length.
         scr_all: mean over all scored episodes of that fraction, 0 where an episode left no plan.
         progress: mean fraction of the goal's parts that hold at the end, over all scored episodes.
         seconds, ipl, fpl, rounds: means over successes: simulated seconds, lengths of the first and the final plan,
@@ -56,6 +57,7 @@ class Row:
     tries: int
     tasks: int
     cells: int
+    problems: int
     n: int
     successes: int
     low: float | None
@@ -135,6 +137,7 @@ def _row(key: tuple[str, str, str], group: Sequence[Record], single: dict[Spot, 
         tries=1 + max(record.iteration for record in group),
         tasks=len({record.task for record in scored}),
         cells=len({cell(record) for record in scored}),
+        problems=len({problem(record) for record in scored}),
         n=len(scored),
         successes=len(won),
         low=low,
@@ -161,7 +164,10 @@ _LATER: dict[str, Any] = dict.fromkeys(
 
 def _completion(scored: Sequence[Record]) -> dict[str, Any]:
     planned = [record for record in scored if record.final_plan_length is not None]
-    length = sum(record.final_plan_length or 0 for record in planned)
+    # An episode that a crash left without a plan has done nothing of one as long as the others' are.
+    crashed = sum(record.error is not None and record.final_plan_length is None for record in scored)
+    usual = mean(record.final_plan_length for record in planned) or 0.0
+    length = sum(record.final_plan_length or 0 for record in planned) + usual * crashed
     shares = [record.subtasks_done / record.final_plan_length if record.final_plan_length else 0.0 for record in scored]
     return {
         "scr": sum(record.subtasks_done for record in planned) / length if length else None,

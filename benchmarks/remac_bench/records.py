@@ -122,6 +122,7 @@ class Record(Model):
         planner_errors: replies of the planner that were no plans.
         optimum_rounds: length of the shortest plan, where it was asked for and is known; `optimum_proof` says how it
             is known, and `optimum_lower` how long it is at least (`remac_env.oracle.Certificate`).
+        problem: digest of the start without looks and names; None for older records.
         littered: things that were let fall and lie on the floor at the end.
         options: {"kitchen": ..., "agent": ...}: everything that the job was made with; "access": how language models
             were reached.
@@ -174,6 +175,7 @@ class Record(Model):
     optimum_lower: int | None = None
     optimum_proof: str | None = None
     littered: int = 0
+    problem: str | None = None
     video: VideoEntry | None = None
     error: ErrorEntry | None = None
     options: dict[str, Any] = Field(default_factory=dict)

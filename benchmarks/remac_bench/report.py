@@ -23,7 +23,10 @@ from remac_bench.metrics import Row, overall, summarise
 from remac_bench.records import Record
 from remac_bench.store import FILE, Store
 
-COMPACT = ("task", "agent", "n", "tsr", "interval", "scr", "seconds", "ipl", "fpl", "crashed", "infrastructure")
+COMPACT = (
+    *("task", "agent", "n", "problems", "tsr", "interval", "scr", "seconds", "ipl", "fpl"),
+    *("crashed", "infrastructure"),
+)
 """Columns of the results that stand in the main table; the others come with `--all`."""
 
 ALARMS = ("crashed", "infrastructure", "crash", "unclear", "unknown", "retries")

@@ -3,6 +3,7 @@
 from remac_env.oracle.certificate import Certificate, certify, solvable, solve
 from remac_env.oracle.commands import relevant_commands
 from remac_env.oracle.moves import LITTER_ROUNDS
+from remac_env.oracle.problems import problem_id
 from remac_env.oracle.search import Found, OraclePlan, search, search_plan
 
 __all__ = [
@@ -11,6 +12,7 @@ __all__ = [
     "Found",
     "OraclePlan",
     "certify",
+    "problem_id",
     "relevant_commands",
     "search",
     "search_plan",

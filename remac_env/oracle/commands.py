@@ -10,7 +10,7 @@ from remac_env.tasks.goals import Goal, Marked
 
 def relevant_commands(scene: Scene, world: WorldState, goal: Goal) -> list[Subtask]:
     """The commands that can matter: about what the goal names, what is around or in its way, and where to put down."""
-    objects, fixtures = _relevant_nouns(scene, world, goal)
+    objects, fixtures = relevant_nouns(scene, world, goal)
     surfaces = [name for name, facts in scene.fixtures.items() if facts.slots and not facts.door and not facts.switches]
     commands = [Subtask("navigate aside")]
     for name in objects:
@@ -31,7 +31,8 @@ def to_mark(goal: Goal, mark: str) -> list[str]:
     return [atom.name for atom in goal.atoms() if isinstance(atom, Marked) and atom.mark == mark]
 
 
-def _relevant_nouns(scene: Scene, world: WorldState, goal: Goal) -> tuple[list[str], list[str]]:
+def relevant_nouns(scene: Scene, world: WorldState, goal: Goal) -> tuple[list[str], list[str]]:
+    """Objects and fixtures that can matter: what the goal names first, then what is around it or in its way."""
     objects = [name for name in goal.names() if name in scene.objects]
     fixtures = [name for name in goal.names() if name in scene.fixtures]
     if to_mark(goal, SEASONED):

@@ -29,7 +29,7 @@ def texts(sheet: Sheet, *keys: str) -> list[tuple[str, ...]]:
 
 
 def entry(method: str, won: str, **changes: Any) -> list[Record]:
-    """Scored records of one method on seeds 0, 1, ...: "+" is a success; every second seed lies in another cell."""
+    """Scored records of one method on seeds 0, 1, ...: "+" is a success; each is a problem of its own."""
     return [
         record(
             job=f"{method}{seed}",
@@ -39,7 +39,7 @@ def entry(method: str, won: str, **changes: Any) -> list[Record]:
             success=mark == "+",
             style=("coastal", "modern_1")[seed % 2],
             layout="one_wall_large",
-            **changes,
+            **{"problem": f"p{seed}", **changes},
         )
         for seed, mark in enumerate(won)
     ]
@@ -80,7 +80,7 @@ def test_failures_count_at_the_cap_where_survivors_are_not_to_be_preferred() -> 
     assert row.ipl_all == pytest.approx((4 + 20 + 20) / 3)
     assert row.fpl_all == pytest.approx((10 + 20 + 20) / 3)
     assert row.seconds_all == pytest.approx((60 + 2 * 20 * 9) / 3)  # the table's longest skill takes 9 s
-    assert row.scr == pytest.approx(11 / 14)
+    assert row.scr == pytest.approx(11 / (14 + 7)), "the crash has done nothing of a plan as long as the others'"
     assert row.scr_all == pytest.approx((1 + 0.25 + 0) / 3)
 
 
@@ -223,7 +223,7 @@ def test_ranks_follow_from_paired_comparisons() -> None:
     records = [*entry("RE", "+" * 20), *entry("CC", "+" * 18 + "--"), *entry("BASE", "-" * 20)]
     pairs = {(pair.first, pair.second): pair for pair in compare(records)}
     close, wide = pairs["RE", "CC"], pairs["RE", "BASE"]
-    assert (close.n, close.clusters, close.both, close.first_alone, close.second_alone) == (20, 2, 18, 2, 0)
+    assert (close.n, close.problems, close.both, close.first_alone, close.second_alone) == (20, 20, 18, 2, 0)
     assert (close.p, close.adjusted, close.separated) == (0.5, 0.5, False)
     assert close.more is not None and close.more > 50
     assert wide.p == pytest.approx(2 / 2**20)
@@ -252,19 +252,25 @@ def test_only_shared_episodes_are_compared() -> None:
     assert compare([*ours, *entry("CC", "-" * 6, backend="physics")]) == []
 
 
-def test_one_great_cell_does_not_make_a_rank() -> None:
-    """Eight wins in one cell of three: McNemar's test alone would call it; whole cells drawn again do not."""
-    spots = [("a", 8, True)] + [(style, 8, False) for style in "bc"]
-    ours, theirs = [], []
-    for style, n, better in spots:
-        for seed in range(n):
-            same = {"style": style, "layout": "l", "seed": seed}
-            ours.append(record(job=f"o{style}{seed}", agent="RE", method="RE", success=better, **same))
-            theirs.append(record(job=f"t{style}{seed}", success=False, **same))
+def test_one_problem_many_times_over_does_not_make_a_rank() -> None:
+    """Forty wins in four problems: by episodes the difference is beyond doubt; four problems cannot show it."""
+    ours = [record(job=f"o{at}", agent="RE", method="RE", seed=at, problem=f"p{at % 4}") for at in range(40)]
+    theirs = [record(job=f"t{at}", success=False, seed=at, problem=f"p{at % 4}") for at in range(40)]
     (pair,) = compare([*ours, *theirs])
-    assert pair.adjusted < 0.05
-    assert pair.low == 0.0
-    assert not pair.separated
+    assert (pair.n, pair.problems, pair.better, pair.worse) == (40, 4, 4, 0)
+    assert pair.p == pytest.approx(2 / 16) and not pair.separated
+    assert pair.more == 2, "with six problems an exact test could reach the level"
+    board = judging.board([*ours, *theirs])
+    assert texts(sheet(board, "ranking"), "agent", "n", "problems") == [("RE", "40", "4"), ("CC", "40", "4")]
+    assert texts(sheet(board, "results"), "problems") == [("4",), ("4",)]
+
+
+def test_records_without_a_problem_count_as_one_a_task_on_paper_starts() -> None:
+    ours = [record(job=f"o{at}", agent="RE", method="RE", seed=at) for at in range(8)]
+    theirs = [record(job=f"t{at}", success=False, seed=at) for at in range(8)]
+    assert compare([*ours, *theirs])[0].problems == 1
+    mixed = [entry.model_copy(update={"starts": "mixed"}) for entry in (*ours, *theirs)]
+    assert compare(mixed)[0].problems == 8
 
 
 # -- evolution, audit ----------------------------------------

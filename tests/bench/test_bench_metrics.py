@@ -53,7 +53,7 @@ def test_each_metric_counts_what_it_should() -> None:
     (row,) = summarise(episodes())
     assert (row.n, row.successes, row.crashed, row.infrastructure) == (4, 2, 1, 1)
     assert row.tsr == 0.5
-    assert row.scr == pytest.approx((11 + 7 + 2) / (11 + 9 + 20))  # over all that have a plan
+    assert row.scr == pytest.approx((11 + 7 + 2) / (11 + 9 + 20 + 40 / 3))  # the crash did nothing of a plan
     assert (row.seconds, row.ipl, row.fpl) == (45.0, 5.0, 10.0)  # over successes alone
 
 

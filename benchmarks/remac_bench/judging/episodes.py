@@ -77,6 +77,17 @@ def cell(record: Record) -> tuple[str, str, str]:
     return (record.task, record.style or "", record.layout or "")
 
 
+def problem(record: Record) -> str:
+    """The problem behind an episode: starts that differ only in looks and names are one.
+
+    A record from before problems were recorded counts as its task's one problem where its start is a paper start, and
+    else as a problem of its own.
+    """
+    if record.problem is not None:
+        return f"{record.task} {record.problem}"
+    return record.task if record.starts == "paper" else " ".join(map(str, shared_key(record)))
+
+
 def shared_key(record: Record) -> tuple[object, ...]:
     """What two entries have in common when they play the same episode: the cell, the starts and the seed."""
     return (*cell(record), record.starts, record.seed)

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from remac_bench import agents
 from remac_bench.board import Column, Sheet
 from remac_bench.judging.cells import DASH, Cells, count, only_known, probability, rate, signed_interval, word
-from remac_bench.judging.episodes import cell, setting, shared_key
-from remac_bench.judging.statistics import ALPHA, cluster_bootstrap, episodes_to_separate, holm, mcnemar
+from remac_bench.judging.episodes import problem, setting, shared_key
+from remac_bench.judging.statistics import ALPHA, cluster_bootstrap, holm, problems_to_separate, sign_flip
 from remac_bench.records import Record
 
 Spot = tuple[object, ...]
@@ -22,12 +22,13 @@ class Comparison:
 
     Attributes:
         setting, first, second: the entries; `first` solved at least as many of the shared episodes.
-        n, clusters: shared episodes, and the cells that they lie in.
+        n, problems: shared episodes, and the distinct problems behind them.
         both, first_alone, second_alone: how many were solved by both, by one alone.
-        low, high: 95% interval of the difference of the rates, by the bootstrap over cells; None for one cell.
-        p, adjusted: exact McNemar's p, and after Holm's correction over all pairs of the setting.
-        more: further shared episodes that would separate the two, at 80% power and the level of the whole family
-            shared out evenly; None where no difference was seen, 0 where they are separated.
+        better, worse: problems on which the first, or the second, solved more episodes.
+        low, high: 95% interval of the difference of the rates, by the bootstrap over problems; None for one problem.
+        p, adjusted: of the exact sign-flip test over problems, and after Holm's correction over the setting's pairs.
+        more: further problems that would separate the two, at 80% power and the level of the whole family shared out
+            evenly; None where no difference was seen, 0 where they are separated.
         equal_budget: a method that learns against a control with as many tries.
     """
 
@@ -35,10 +36,12 @@ class Comparison:
     first: str
     second: str
     n: int
-    clusters: int
+    problems: int
     both: int
     first_alone: int
     second_alone: int
+    better: int
+    worse: int
     low: float | None
     high: float | None
     p: float
@@ -80,8 +83,8 @@ def _corrected(pairs: Sequence[Comparison]) -> list[Comparison]:
     done = []
     for pair, value in zip(pairs, adjusted, strict=True):
         pair = replace(pair, adjusted=value)
-        needed = episodes_to_separate(pair.first_alone, pair.second_alone, pair.n, alpha=ALPHA / len(pairs))
-        more = 0 if pair.separated else None if needed is None else max(1, needed - pair.n)
+        needed = problems_to_separate(pair.better, pair.worse, pair.problems, alpha=ALPHA / len(pairs))
+        more = 0 if pair.separated else None if needed is None else max(1, needed - pair.problems)
         done.append(replace(pair, more=more))
     return done
 
@@ -95,13 +98,12 @@ def _pair(where: str, entries: Mapping[str, Sequence[Record]], one: str, other: 
     if sum(a for a, _ in results) < sum(b for _, b in results):
         one, other, ones, others = other, one, others, ones
         results = [(b, a) for a, b in results]
-    clusters: dict[tuple[str, str, str], list[int]] = {}
+    alike: dict[str, list[int]] = {}
     for key, (a, b) in zip(shared, results, strict=True):
-        clusters.setdefault(cell(ones[key]), []).append(int(a) - int(b))
+        alike.setdefault(problem(ones[key]), []).append(int(a) - int(b))
+    differences = [sum(values) for values in alike.values()]
     ends = cluster_bootstrap(
-        [sum(values) for values in clusters.values()],
-        [len(values) for values in clusters.values()],
-        name=f"{where}: {one} against {other}",
+        differences, [len(values) for values in alike.values()], name=f"{where}: {one} against {other}"
     )
     alone, behind = sum(a and not b for a, b in results), sum(b and not a for a, b in results)
     return Comparison(
@@ -109,13 +111,15 @@ def _pair(where: str, entries: Mapping[str, Sequence[Record]], one: str, other: 
         first=one,
         second=other,
         n=len(results),
-        clusters=len(clusters),
+        problems=len(alike),
         both=sum(a and b for a, b in results),
         first_alone=alone,
         second_alone=behind,
+        better=sum(value > 0 for value in differences),
+        worse=sum(value < 0 for value in differences),
         low=None if ends is None else ends[0],
         high=None if ends is None else ends[1],
-        p=mcnemar(alone, behind),
+        p=sign_flip(differences),
         equal_budget=_equal_budget(next(iter(ones.values())), next(iter(others.values()))),
     )
 
@@ -139,6 +143,7 @@ RANK_COLUMNS = (
     Column(key="agent", title="Method", numeric=False),
     Column(key="rank", title="Rank", help="1 + number of entries that are significantly better"),
     Column(key="n", title="n", help="scored episodes"),
+    Column(key="problems", title="Problems", help="distinct problems: starts equal but for looks and names"),
     Column(key="tsr", title="TSR", help="over all tasks, with Wilson's 95% interval"),
     Column(key="better", title="Better", help="how many entries are significantly better; the note names them"),
 )
@@ -146,18 +151,18 @@ PAIR_COLUMNS = (
     Column(key="first", title="Entry", numeric=False),
     Column(key="second", title="against", numeric=False),
     Column(key="n", title="n", help="shared episodes"),
-    Column(key="cells", title="Cells", help="cells that they lie in"),
+    Column(key="problems", title="Problems", help="distinct problems: starts equal but for looks and names"),
     Column(key="alone", title="alone", help="episodes that only one of the two solved: the first's, the second's"),
     Column(key="difference", title="Diff.", help="difference of the rates, percentage points"),
-    Column(key="interval", title="95%", help="its interval, by a bootstrap that draws whole cells"),
-    Column(key="p", title="p", help="exact McNemar test"),
+    Column(key="interval", title="95%", help="its interval, by a bootstrap that draws whole problems"),
+    Column(key="p", title="p", help="exact sign-flip test over problems"),
     Column(key="holm", title="Holm", help="p after Holm's correction over the pairs of the setting"),
     Column(key="verdict", title="Verdict", numeric=False),
-    Column(key="more", title="More n", help="further shared episodes that would separate them at 80% power"),
+    Column(key="more", title="More", help="further problems that would separate them at 80% power"),
 )
 RANK_CAPTION = (
     "An entry is significantly better than another where, on the episodes that both have played, Holm's p of the exact "
-    "McNemar test is below 0.05 and the 95% interval of the bootstrap over cells lies above 0."
+    "sign-flip test over problems is below 0.05 and the 95% interval of the bootstrap over problems lies above 0."
 )
 
 
@@ -200,6 +205,7 @@ def _rank_sheet(where: str, scored: Sequence[Record], pairs: Sequence[Comparison
                     "rank": count(place[name]),
                     "agent": word(name),
                     "n": count(len(groups[name])),
+                    "problems": count(len({problem(record) for record in groups[name]})),
                     "tsr": rate(won, len(groups[name])),
                     "better": count(len(better), note=", ".join(better)),
                 }
@@ -229,7 +235,7 @@ def _pair_cells(pair: Comparison) -> Cells:
             "first": word(pair.first, note=budget),
             "second": word(pair.second, note=budget),
             "n": count(pair.n),
-            "cells": count(pair.clusters),
+            "problems": count(pair.problems),
             "alone": word(f"{pair.first_alone}, {pair.second_alone}"),
             "difference": replace(word(f"{100 * pair.difference:+.0f}"), value=pair.difference),
             "interval": signed_interval(pair.low or 0.0, pair.high or 0.0) if known else DASH,

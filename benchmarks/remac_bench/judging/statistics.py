@@ -44,20 +44,22 @@ def mean(values: Iterable[float | None]) -> float | None:
     return math.fsum(known) / len(known) if known else None
 
 
-def mcnemar(first_alone: int, second_alone: int) -> float:
-    """Exact two-sided p of McNemar's test: the binomial test of the discordant pairs at 1/2 (McNemar 1947).
+def sign_flip(differences: Sequence[int]) -> float:
+    """Exact two-sided p of the sign-flip test: under the null, each difference is as likely with the other sign.
+
+    Where every difference is 1, 0 or -1 it is McNemar's exact test (McNemar 1947; Fisher 1935 for the test as such).
 
     Args:
-        first_alone, second_alone: episodes that only the first, only the second entry solved.
-
-    Raises:
-        ValueError: for negative counts.
+        differences: for each problem, the episodes that the first entry solved less those that the second did.
     """
-    if min(first_alone, second_alone) < 0:
-        raise ValueError(f"{first_alone} and {second_alone} pairs are not valid; valid: whole numbers from 0")
-    n = first_alone + second_alone
-    tail = sum(math.comb(n, k) for k in range(min(first_alone, second_alone) + 1))
-    return min(1.0, 2 * tail / 2**n)
+    sizes = [abs(value) for value in differences if value]
+    span = sum(sizes)
+    chances = np.zeros(2 * span + 1)
+    chances[span] = 1.0
+    for size in sizes:
+        chances = 0.5 * (np.roll(chances, size) + np.roll(chances, -size))
+    far = abs(sum(differences))
+    return min(1.0, float(math.fsum(chances[: span - far + 1]) + math.fsum(chances[span + far :])))
 
 
 def holm(values: Sequence[float]) -> list[float]:
@@ -72,14 +74,14 @@ def holm(values: Sequence[float]) -> list[float]:
 def cluster_bootstrap(differences: Sequence[float], counts: Sequence[int], *, name: str) -> tuple[float, float] | None:
     """95% percentile interval of a mean difference whose episodes come in clusters.
 
-    Whole clusters are drawn with replacement (Field and Welsh 2007): episodes of one cell are alike.
+    Whole clusters are drawn with replacement (Field and Welsh 2007): episodes of one problem are alike.
 
     Args:
-        differences, counts: for each cluster the sum of the differences and the number of episodes.
+        differences, counts: for each problem the sum of the differences and the number of episodes.
         name: names the generator, so that the same records give the same interval.
 
     Returns:
-        (low, high), or None for fewer than two clusters, of which nothing can be said.
+        (low, high), or None for fewer than two problems, of which nothing can be said.
     """
     clusters = len(counts)
     if clusters < 2:
@@ -91,18 +93,23 @@ def cluster_bootstrap(differences: Sequence[float], counts: Sequence[int], *, na
     return round(float(low), 12), round(float(high), 12)
 
 
-def episodes_to_separate(first_alone: int, second_alone: int, n: int, *, alpha: float = ALPHA) -> int | None:
-    """Shared episodes at which McNemar's test finds the difference seen, with a power of 80%.
+def problems_to_separate(better: int, worse: int, n: int, *, alpha: float = ALPHA) -> int | None:
+    """Problems at which the sign-flip test finds the difference seen, with a power of 80%.
 
-    Connor (1987), eq. 4: ((z_a sqrt(p) + z_b sqrt(p - d^2)) / d)^2 with p = (b + c) / n and d = (b - c) / n.
+    Connor (1987), eq. 4: ((z_a sqrt(p) + z_b sqrt(p - d^2)) / d)^2 with p = (b + c) / n and d = (b - c) / n; and never
+    fewer than an exact test needs at all: with k problems that differ, no p falls below 2 / 2^k.
+
+    Args:
+        better, worse: problems on which the first entry, or the second, solved more episodes, of `n`.
 
     Returns:
         the number in all, or None where no difference was seen.
     """
-    if n <= 0 or first_alone == second_alone:
+    if n <= 0 or better == worse:
         return None
-    discordant, difference = (first_alone + second_alone) / n, abs(first_alone - second_alone) / n
+    discordant, difference = (better + worse) / n, abs(better - worse) / n
     normal = NormalDist()
     reach = normal.inv_cdf(1 - alpha / 2) * math.sqrt(discordant)
     reach += normal.inv_cdf(POWER) * math.sqrt(max(0.0, discordant - difference**2))
-    return math.ceil((reach / difference) ** 2)
+    fewest = math.floor(math.log2(2 / alpha)) + 1
+    return max(math.ceil((reach / difference) ** 2), math.ceil(fewest / discordant))
