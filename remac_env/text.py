@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from remac_env.state import Place, Scene, WorldState
 from remac_env.subtasks import Outcome
@@ -12,16 +12,59 @@ FEEDBACKS = ("status", "reason")
 
 
 def describe(scene: Scene, commands: Sequence[str], goal: str) -> str:
-    """The scene as names alone: robots, fixtures, objects, commands and the goal sentence."""
+    """The scene as names alone, what rounds and places are, and the goal sentence; facts, and no states."""
     return "\n".join(
         (
             f"Robots: {', '.join(scene.robots)}. Each has one gripper.",
             f"Fixtures: {', '.join(scene.fixtures)}.",
             f"Objects: {', '.join(scene.objects)}.",
             f"Commands: {', '.join(commands)}.",
+            *_rounds(scene),
+            *_places(scene),
+            *_vessels(scene),
             f"Goal: {goal}.",
         )
     )
+
+
+def _rounds(scene: Scene) -> tuple[str, ...]:
+    """What a round is, and the commands that are about no thing."""
+    aside = "`navigate aside` takes the robot out of the way, where it can use nothing."
+    if len(scene.robots) == 1:
+        done = "`done` says that the robot has finished, and the episode ends."
+        return (f"In a round the robot runs one command. `wait` lets a round pass. {done} {aside}",)
+    return (
+        "In a round every robot runs one command, all of them together; the next round begins when all have ended.",
+        f"`wait` lets a round pass. `done` says that the robot has finished; the episode ends when all have. {aside}",
+    )
+
+
+def _places(scene: Scene) -> list[str]:
+    """What can be used from where, as far as names say it, and where two robots cannot be together."""
+    shared = (scene.used_from(station) for station in scene.stations)
+    groups = dict.fromkeys(_listed(names) for names in shared if len(names) > 1)
+    several = _listed(name for name in scene.fixtures if len(scene.stations_of(name)) > 1)
+    lines = ["A fixture is used from its place, and so is an object that is there; `navigate to` goes to that place."]
+    lines += [f"The same place serves {names}." for names in groups]
+    lines += [f"Along {several} there are several places; an object there is used from one of them."] if several else []
+    if len(scene.robots) > 1:
+        lines.append("Two robots cannot be in the same place, but one may leave it in the round in which the other")
+        lines.append("arrives; out of the way there is room for all.")
+        pairs = (sorted(_listed(scene.used_from(station)) for station in pair) for pair in scene.conflicts)
+        lines += [f"While one robot is by {one}, no other can be by {other}." for one, other in sorted(pairs)]
+    return [" ".join(lines)]
+
+
+def _vessels(scene: Scene) -> list[str]:
+    if not any(facts.holds for facts in scene.objects.values()):
+        return []
+    return ["An object that carries another one, such as a filled vessel, cannot be picked up."]
+
+
+def _listed(names: Iterable[str]) -> str:
+    """Names as in a sentence: the sink, the faucet and the stove."""
+    *first, last = [f"the {name}" for name in names] or [""]
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def describe_states(scene: Scene, world: WorldState) -> str:
