@@ -30,6 +30,8 @@ ROLES: dict[str, dict[str, str]] = {
         "oracle": "remac_agents.planners.oracle:OraclePlanner",
         "noop": "remac_agents.planners.noop:NoopPlanner",
         "random": "remac_agents.planners.random:RandomPlanner",
+        "reader": "remac_agents.planners.reader:ReaderPlanner",
+        "memorised": "remac_agents.planners.memorised:MemorisedPlanner",
         "human": "remac_agents.planners.human:HumanPlanner",
     },
     "checker": {

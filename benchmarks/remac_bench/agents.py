@@ -210,6 +210,13 @@ def methods() -> list[str]:
     return list(remac_agents.methods())
 
 
+def planners() -> list[str]:
+    """The names of all planners that come along."""
+    from remac_agents.catalogue import ROLES
+
+    return list(ROLES["planner"])
+
+
 def methods_to_compare() -> list[str]:
     """The same, with the controls of an equal budget right behind the methods that learn."""
     from remac_agents.methods import METHODS

@@ -25,9 +25,12 @@ CELLS = ("seed", "all", "held out")
 TABLE = "table"
 """In place of a list of tasks: those of the style table."""
 
-TOP = ("name", "version", "about", "methods", "roles", "budget", "jobs")
+TOP = ("name", "version", "about", "methods", "floors", "roles", "budget", "jobs")
 BLOCK = ("tasks", "seeds", "cells", "methods", "robots", "iterations", "kitchen")
 KITCHEN = tuple(f.name for f in fields(Options) if f.name not in ("robots", "style", "layout", "render_mode"))
+FLOOR_METHOD = "BASE"
+"""Floors plan once and look at nothing."""
+
 BUDGET = (*agents.BUDGET, "retries", "max_adjustments", "max_rounds")
 """The keys of a suite, of one of its blocks of jobs, and of their tables."""
 
@@ -52,6 +55,7 @@ class Suite:
     Attributes:
         name, version, about: what it is; the version is raised whenever its content changes.
         digest: of the content but `about`.
+        floors: planners that are played on the same starts beside every entry, open loop: what an entry has to beat.
         roles, budget: keywords of `remac_agents.make`; a language model takes the roles over but the handover.
         blocks: its jobs.
     """
@@ -63,6 +67,7 @@ class Suite:
     roles: Mapping[str, Any]
     budget: Mapping[str, Any]
     blocks: tuple[Block, ...]
+    floors: tuple[str, ...] = ()
 
     def given(self, entry: Mapping[str, Any], *, providers: str | None = None) -> dict[str, Any]:
         """What the suite gives to an entry: roles that no model takes over, and what the entry may spend."""
@@ -92,8 +97,16 @@ class Suite:
             for block in self.blocks:
                 for job in _block_jobs(block, agent, backend):
                     jobs[job.key] = replace(job, access=access or Access(), suite=mark)
+        jobs |= {job.key: job for job in self._floor_jobs(backend) if job.key not in jobs}
         check_jobs(list(jobs.values()))
         return list(jobs.values())
+
+
+    def _floor_jobs(self, backend: str | None) -> list[Job]:
+        mark = SuiteMark(name=self.name, version=self.version, digest=self.digest, given={})
+        blocks = [replace(block, methods=(FLOOR_METHOD,), robots=None) for block in self.blocks]
+        made = [_block_jobs(block, {"planner": who}, backend) for who in self.floors for block in blocks]
+        return [replace(job, suite=mark) for jobs in made for job in jobs]
 
 
 def names() -> list[str]:
@@ -179,6 +192,7 @@ def _read(file: str, data: Mapping[str, Any]) -> Suite:
         digest=digest(content),
         roles=roles,
         budget=budget,
+        floors=_check_names(file, "floors", data["floors"], agents.planners()) if "floors" in data else (),
         blocks=tuple(_block(file, f"jobs[{i}]", each, data["methods"]) for i, each in enumerate(blocks)),
     )
 

@@ -13,6 +13,8 @@ from remac_bench.errors import UsageError
 from remac_bench.runner import Settings, run_jobs
 from test_bench_cli import remac
 
+FLOORS = ("reader", "memorised", "random")
+
 TEXT = """
 name = "mine"
 version = 1
@@ -47,7 +49,19 @@ def test_the_paper_suite_is_four_tasks_ten_starts_four_methods_twice() -> None:
     jobs = suites.load("paper").jobs(backend="symbolic")
     assert {job.task for job in jobs} == set(TASKS)
     assert {job.options.perception_noise for job in jobs} == {0.0, 0.03}
-    assert len(jobs) == 4 * 10 * 4 * 2
+    floors = [job for job in jobs if job.agent.get("planner") in FLOORS]
+    assert len(jobs) - len(floors) == 4 * 10 * 4 * 2
+    assert {job.method for job in floors} == {"BASE"} and len(floors) == 4 * 10 * 2 * len(FLOORS)
+
+
+def test_floors_are_played_in_every_suite_whoever_enters() -> None:
+    for name in suites.names():
+        assert suites.load(name).floors == FLOORS
+    alone = suites.load("smoke").jobs([{"planner": "oracle"}])
+    assert {job.agent["planner"] for job in alone} == {"oracle", *FLOORS}
+    assert all(job.suite is not None and job.suite.given == {} for job in alone)
+    entered = [job for job in suites.load("smoke").jobs([{"planner": "reader"}]) if job.method == "BASE"]
+    assert len({job.key for job in entered}) == len(entered)
 
 
 def test_the_full_suite_plays_every_cell_with_every_method_on_the_same_starts() -> None:
@@ -57,7 +71,8 @@ def test_the_full_suite_plays_every_cell_with_every_method_on_the_same_starts() 
     cells = {(t, style, layout) for t in TASKS for style in get(t).styles for layout in get(t).layouts}
     starts = {(*cell, seed) for cell in cells for seed in (0, 1)}
     for method in ("BASE", "CC", "RE", "REMAC"):
-        played = [(j.task, j.options.style, j.options.layout, j.seed) for j in jobs if j.method == method]
+        mine = [job for job in jobs if job.method == method and not job.agent]
+        played = [(j.task, j.options.style, j.options.layout, j.seed) for j in mine]
         assert len(played) == len(starts)
         assert set(played) == starts
 

@@ -1,0 +1,54 @@
+"""A floor: a planner that knows one plan a task by heart. `benchmarks/fit_memorised.py` chose them on other seeds.
+
+It reads the goal sentence, finds the task whose sentence it is, and answers with its plan, whatever the kitchen.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from functools import lru_cache
+from importlib import resources
+
+from remac_agents.plan import Commands, Plan
+from remac_agents.roles import PlanRequest
+from remac_env.subtasks import Subtask
+
+FILE = "memorised.toml"
+
+_FIELD = re.compile(r"\\\{([a-z_]+)\\\}")
+
+
+class MemorisedPlanner:
+    """One fixed plan a task, with the goal's own nouns put in. Rule-based."""
+
+    needs_truth = False
+
+    def plan(self, request: PlanRequest) -> Plan:
+        """A row for the leading robot; empty for a goal that it has not learnt."""
+        commands = Commands(request.commands)
+        for sentence, row in _learnt():
+            match = pattern(sentence).match(request.goal)
+            if match is not None:
+                steps = [commands.parse(text.format(**match.groupdict())) for text in row]
+                return Plan.of({request.lead: [step for step in steps if isinstance(step, Subtask)]})
+        return Plan.of({request.lead: []})
+
+
+def templated(row: list[str], nouns: dict[str, str]) -> list[str]:
+    """Commands with `{role}` in place of the role's noun; the inverse of what the planner does."""
+    for role, noun in nouns.items():
+        row = [re.sub(rf"\b{re.escape(noun)}\b", f"{{{role}}}", text) for text in row]
+    return row
+
+
+def pattern(sentence: str) -> re.Pattern[str]:
+    """A goal sentence with `{role}` fields as an expression that finds the roles' nouns."""
+    return re.compile("^" + _FIELD.sub(r"(?P<\1>.+?)", re.escape(sentence)) + "$")
+
+
+@lru_cache(maxsize=1)
+def _learnt() -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """(goal sentence, commands), both with `{role}` fields; a task has one entry for each wording of its goal."""
+    data = tomllib.loads(resources.files("remac_agents").joinpath("planners", FILE).read_text("utf-8"))
+    return tuple((sentence, tuple(entry["plan"])) for entry in data["task"] for sentence in entry["sentences"])
