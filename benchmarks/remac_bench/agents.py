@@ -182,6 +182,11 @@ def role(text: object) -> object:
         raise UsageError(f"role {error}") from error
 
 
+def reflector_of(planner: str) -> object:
+    """Who reflects on what a planner learns itself: the same model with the same options, or the rules."""
+    return role(planner) if is_model(_bare(planner)) else "rule"
+
+
 def changed_options(given: Mapping[str, Any]) -> dict[str, Any]:
     """Those keywords of `remac_agents.make` that are given (not None) and not at their defaults.
 

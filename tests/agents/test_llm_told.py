@@ -9,14 +9,16 @@ from typing import Any
 
 import pytest
 from agent_kitchens import play
-from chaos_server import Asked
-from scripted_model import RIGHT, ScriptedModel, agent_of, run, scripted
+from chaos_server import Asked, refuses
+from remac_bench.plans.ask import Cell, judged, teach_by
+from scripted_model import NAIVE, RIGHT, TASK, ScriptedModel, agent_of, run, scripted
 
 import remac_agents
 from remac_agents import wording
 from remac_agents.accounts import PreviousTry, Ran
+from remac_agents.catalogue import make_role
 from remac_agents.request_json import as_json
-from remac_agents.roles import AdjustRequest, Advice, PlanRequest
+from remac_agents.roles import AdjustRequest, Advice, PlanRequest, StopEpisode
 
 TOO_FAR = "open microwave door"
 """Fails wherever the robot does not stand at the microwave, as it does not at the start."""
@@ -143,6 +145,32 @@ def test_the_goal_stands_once_in_every_prompt(method: str) -> None:
         goal = next(iter(model.env.reset(seed=3)[1].values()))["goal"]
         for (name, _), asked in zip(model.heard, model.server.asked, strict=True):
             assert text_of(asked).count(goal) == (name != "checker"), (name, text_of(asked))
+
+
+def test_a_states_text_is_that_of_the_moment() -> None:
+    with scripted(text="states") as model:
+        run(model, "CAPE")
+        first, *_, last = heard(model, "planner_step")
+        assert "The microwave door is closed." in first and "The microwave door is open." not in first
+        assert "The microwave door is open." in last and "The microwave door is closed." not in last
+
+
+def test_a_model_learns_from_its_own_first_iteration() -> None:
+    with scripted() as model:
+        given = {"name": "custom:scripted", "base_url": model.server.url}
+        planner, reflector = (make_role(role, given) for role in ("planner", "reflector"))
+        lessons = teach_by(Cell(task=TASK), planner=planner, reflector=reflector)
+        assert judged(Cell(task=TASK), planner, lessons).optimal
+        assert [name for name, _ in model.heard] == ["planner", "reflector", "planner"]
+        assert "- Why: a full hand opens no door." in model.heard[2][1] and f"[{NAIVE}]" in model.heard[2][1]
+
+
+def test_an_endpoint_that_is_down_teaches_nothing_and_says_so() -> None:
+    with scripted() as model:
+        model.server.script = [refuses(401)]
+        planner = make_role("planner", {"name": "custom:scripted", "base_url": model.server.url})
+        with pytest.raises(StopEpisode, match="unauthorised"):
+            teach_by(Cell(task=TASK), planner=planner, reflector="rule")
 
 
 # -- repairs -----------------------------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from remac_bench.cli import app
@@ -16,6 +17,7 @@ from typer.testing import CliRunner
 
 from remac_agents.catalogue import make_role
 from remac_agents.plan import Commands, read_plan
+from remac_agents.roles import PlanRequest, ReflectRequest
 from remac_env.oracle import solve
 from remac_env.state import Place
 from remac_env.subtasks import REASONS
@@ -134,6 +136,54 @@ def test_wording_counts_with_and_without_reflections() -> None:
     assert len(cells) == 6 and all(cell["n"] == 1 for cell in cells)
 
 
+class Learner:
+    """Plans as it is told, and keeps what it was asked; as a reflector it has a lesson of its own."""
+
+    def __init__(self, plan: list[str]) -> None:
+        self._plan, self.asked = plan, []
+
+    def plan(self, request: PlanRequest) -> list[str]:
+        self.asked.append(request)
+        return OVEN if request.reflections else self._plan
+
+    def reflect(self, request: ReflectRequest) -> list[str]:
+        return [f"mine: not {request.failed[0].predicate}"]
+
+
+@pytest.mark.parametrize("experiment", [reflection, wording])
+def test_reflections_of_its_own_come_from_its_own_first_iteration(experiment: Any) -> None:
+    naive, right = Learner(OVEN[2:]), Learner(OVEN)
+    planners = {"naive": naive, "right": right}
+    given: dict[str, Any] = {"count": 1, "robots": [1], "starts": ["paper"], "reflectors": planners}
+    trials = [t for t in experiment(planners, ["OpenMicrowavePnP"], **given) if t.told]
+    own = [t for t in trials if t.planner == "naive"]
+    assert own and all(t.own and t.lessons == ("mine: not accessible",) and t.judgement.optimal for t in own)
+    told = [request for request in naive.asked if request.reflections]
+    assert len(told) == len(own)
+    for request in told:
+        assert request.reflections == ("mine: not accessible",)
+        assert request.previous is not None and request.previous.changed and request.previous.success
+        assert request.previous_plan == {"robot_0": tuple(OVEN[2:])}
+    others = [t for t in trials if t.planner == "right"]  # its first plan is optimal: nothing to reflect on
+    assert not any(t.lessons for t in others) and bool(others) is (experiment is wording)
+    ruled = [t for t in experiment(planners, ["OpenMicrowavePnP"], **{**given, "reflectors": None}) if t.told]
+    assert not any(t.own or t.lessons == ("mine: not accessible",) for t in ruled)
+    columns = [cell["column"] for cell in as_json(experiment.__name__, trials)["cells"]]
+    assert all(column[1] == "own reflections" for column in columns)
+
+
+def test_an_answer_that_is_no_plan_is_sent_back_when_plans_alone_are_asked_for() -> None:
+    asked: list[PlanRequest] = []
+
+    def planner(request: PlanRequest) -> Any:
+        asked.append(request)
+        return OVEN if len(asked) == 3 else f"I would rather not ({len(asked)})"
+
+    assert judged(Cell(task="OpenMicrowavePnP"), planner).optimal
+    assert [repair.answer for repair in asked[2].repairs] == ["I would rather not (1)", "I would rather not (2)"]
+    assert judged(Cell(task="OpenMicrowavePnP"), lambda request: "no").error.type == "parse"  # type: ignore[union-attr]
+
+
 def test_the_papers_table_is_whole() -> None:
     for part in published().values():
         assert part["source"]
@@ -150,5 +200,10 @@ def test_the_commands(tmp_path: Path) -> None:
     arguments = ["experiment", "validity", "--planner", "noop", "--n", "1", "--json", str(file)]
     assert CliRunner().invoke(app, arguments).exit_code == 0
     assert json.loads(file.read_text())["faults"] == {"noop": {"missing_step": 4}}
+    told = ["plan", "--task", "HeatOnStove", "--planner", "literal", "--reflections", "--reflections-by", "own"]
+    assert json.loads(CliRunner().invoke(app, told).stdout)["optimal"]
+    for command in (told, ["experiment", "wording", "--reflections", "own"]):
+        bad = CliRunner().invoke(app, [*command[:-1], "mine"])
+        assert bad.exit_code == 2 and "own, rule" in bad.output
     wrong = CliRunner().invoke(app, ["experiment", "nope"])
     assert wrong.exit_code == 2 and "reflection" in wrong.output

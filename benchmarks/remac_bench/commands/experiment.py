@@ -27,6 +27,9 @@ def experiment(
     count: Annotated[int, typer.Option("--n", min=1, help="Starts a task: seeds 0, 1, ...")] = 20,
     robots: Annotated[str, typer.Option(help="1, 2 or 1,2.")] = "1",
     starts: Annotated[str, typer.Option(help="paper, mixed or paper,mixed.")] = "paper",
+    reflections: Annotated[
+        str, typer.Option(help="own: what each planner itself learns in a first iteration; rule: what the rules learn.")
+    ] = "rule",
     file: Annotated[Path | None, typer.Option("--json", help="Also write every trial and the cells.")] = None,
     extensions: Extensions = None,
 ) -> None:
@@ -45,6 +48,7 @@ def experiment(
     find_local_modules()
     load_extensions(extensions or ())
     check_choice("experiment", name, EXPERIMENTS)
+    check_choice("reflections", reflections, ("own", "rule"))
     kinds = parse_names(starts, "starts")
     for kind in kinds:
         check_choice("starts", kind, STARTS)
@@ -56,7 +60,10 @@ def experiment(
     for task in chosen:
         check_choice("task", task, known)
     planners = {text: make_role("planner", agents.role(text)) for text in planner or OFFLINE}
-    made = EXPERIMENTS[name](planners, chosen, count=count, robots=[int(crew) for crew in crews], starts=kinds)
+    own = {text: make_role("reflector", agents.reflector_of(text)) for text in planners}
+    reflectors = own if reflections == "own" else None
+    sizes = [int(crew) for crew in crews]
+    made = EXPERIMENTS[name](planners, chosen, count=count, robots=sizes, starts=kinds, reflectors=reflectors)
     trials = list(made)
     for part in tables(name, trials):
         console().print(part, crop=False)

@@ -25,13 +25,17 @@ def plan(
     taught: Annotated[
         bool, typer.Option("--reflections", help="Tell it a first iteration's plan and reflections.")
     ] = False,
+    by: Annotated[
+        str, typer.Option("--reflections-by", help="own: the planner's own first iteration; rule: the rules'.")
+    ] = "rule",
     extensions: Extensions = None,
 ) -> None:
     """Ask a planner for one plan and print it as JSON: valid, optimal, rounds, optimum and its first error."""
     from remac_agents.catalogue import make_role
     from remac_bench import agents
     from remac_bench.extensions import find_local_modules, load_extensions
-    from remac_bench.plans.ask import Cell, judged, teach
+    from remac_bench.plans.ask import Cell, Taught, judged, teach, teach_by
+    from remac_env.errors import check_choice
 
     find_local_modules()
     load_extensions(extensions or ())
@@ -45,6 +49,13 @@ def plan(
         layout=layout,
         naming=naming,
     )
+    check_choice("reflections-by", by, ("own", "rule"))
     filled = make_role("planner", agents.role(planner or "literal"))
-    found = judged(cell, filled, teach(cell) if taught else None)
+    lessons: Taught | None = None
+    if taught and by == "own":
+        reflector = make_role("reflector", agents.reflector_of(planner or "literal"))
+        lessons = teach_by(cell, planner=filled, reflector=reflector)
+    elif taught:
+        lessons = teach(cell)
+    found = judged(cell, filled, lessons)
     typer.echo(json.dumps(found.as_json()))

@@ -47,6 +47,8 @@ def as_json(experiment: str, trials: Sequence[Trial]) -> dict[str, Any]:
                 **trial.cell.options,
                 "seed": trial.cell.seed,
                 "reflections": trial.told,
+                "own": trial.own,
+                "lessons": list(trial.lessons),
                 **trial.judgement.as_json(),
             }
             for trial in trials
@@ -58,11 +60,11 @@ def as_json(experiment: str, trials: Sequence[Trial]) -> dict[str, Any]:
 _KEYS: dict[str, tuple[Callable[[Trial], Key], Callable[[Trial], Key]]] = {
     "reflection": (
         lambda trial: (trial.cell.starts, str(trial.cell.robots), trial.cell.task),
-        lambda trial: (trial.planner,),
+        lambda trial: (trial.planner, *(["own reflections"] if trial.own else [])),
     ),
     "wording": (
         lambda trial: (trial.cell.starts, str(trial.cell.robots), f"wording {trial.cell.wording}"),
-        lambda trial: (trial.planner, "reflections" if trial.told else ""),
+        lambda trial: (trial.planner, ("own reflections" if trial.own else "reflections") if trial.told else ""),
     ),
     "validity": (
         lambda trial: (trial.cell.starts, str(trial.cell.robots), trial.cell.task),

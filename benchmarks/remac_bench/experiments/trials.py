@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from remac_bench.metrics import wilson
-from remac_bench.plans.ask import Cell, judged, teach
+from remac_bench.plans.ask import Cell, Taught, judged, teach, teach_by
 from remac_bench.plans.judge import Judgement
 from remac_env.tasks.spec import WORDINGS
 
@@ -18,12 +20,19 @@ STARTS_TRIED = 10
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
-    """One plan, and what it was asked for. `planner` is its name in tables; `told`: reflections were given."""
+    """One plan, and what it was asked for.
+
+    Attributes:
+        planner: its name in tables.
+        told: reflections were given, `lessons`; `own`: they come from the planner's own first iteration.
+    """
 
     planner: str
     cell: Cell
     told: bool
     judgement: Judgement
+    own: bool = False
+    lessons: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,29 +59,55 @@ def reflection(
     count: int,
     robots: Sequence[int],
     starts: Sequence[str],
+    reflectors: Mapping[str, object] | None = None,
 ) -> Iterator[Trial]:
     """Told an earlier suboptimal plan and its reflections, does the planner answer with an optimal one?
 
-    Starts whose earlier plan was optimal already are passed over: they ask nothing.
+    Starts whose earlier plan was optimal already are passed over: they ask nothing. `reflectors`: see `teachers`.
     """
+    teaching = teachers(planners, reflectors)
     for kind in starts:
         for crew in robots:
             for task in tasks:
-                for cell in suboptimal(task, count=count, robots=crew, starts=kind):
-                    for name, planner in planners.items():
-                        yield _trial(name, planner, cell, told=True)
+                wanted = partial(outdone, task, count=count, robots=crew, starts=kind)
+                by_teacher = {teacher: wanted(teacher) for teacher in dict.fromkeys(teaching.values())}
+                found = {name: by_teacher[teacher] for name, teacher in teaching.items()}
+                for name, cell in _in_turns(found):
+                    yield _trial(name, planners[name], cell, found[name][cell], own=reflectors is not None)
+
+
+Teach = Callable[[Cell], Taught]
+
+
+def teachers(planners: Mapping[str, object], reflectors: Mapping[str, object] | None) -> dict[str, Teach]:
+    """Planner -> how its first iteration is played.
+
+    Args:
+        reflectors: planner -> the reflector that learns from its own first iteration, which it plans itself; None: all
+            are told what the rules learnt from the literal planner's.
+    """
+    if reflectors is None:
+        return dict.fromkeys(planners, teach)
+    return {
+        name: partial(teach_by, planner=planner, reflector=reflectors[name]) for name, planner in planners.items()
+    }
 
 
 def suboptimal(task: str, *, count: int, robots: int, starts: str) -> list[Cell]:
-    """The first `count` cells, by seed, in which the first iteration's plan was not optimal."""
-    found: list[Cell] = []
+    """The first `count` cells, by seed, in which the plan of the rules' first iteration was not optimal."""
+    return list(outdone(task, teach, count=count, robots=robots, starts=starts))
+
+
+def outdone(task: str, teacher: Teach, *, count: int, robots: int, starts: str) -> dict[Cell, Taught]:
+    """The first `count` cells, by seed, in which the first iteration's plan was not optimal, and what it taught."""
+    found: dict[Cell, Taught] = {}
     for seed in range(count * STARTS_TRIED):
         if len(found) == count:
             break
         cell = Cell(task=task, robots=robots, seed=seed, starts=starts)
-        lessons = teach(cell)
-        if judged(cell, lambda request, first=lessons.plan: dict(first)).optimal is False:
-            found.append(cell)
+        lessons = teacher(cell)
+        if not judged(cell, lambda request, first=lessons.plan: dict(first)).optimal:
+            found[cell] = lessons
     return found
 
 
@@ -83,13 +118,18 @@ def wording(
     count: int,
     robots: Sequence[int],
     starts: Sequence[str],
+    reflectors: Mapping[str, object] | None = None,
 ) -> Iterator[Trial]:
-    """Is the initial plan valid, by wording of the goal, with and without an earlier iteration's reflections?"""
+    """Is the initial plan valid, by wording of the goal, with and without an earlier iteration's reflections?
+
+    `reflectors`: see `teachers`.
+    """
+    teaching = teachers(planners, reflectors)
     for number in WORDINGS:
         for cell in _cells(tasks, count, robots, starts, wording=number):
             for name, planner in planners.items():
-                for told in (False, True):
-                    yield _trial(name, planner, cell, told=told)
+                yield _trial(name, planner, cell)
+                yield _trial(name, planner, cell, teaching[name](cell), own=reflectors is not None)
 
 
 def validity(
@@ -99,11 +139,12 @@ def validity(
     count: int,
     robots: Sequence[int],
     starts: Sequence[str],
+    reflectors: Mapping[str, object] | None = None,
 ) -> Iterator[Trial]:
-    """What is wrong with initial plans for the simplest wording?"""
+    """What is wrong with initial plans for the simplest wording? Nothing is told, so that no reflector is asked."""
     for cell in _cells(tasks, count, robots, starts):
         for name, planner in planners.items():
-            yield _trial(name, planner, cell, told=False)
+            yield _trial(name, planner, cell)
 
 
 EXPERIMENTS = {"reflection": reflection, "wording": wording, "validity": validity}
@@ -130,6 +171,14 @@ def _cells(
                     yield Cell(task=task, robots=crew, seed=seed, starts=kind, wording=wording)
 
 
-def _trial(name: str, planner: object, cell: Cell, *, told: bool) -> Trial:
-    judgement = judged(cell, planner, teach(cell) if told else None)
-    return Trial(planner=name, cell=cell, told=told, judgement=judgement)
+def _in_turns(cells: Mapping[str, Iterable[Cell]]) -> Iterator[tuple[str, Cell]]:
+    """(name, cell): the first cell of each name, then the second of each, ..."""
+    for row in itertools.zip_longest(*cells.values()):
+        yield from ((name, cell) for name, cell in zip(cells, row, strict=True) if cell is not None)
+
+
+def _trial(name: str, planner: object, cell: Cell, taught: Taught | None = None, *, own: bool = False) -> Trial:
+    told = taught is not None
+    lessons = () if taught is None else taught.reflections
+    judgement = judged(cell, planner, taught)
+    return Trial(planner=name, cell=cell, told=told, own=own and told, lessons=lessons, judgement=judgement)

@@ -14,6 +14,7 @@ from remac_agents.agent import Agent
 from remac_agents.asking import previous_try
 from remac_agents.episode import Episode, Turns
 from remac_agents.methods import Method
+from remac_agents.roles import StopEpisode
 from remac_bench.plans.judge import Judgement, judge
 from remac_env.oracle import certify
 
@@ -111,12 +112,24 @@ def teach(cell: Cell) -> Taught:
 
     The lead works alone, whether there is a second robot or not: reflection comes before sharing.
     """
+    return teach_by(cell, planner="literal", reflector="rule")
+
+
+def teach_by(cell: Cell, *, planner: object, reflector: object) -> Taught:
+    """The same with a planner and a reflector of one's own; conditions, checker and adjuster stay rules.
+
+    Raises:
+        StopEpisode: where a role could not go on for a reason that is not its own, such as an endpoint that is down.
+    """
     env = kitchen(cell)
-    agent = remac_agents.make("RE")
+    agent = remac_agents.make("RE", planner=planner, reflector=reflector)
     observations, infos = env.reset(seed=cell.seed)
     agent.reset(observations, infos)
     while env.agents:
         observations, _, _, _, infos = env.step(agent.act(observations, infos))
     agent.close_episode(observations, infos)
+    broken = agent.report().infrastructure
+    if broken is not None:
+        raise StopEpisode(broken, infrastructure=True)
     (run,) = agent.memory.runs(cell.task)
     return Taught(previous_try(run), agent.memory.lessons(cell.task))
