@@ -77,7 +77,12 @@ class Suite:
         return {**roles, **budget}
 
     def jobs(
-        self, entries: Sequence[Mapping[str, Any]] = ({},), *, backend: str | None = None, access: Access | None = None
+        self,
+        entries: Sequence[Mapping[str, Any]] = ({},),
+        *,
+        backend: str | None = None,
+        access: Access | None = None,
+        checked: bool = True,
     ) -> list[Job]:
         """The jobs of every entry.
 
@@ -85,6 +90,7 @@ class Suite:
             entries: keywords of `remac_agents.make` that make an entry what it is; {} is the suite's own agent.
             backend: in place of the suite's.
             access: how models are reached.
+            checked: see `make_jobs`.
 
         Raises:
             UnknownNameError, OptionError, UsageError: for an entry that is not valid.
@@ -98,7 +104,8 @@ class Suite:
                 for job in _block_jobs(block, agent, backend):
                     jobs[job.key] = replace(job, access=access or Access(), suite=mark)
         jobs |= {job.key: job for job in self._floor_jobs(backend) if job.key not in jobs}
-        check_jobs(list(jobs.values()))
+        if checked:
+            check_jobs(list(jobs.values()))
         return list(jobs.values())
 
 

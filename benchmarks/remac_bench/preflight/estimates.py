@@ -57,6 +57,13 @@ class Costs:
                 mean[role] = mean.get(role, Need()) + need.times(1 / len(tasks))
         return mean
 
+    def whole(self, method: str, task: str, *, images: bool) -> Need | None:
+        """An episode with a model in every role that it can fill: the checker only where it takes pictures."""
+        roles = self.of(method, task)
+        if roles is None:
+            return None
+        return sum((need for role, need in roles.items() if images or role != "checker"), Need())
+
 
 @cache
 def measured() -> Costs:
