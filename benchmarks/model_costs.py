@@ -8,6 +8,7 @@ keeps the table by which `remac bench run` estimates what it may cost.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -21,14 +22,18 @@ from remac_bench.prices import dollars
 from remac_bench.report import board_markdown, board_tables
 
 import remac_env
-from remac_agents.llm import Model, load
+from remac_agents.llm import Model, load, resolve
 from remac_agents.llm.request import CHARACTERS_PER_TOKEN, TOKENS_PER_PICTURE
-
-SHOWN = ("BASE", "CC", "RE", "REMAC", "REFLECT", "CAPE")
-"""Methods of the table of money."""
+from remac_env.errors import check_choice
 
 SUITES = ("smoke", "paper")
 """Suites whose price is shown."""
+
+ONE_KEY = "openrouter"
+"""The provider that has a route to all of the paper's models."""
+
+MARKS = ("<!-- costs -->", "<!-- end of costs -->")
+"""Between these lines of a document stand the tables."""
 
 Needs = Mapping[str, Mapping[str, Mapping[str, Need]]]
 
@@ -41,16 +46,26 @@ def main(
     write: Annotated[bool, typer.Option("--write", help=f"Write {FILE.name} anew.")] = False,
     show: Annotated[bool, typer.Option("--show", help="Measure nothing: show the table as it is.")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="As Markdown.")] = False,
+    into: Annotated[Path | None, typer.Option(help="A document: puts the Markdown between its marks.")] = None,
 ) -> None:
     """Print calls and tokens an episode by method and task, and US dollars by model and route."""
     chosen = parse_names(methods, "methods") if methods else agents.methods()
     kitchens = parse_names(tasks, "tasks") if tasks else list(remac_env.tasks())
+    for method in chosen:
+        check_choice("method", method, agents.methods())
     costs = measured() if show else Costs(_measured(chosen, kitchens, parse_seeds(seeds)))
+    if show:
+        costs = Costs({method: costs.needs[method] for method in chosen if method in costs.needs})
     if write and not show:
         FILE.write_text(as_toml(costs.needs, seeds), "utf-8")
     board = Board(title="", sheets=sheets(costs))
+    text = board_markdown(board, everything=True).strip()
+    if into is not None:
+        before, rest = into.read_text("utf-8").split(MARKS[0])
+        into.write_text(f"{before}{MARKS[0]}\n{text}\n\n{MARKS[1]}{rest.split(MARKS[1])[1]}", "utf-8")
+        return
     if markdown:
-        typer.echo(board_markdown(board, everything=True).strip())
+        typer.echo(text)
         return
     for part in board_tables(board, everything=True):
         console().print(part, crop=False)
@@ -113,8 +128,6 @@ def _short(tokens: float) -> str:
 
 
 def _episodes(costs: Costs) -> Sheet:
-    shown = [method for method in SHOWN if method in costs.needs]
-
     def money(model: Model, method: str) -> float | None:
         found = [costs.whole(method, task, images=model.images) for task in costs.needs[method]]
         whole = sum((need for need in found if need is not None), Need())
@@ -123,7 +136,7 @@ def _episodes(costs: Costs) -> Sheet:
     return _by_route(
         "episodes",
         "US dollars an episode, mean over tasks, thoughts included",
-        shown,
+        list(costs.needs),
         money,
     )
 
@@ -143,11 +156,12 @@ def _suites(costs: Costs) -> Sheet:
         f"US dollars of a suite ({', '.join(f'{name}: {len(jobs[name])} jobs' for name in SUITES)})",
         SUITES,
         money,
+        total=True,
     )
 
 
 def _by_route(
-    key: str, title: str, heads: Sequence[str], money: Callable[[Model, str], float | None]
+    key: str, title: str, heads: Sequence[str], money: Callable[[Model, str], float | None], *, total: bool = False
 ) -> Sheet:
     rows = []
     catalogue = load()
@@ -157,9 +171,18 @@ def _by_route(
             model = catalogue.providers[provider].models[served]
             cells = {head: Cell(text=dollars(money(model, head))) for head in heads}
             rows.append({"model": Cell(text=name), "route": Cell(text=full), **cells})
+    if total:
+        models = [resolve(name, via=ONE_KEY).model for name in catalogue.paper]
+        sums = {head: _sum([money(model, head) for model in models]) for head in heads}
+        cells = {head: Cell(text=dollars(amount)) for head, amount in sums.items()}
+        rows.append({"model": Cell(text="all six"), "route": Cell(text=ONE_KEY), **cells})
     front = (Column(key="model", title="Model", numeric=False), Column(key="route", title="Route", numeric=False))
     columns = (*front, *(Column(key=head, title=head) for head in heads))
     return Sheet(key=key, title=title, columns=columns, rows=tuple(rows))
+
+
+def _sum(amounts: Sequence[float | None]) -> float | None:
+    return None if None in amounts else sum(amount or 0.0 for amount in amounts)
 
 
 if __name__ == "__main__":
