@@ -17,7 +17,7 @@ from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.console import clean_errors, console
 from remac_bench.jobs import parse_names, parse_seeds
 from remac_bench.preflight.estimates import FILE, Costs, Need, measured
-from remac_bench.preflight.measuring import measure
+from remac_bench.preflight.measuring import MODEL, measure
 from remac_bench.prices import dollars
 from remac_bench.report import board_markdown, board_tables
 
@@ -142,7 +142,8 @@ def _episodes(costs: Costs) -> Sheet:
 
 
 def _suites(costs: Costs) -> Sheet:
-    jobs = {name: suites.load(name).jobs(checked=False) for name in SUITES}
+    all_jobs = {name: suites.load(name).jobs([{"model": MODEL}], checked=False) for name in SUITES}
+    jobs = {name: [job for job in made if "model" in job.agent] for name, made in all_jobs.items()}
 
     def money(model: Model, suite: str) -> float | None:
         found = [(job, costs.whole(job.method, job.task, images=model.images)) for job in jobs[suite]]
