@@ -71,6 +71,7 @@ def make(
     max_rounds: int = 60,
     lead: str | None = None,
     helper: str | None = None,
+    iterations: int | None = None,
     **models: Any,
 ) -> Agent:
     """A method with its roles filled.
@@ -87,6 +88,7 @@ def make(
         max_adjustments, max_rounds: after so many in an episode the plan is no longer changed, or ends.
         lead: the robot that works alone or leads; None: the first by name.
         helper: the second robot of a team; None: the first by name of the others.
+        iterations: number of the last iteration on a start, where it is known; REMAC's team forms by then.
         models: keywords of `filling.ModelOptions`: model, base_url, providers, via, cassette, replay, max_calls,
             max_tokens, max_money, max_seconds, limiter (docs/models.md).
 
@@ -96,6 +98,8 @@ def make(
     """
     check_choice("method", name, METHODS)
     _check_bounds(retries=retries, max_adjustments=max_adjustments, max_rounds=max_rounds)
+    if iterations is not None:
+        _check_bounds(iterations=iterations)
     given = {
         "planner": planner,
         "checker": checker,
@@ -107,7 +111,9 @@ def make(
     }
     bounds = Bounds(rounds=max_rounds, retries=retries, adjustments=max_adjustments)
     roles = fill_roles(given, read_options(models))
-    return Agent(METHODS[name], roles, memory=_memory(memory), bounds=bounds, lead=lead, helper=helper)
+    return Agent(
+        METHODS[name], roles, memory=_memory(memory), bounds=bounds, lead=lead, helper=helper, iterations=iterations
+    )
 
 
 def _memory(given: object) -> Memory:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from remac_agents.asking import ran_so_far
@@ -40,10 +40,11 @@ class Agent:
         bounds: Bounds,
         lead: str | None = None,
         helper: str | None = None,
+        iterations: int | None = None,
     ) -> None:
         """See `remac_agents.make`."""
         self.method, self.roles, self.memory, self.bounds = method, roles, memory, bounds
-        self._lead, self._helper = lead, helper
+        self._lead, self._helper, self._last_iteration = lead, helper, iterations
         self._correspondence = Correspondence(roles)
         self._infrastructure: str | None = None
         self._iterations: dict[str, int] = {}
@@ -67,6 +68,7 @@ class Agent:
         self._label = f"{briefing.task} {briefing.episode.get('digest', '')}"
         self._iteration = self._iterations.get(self._label, 0)
         self._iterations[self._label] = self._iteration + 1
+        briefing = replace(briefing, last=self._iteration == self._last_iteration)
         for role in self.roles.named().values():
             begin = getattr(role, "begin_episode", None)
             if begin is not None:

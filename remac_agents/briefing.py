@@ -24,7 +24,10 @@ class Bounds:
 
 @dataclass(frozen=True, kw_only=True)
 class Briefing:
-    """What stays the same during an episode. `helper` is the second robot, None where there is none."""
+    """What stays the same during an episode.
+
+    `helper` is the second robot, None where there is none. `last`: no other iteration on this start is known to follow.
+    """
 
     goal: str
     text: str
@@ -36,3 +39,4 @@ class Briefing:
     episode: Mapping[str, Any] = field(default_factory=dict)
     verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     goal_test: Goal | None = None
+    last: bool = False

@@ -11,7 +11,7 @@ from remac_agents.ledger import Check, Ledger, really_done
 from remac_agents.memory import Memory
 from remac_agents.moment import Moment, shown
 from remac_agents.plan import Commands, Plan, PlanError, read_plan
-from remac_agents.roles import AdjustRequest, HandoverRequest, PlanRequest, ReflectRequest, Roles, View
+from remac_agents.roles import AdjustRequest, PlanRequest, ReflectRequest, Roles, View
 from remac_agents.tries import Try
 from remac_env.conditions import Condition
 from remac_env.state import WorldState
@@ -103,28 +103,6 @@ class Episode:
         """Carry out this plan from now on, in place of what remains of the one before."""
         self.plan = plan
         self._open_round()
-
-    def proven_plan(self) -> tuple[Subtask, ...] | None:
-        """The single-robot plan that an earlier iteration carried out without adjustment, or None."""
-        recorded = self.memory.proven_plan(self.briefing.task)
-        steps = [self.commands.parse(text) for row in (recorded or {}).values() for text in row]
-        return tuple(step for step in steps if step is not None) if steps and None not in steps else None
-
-    def hand_over(self, single: tuple[Subtask, ...], helper: str) -> bool:
-        """Share a proven plan with the helper; False when no way to share it was found."""
-        lead, view = self.briefing.lead, self.seen_by(self.roles.handover)
-        request = HandoverRequest(self.briefing.goal, single, lead, helper, self.lessons, self.briefing.commands, view)
-        reply = self.roles.handover.share(request)
-        plan = (
-            PlanError("none was found")
-            if reply is None
-            else read_plan(reply, self.commands, (lead, helper), lead)
-        )
-        if isinstance(plan, PlanError):
-            self.ledger.errors.append(f"hand-over: {plan.problem}")
-            return False
-        self.adopt(plan)
-        return True
 
     def advance(self, *, again: bool = False) -> None:
         """Go on to the next round of the plan; `again`: it is another try of this one."""

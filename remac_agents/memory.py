@@ -104,19 +104,6 @@ class Memory:
                 characters -= len(text)
         return tuple(reversed(kept))
 
-    def proven_plan(self, task: str) -> Mapping[str, list[str]] | None:
-        """The single-robot plan that last succeeded as it was, or None if the task is not mastered.
-
-        A run by several robots that failed takes the mastery away again.
-        """
-        proven: Mapping[str, list[str]] | None = None
-        for run in self.runs(task):
-            if len(run.initial_plan) > 1:
-                proven = proven if run.success else None
-            else:
-                proven = run.initial_plan if run.success and not run.adjusted else None
-        return proven
-
 
 def prune_file(path: str | Path, *, keep: int, task: str | None = None) -> int:
     """Shorten a memory file to the newest `keep` runs of each task (or of one), and say how many runs went.

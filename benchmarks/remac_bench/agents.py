@@ -120,7 +120,7 @@ def make(job: Job, shared: Mapping[str, Any]) -> Agent:
     """
     import remac_agents
 
-    agent: Agent = remac_agents.make(job.method, **job.agent, **shared)
+    agent: Agent = remac_agents.make(job.method, **job.agent, **shared, iterations=job.iterations)
     return agent
 
 

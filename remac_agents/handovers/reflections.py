@@ -8,24 +8,35 @@ from remac_agents.handovers.schedule import schedule
 from remac_agents.lessons import Before, read_lesson
 from remac_agents.plan import Commands, Plan
 from remac_agents.roles import HandoverRequest
+from remac_agents.teamwork import parts_of, share_out
 from remac_env.subtasks import Subtask
 
 
 class ReflectionHandover:
-    """Extracts the main object's plan, guided by the recorded reflections; schedules the rest beside it."""
+    """Extracts the main object's plan, guided by the recorded reflections; schedules the rest beside it.
+
+    Subgoals that have nothing to do with one another are shared out as well, where that takes fewer rounds.
+    """
 
     needs_truth = False
 
     def share(self, request: HandoverRequest) -> Plan | None:
-        """A plan for both, or None where nothing comes before the main object or nothing is gained."""
-        thing = main_object(request)
-        if thing is None:
-            return None
-        prerequisites, main = _split(request.plan, thing)
-        if not any(step.skill != "navigate to" for step in prerequisites):
-            return None
-        plan = schedule(request.lead, main, request.helper, prerequisites, request.view.scene)
-        return plan if plan.length < len(request.plan) else None
+        """A plan for both, or None where nothing is gained."""
+        names, facts = (request.lead, request.helper), request.view.scene
+        plans = [_prerequisites_first(request), share_out(parts_of(request.plan), names, facts, places=True)]
+        found = [plan for plan in plans if plan is not None and plan.length < len(request.plan)]
+        return min(found, key=lambda plan: plan.length, default=None)
+
+
+def _prerequisites_first(request: HandoverRequest) -> Plan | None:
+    """The paper's hand-over, or None where nothing comes before the main object."""
+    thing = main_object(request)
+    if thing is None:
+        return None
+    prerequisites, main = _split(request.plan, thing)
+    if not any(step.skill != "navigate to" for step in prerequisites):
+        return None
+    return schedule(request.lead, main, request.helper, prerequisites, request.view.scene)
 
 
 def main_object(request: HandoverRequest) -> str | None:

@@ -67,21 +67,6 @@ def test_lessons_are_told_once_newest_last_and_bounded() -> None:
     assert memory.lessons("Tidy", characters=1) == ("a",)
 
 
-def test_mastery_is_won_alone_and_lost_by_a_failed_team() -> None:
-    memory = Memory()
-    for entry, mastered in (
-        (run(success=False), False),
-        (run(lessons=("adjusted",)), False),
-        (run(), True),
-        (run(robots=2), True),
-        (run(robots=2, success=False), False),
-        (run(), True),
-        (run(success=False), False),
-    ):
-        memory.append(entry)
-        assert (memory.proven_plan("Tidy") is not None) == mastered
-
-
 def test_an_agent_goes_on_from_a_file(tmp_path: Path) -> None:
     env, path = suite_kitchen("HeatOnStove"), tmp_path / "deep" / "memory.jsonl"
     lengths = [play(env, remac_agents.make("REMAC", memory=path)).initial_plan_length for _ in range(3)]
