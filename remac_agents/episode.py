@@ -10,7 +10,7 @@ from remac_agents.free_text import truth_of
 from remac_agents.ledger import Check, Ledger, really_done
 from remac_agents.memory import Memory
 from remac_agents.moment import Moment, shown
-from remac_agents.plan import Commands, Plan, PlanError, read_plan
+from remac_agents.plan import Commands, Plan, PlanError
 from remac_agents.roles import AdjustRequest, PlanRequest, ReflectRequest, Roles, View
 from remac_agents.tries import Try
 from remac_env.conditions import Condition

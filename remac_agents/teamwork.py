@@ -56,8 +56,7 @@ def share_out(parts: Sequence[Part], robots: Sequence[str], facts: Scene, *, pla
             plan = _lay_out(work, owners, (*robots[shift:], *robots[:shift]), facts)
             if plan is not None and (best is None or plan.length < best.length):
                 best = plan
-    alone = Plan.of({robot: [step for part in parts for step in part] * (robot == robots[0]) for robot in robots[:1]})
-    return best or alone
+    return best or Plan.of({next(iter(robots)): [step for part in parts for step in part]})
 
 
 @dataclass(frozen=True)
@@ -120,7 +119,7 @@ def _allocations(
         begun = [item for item in work if item.part <= number]
         plans = {robot: _lay_out(begun, (*owners, robot), robots, facts) for robot in robots}
         lengths = {robot: plan.length for robot, plan in plans.items() if plan is not None}
-        owners = (*owners, min(lengths, key=lambda robot: lengths[robot], default=robots[0]))
+        owners = (*owners, min(lengths, key=lambda robot: lengths[robot], default=next(iter(robots))))
     yield owners
 
 
