@@ -8,6 +8,7 @@ from typing import Any
 
 from remac_agents.asking import ran_so_far
 from remac_agents.briefing import Bounds, Briefing
+from remac_agents.checked import checked
 from remac_agents.correspondence import Correspondence
 from remac_agents.episode import Episode
 from remac_agents.ledger import Check, EpisodeReport, Ledger
@@ -45,6 +46,7 @@ class Agent:
         """See `remac_agents.make`."""
         self.method, self.roles, self.memory, self.bounds = method, roles, memory, bounds
         self._lead, self._helper, self._last_iteration = lead, helper, iterations
+        self._checked = checked(roles)
         self._correspondence = Correspondence(roles)
         self._infrastructure: str | None = None
         self._iterations: dict[str, int] = {}
@@ -74,7 +76,7 @@ class Agent:
             if begin is not None:
                 begin(int(briefing.episode.get("seed", 0)), self._iteration)
         view, world = _look(obs, infos, briefing)
-        self._episode = Episode(briefing, self.roles, view, world, bounds=self.bounds, memory=self.memory)
+        self._episode = Episode(briefing, self._checked, view, world, bounds=self.bounds, memory=self.memory)
         self._episode.won = self._won.get(self._label)
         seed = briefing.episode.get("seed", "")
         label = f"{self.method.name}/{briefing.task}/{seed}/{briefing.episode.get('digest', '')}/{self._iteration}"
@@ -117,9 +119,9 @@ class Agent:
             if self._played is not None:
                 episode.observe(*_look(obs, infos, episode.briefing), self._played)
             self._success = any(bool(info.get("success")) for info in infos.values())
-        review = getattr(self.roles.reflector, "review", None)
+        review = getattr(self._checked.reflector, "review", None)
         if review is not None:
-            episode.ledger.reflections = list(review(episode.ledger.reflections, success=self._success))
+            episode.ledger.reflections = review(episode.ledger.reflections, success=self._success)
         if self._success and self.method.iterates:
             kept = Try.of(episode.ledger, episode.plan, episode.commands)
             self._won.setdefault(self._label, kept)
@@ -145,7 +147,7 @@ class Agent:
             adjusted=ledger.adjusted,
             retries=sum(step.retry for step in ledger.steps),
             reflections=tuple(ledger.reflections),
-            truth_readers=self.roles.truth_readers(),
+            truth_readers=self._checked.truth_readers(),
             errors=tuple(ledger.errors),
             infrastructure=self._infrastructure,
             **self._correspondence.fields(),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, MappingView, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
 from remac_agents.plan_text import PlanText, UnreadableError
 from remac_agents.plan_words import Names, nearest
+from remac_agents.printable import quoted, type_name
 from remac_env.state import FrozenMap
 from remac_env.subtasks import SKILLS, WAIT, Subtask
 from remac_env.vocabulary import normalise
@@ -21,6 +22,9 @@ MAX_CHARACTERS = 400_000
 
 MAX_PROBLEMS = 12
 """Problems of one reply that are told and looked for."""
+
+_UNORDERED: tuple[type, ...] = (Set, MappingView, type(iter(frozenset())))
+"""What goes through its parts in an order that may differ from run to run, or that was not meant."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +148,7 @@ class Commands(Mapping[str, Subtask]):
 
     def unknown(self, entry: object) -> str:
         """That something is no command, with the nearest ones. It is quoted in ASCII, cut short."""
-        told = str(entry)[:80] if isinstance(entry, str) else repr(entry)[:80]
+        told = str(entry)[:80] if isinstance(entry, str) else quoted(entry)
         near = nearest(told, self._subtasks)
         offered = f"; nearest: {near}" if near else "; valid: one of the listed commands"
         return f"{told!a} is not a command{offered}"
@@ -186,9 +190,16 @@ def read_plan(reply: object, commands: Commands, robots: Sequence[str], lead: st
     if isinstance(reply, Mapping):
         rows = names.rows(reply)
         return PlanError(rows) if isinstance(rows, str) else _from_rows(rows, commands, names)
+    if is_unordered(reply):
+        return PlanError(f"a {type_name(reply)} has no order; valid: a list of commands, or a mapping to lists")
     if isinstance(reply, Iterable):
         return _from_rows({lead: list(itertools.islice(reply, MAX_STEPS + 1))}, commands, names)
-    return PlanError(f"a plan is a mapping from robots to lists of commands, not {type(reply).__name__}")
+    return PlanError(f"a plan is a mapping from robots to lists of commands, not {type_name(reply)}")
+
+
+def is_unordered(value: object) -> bool:
+    """Whether something is a set, a view of a mapping, or a walk through a set: nobody can know what comes first."""
+    return isinstance(value, _UNORDERED)
 
 
 def parse_text(text: str, commands: Commands, robots: Sequence[str], lead: str) -> Plan | PlanError:
@@ -230,6 +241,10 @@ def _from_rows(rows: Mapping[str, Any], commands: Commands, names: Names) -> Pla
     read: dict[str, list[Subtask]] = {}
     errors = [PlanError(names.stranger(robot)) for robot in rows if robot not in names.robots]
     for robot, row in rows.items():
+        if is_unordered(row):
+            told = f"the row of {robot} is a {type_name(row)}, which has no order; valid: a list of commands"
+            errors.append(PlanError(told))
+            continue
         if isinstance(row, str | Mapping) or not isinstance(row, Iterable):
             errors.append(PlanError(f"the row of {robot} is not a list of commands"))
             continue
@@ -246,7 +261,7 @@ def _from_rows(rows: Mapping[str, Any], commands: Commands, names: Names) -> Pla
 
 
 def _no_command(entry: object, robot: str, index: int, commands: Commands) -> PlanError:
-    told = entry[:80] if isinstance(entry, str) else repr(entry)[:80]
+    told = entry[:80] if isinstance(entry, str) else quoted(entry)
     return PlanError(commands.unknown(entry), robot=robot, index=index, entry=told)
 
 

@@ -140,6 +140,12 @@ def asked_models(agent: Mapping[str, Any], *, providers: str | None = None) -> l
     return sorted(set(named))
 
 
+def asks_around(agent: Mapping[str, Any], *, providers: str | None = None) -> bool:
+    """Whether an agent with these options waits for others: a language model, an HTTP address, a person."""
+    planner = str(agent.get("planner", ""))
+    return bool(asked_models(agent, providers=providers)) or planner.startswith(("http://", "https://", "human"))
+
+
 def is_model(text: str, providers: str | None = None) -> bool:
     """Whether a name speaks of a language model of a known provider."""
     from remac_agents.llm.providers import is_model as known

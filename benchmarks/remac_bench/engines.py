@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from remac_bench import agents, pool, ray_pool, threads
 from remac_bench.agents import Lines
-from remac_bench.errors import UsageError
+from remac_bench.errors import JobTimeoutError, UsageError
+from remac_bench.interrupts import alarm, stoppable
 from remac_bench.jobs import Job
 from remac_bench.machine import cores
 from remac_bench.records import Record
-from remac_bench.worker import Work, play_job
+from remac_bench.watch import GRACE_SECONDS, Watch
+from remac_bench.worker import Work, play_job, timed_out
 from remac_env.errors import check_choice
 
 ENGINES = ("auto", "processes", "threads", "ray")
@@ -57,9 +60,12 @@ class Engine:
 
 
 def play_all(
-    works: Sequence[Work], *, engine: Engine, extensions: Sequence[str]
+    works: Sequence[Work], *, engine: Engine, extensions: Sequence[str], watch: Watch
 ) -> Iterator[tuple[Work, list[Record]]]:
     """Play works and yield each with its records as it ends, in any order.
+
+    Args:
+        watch: learns which jobs are under way, and says whose time is up.
 
     Raises:
         UsageError: if Ray is asked for and not installed.
@@ -70,10 +76,21 @@ def play_all(
     if picked == "here":
         lines = Lines()
         for work in works:
-            yield work, play_job(work, lines)
+            yield work, _play_here(work, lines)
     elif picked == "threads":
-        yield from threads.play(works, count=min(engine.workers or THREADS, len(works)))
+        yield from threads.play(works, count=min(engine.workers or THREADS, len(works)), watch=watch)
     elif picked == "ray":
-        yield from ray_pool.play(works, workers=engine.workers, address=engine.address, extensions=extensions)
+        address = engine.address
+        yield from ray_pool.play(works, workers=engine.workers, address=address, extensions=extensions, watch=watch)
     else:
-        yield from pool.play(works, count=min(engine.workers or cores(), len(works)), extensions=extensions)
+        count = min(engine.workers or cores(), len(works))
+        yield from pool.play(works, count=count, extensions=extensions, watch=watch)
+
+
+def _play_here(work: Work, lines: Lines) -> list[Record]:
+    """In this process and thread: what hangs is interrupted, as far as Python can be."""
+    try:
+        with stoppable(signal.SIGINT), alarm(work.seconds + GRACE_SECONDS):
+            return play_job(work, lines)
+    except JobTimeoutError:
+        return [timed_out(work)]

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from remac_agents.printable import printable
 from remac_bench.records import CheckEntry, ExchangeEntry, UsageEntry
 from remac_bench.redaction import redact
 from remac_bench.store import PICTURES
@@ -57,7 +58,8 @@ def save_pictures(folder: str | Path, pictures: Mapping[str, bytes]) -> None:
 
 
 def cut(text: str, longest: int = TEXT_MAX) -> str:
-    """A text of at most about `longest` characters: the beginning, how much is missing, and the end."""
+    """A printable text of at most about `longest` characters: the beginning, how much is missing, and the end."""
+    text = printable(text)
     if len(text) <= longest:
         return text
     half = longest // 2

@@ -6,18 +6,22 @@ import os
 import time
 import traceback
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from remac_agents.printable import printable, type_name, words
 from remac_bench.agents import Agent
 from remac_bench.entries import MESSAGE_MAX, EndpointError, report_fields, save_pictures
+from remac_bench.errors import JobTimeoutError
+from remac_bench.interrupts import is_stop
 from remac_bench.jobs import Job
 from remac_bench.machine import versions
 from remac_bench.recording import Recorder
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record, VideoEntry
-from remac_bench.redaction import redact
+from remac_bench.redaction import printable_values, redact
+from remac_bench.watch import Deadline
 from remac_bench.worlds import as_values, fallen
 from remac_env.errors import ActionError, UnknownNameError
 from remac_env.oracle import Certificate, certify, problem_id
@@ -32,28 +36,35 @@ class Fault(Exception):
     """An exception, and whose it is."""
 
     def __init__(self, kind: Kind, error: BaseException) -> None:
-        super().__init__(str(error))
+        super().__init__(words(error))
         self.kind, self.error = kind, error
 
     def entry(self) -> ErrorEntry:
         """The exception for the record: places without folders, and no value of a key that is set here."""
-        frames = traceback.extract_tb(self.error.__traceback__)[-FRAMES_MAX:]
+        frames = [(frame.f_code, line) for frame, line in traceback.walk_tb(self.error.__traceback__)][-FRAMES_MAX:]
         return ErrorEntry(
             kind=self.kind,
-            type=type(self.error).__name__,
-            message=redact(str(self.error))[:MESSAGE_MAX],
-            where=[f"{os.path.basename(f.filename)}:{f.lineno} in {f.name}" for f in frames],
+            type=type_name(self.error),
+            message=redact(words(self.error))[:MESSAGE_MAX],
+            where=[printable(f"{os.path.basename(c.co_filename)}:{line} in {c.co_name}") for c, line in frames],
         )
 
 
 @contextmanager
 def blaming(kind: Kind) -> Iterator[None]:
-    """Turn any exception inside into a Fault of this kind; a planner that exits has crashed, it has not stopped us."""
+    """Turn any exception inside into a Fault of this kind, but for someone's wish to stop the run.
+
+    A planner that exits, or raises what only a keyboard should, has crashed: it has not stopped us.
+    """
     try:
         yield
     except Fault:
         raise
-    except (Exception, SystemExit) as error:  # noqa: BLE001 - planners and simulators may raise anything; it is recorded
+    except BaseException as error:  # noqa: BLE001 - planners and simulators may raise anything; it is recorded
+        if is_stop(error):
+            raise
+        if isinstance(error, JobTimeoutError):
+            kind = "agent"
         raise Fault(kind, error) from error
 
 
@@ -76,12 +87,13 @@ class Course:
 
 
 def play_episode(
-    env: Any, agent: Agent, job: Job, iteration: int, recorder: Recorder, *, optimum: bool = False
+    env: Any, agent: Agent, job: Job, iteration: int, recorder: Recorder, deadline: Deadline, *, optimum: bool = False
 ) -> Record:
     """Play the job's episode once, whatever happens.
 
     Args:
         env: a KitchenParallelEnv made for the job.
+        deadline: the job's; looked at before each round.
         optimum: also search the shortest plan.
     """
     began = time.perf_counter()
@@ -89,7 +101,7 @@ def play_episode(
     try:
         with blaming("infrastructure"):
             recorder.start()
-            _play(env, agent, job, course, optimum=optimum)
+            _play(env, agent, job, course, deadline, optimum=optimum)
     except Fault as caught:
         fault = caught
     try:
@@ -99,19 +111,23 @@ def play_episode(
         fault = fault or caught
     if fault is None and report is not None and report.broken:
         fault = Fault("infrastructure", EndpointError(report.broken))
-    success = fault is None and course.shared.get("end") == "success"
-    wall = time.perf_counter() - began
-    return make_record(
-        job,
-        iteration,
-        course=course,
-        report=report.fields if report else {},
-        fault=fault,
-        wall_seconds=round(wall, 3),
-        video=None
-        if fault is not None and fault.kind == "infrastructure"
-        else recorder.finish(success=success),
-    )
+    if fault is not None and course.joined:
+        with suppress(Fault), blaming("agent"):
+            agent.close_episode({}, {})  # now, so that what fails in it is not taken for the next episode's
+    wall = round(time.perf_counter() - began, 3)
+    broken = fault is not None and fault.kind == "infrastructure"
+    video = None if broken else recorder.finish(success=fault is None and course.shared.get("end") == "success")
+    try:
+        with blaming("agent"):
+            fields = {} if report is None else report.fields
+            record = make_record(
+                job, iteration, course=course, report=fields, fault=fault, wall_seconds=wall, video=video
+            )
+            record.line()
+            return record
+    except Fault as caught:  # the report holds what cannot be written
+        fault = fault or caught
+    return make_record(job, iteration, course=course, report={}, fault=fault, wall_seconds=wall, video=video)
 
 
 @dataclass(frozen=True)
@@ -131,7 +147,7 @@ def _report(agent: Agent, folder: Path) -> _Report:
     return _Report(fields, told.infrastructure)
 
 
-def _play(env: Any, agent: Agent, job: Job, course: Course, *, optimum: bool) -> None:
+def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, *, optimum: bool) -> None:
     observations, course.infos = env.reset(seed=job.seed)
     course.progress = env.progress
     course.worlds.append(as_values(env.world))
@@ -143,6 +159,7 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, *, optimum: bool) ->
         course.joined = True
     while env.agents:
         with blaming("agent"):
+            deadline.check()
             actions = agent.act(observations, course.infos)
         try:
             observations, _, _, _, course.infos = env.step(actions)
@@ -198,7 +215,7 @@ def make_record(
     broken = fault is not None and fault.kind == "infrastructure"
     return Record(
         job=job.key,
-        agent=job.label,
+        agent=printable(job.label),
         method=job.method,
         task=job.task,
         style=episode.get("style", job.options.style),
@@ -228,7 +245,7 @@ def make_record(
         **_proven(course.certificate),
         video=video,
         error=None if fault is None else fault.entry(),
-        options=job.facts,
+        options=printable_values(job.facts),
         versions=versions(),
         **({} if job.suite is None else job.suite.fields),
         **report,

@@ -19,3 +19,15 @@ class LockedError(RemacError, RuntimeError):
 
 class StorageError(RemacError, OSError):
     """The records cannot be written: a full disk, a bound on the size of files, a folder that is gone."""
+
+
+class JobTimeoutError(RemacError, TimeoutError):
+    """A job whose time is up: a failure of the agent, whose role or plug-in did not come to an end."""
+
+    def __init__(self, seconds: float) -> None:
+        super().__init__(f"timeout: the job was not through after {seconds:g} s (--job-seconds)")
+        self.seconds = seconds
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # An exception's own way of being copied knows only the message.
+        return JobTimeoutError, (self.seconds,)

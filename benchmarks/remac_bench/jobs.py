@@ -48,6 +48,7 @@ class Job:
         iterations: the number of the last iteration, which is the scored one.
         access: how language models are reached. Not part of the key: it changes who is asked, not what.
         suite: where the job comes from. Not part of the key either: equal jobs are equal.
+        seconds: its wall time at most; None: not bounded yet (`watch.job_seconds`). Not part of the key either.
     """
 
     method: str
@@ -58,6 +59,7 @@ class Job:
     iterations: int = 0
     access: Access = field(default_factory=Access)
     suite: SuiteMark | None = None
+    seconds: float | None = None
 
     @cached_property
     def key(self) -> str:
@@ -93,6 +95,8 @@ class Job:
     def facts(self) -> dict[str, Any]:
         """Everything that the job was made with, for the record."""
         made = {"kitchen": asdict(self.options), "agent": dict(self.agent), "iterations": self.iterations}
+        if self.seconds is not None:
+            made["job_seconds"] = self.seconds
         return made if self.access == Access() else {**made, "access": self.access.told}
 
 

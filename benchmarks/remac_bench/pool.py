@@ -11,7 +11,8 @@ from typing import Any
 
 from remac_bench.losses import Losses
 from remac_bench.records import Record
-from remac_bench.worker import Work, serve
+from remac_bench.watch import LOOKS, Watch
+from remac_bench.worker import Work, serve, timed_out
 
 STOP_SECONDS = 5.0
 """How long a worker may take to end before it is killed."""
@@ -24,10 +25,13 @@ class _Worker:
     work: Work | None = None
 
 
-def play(works: Sequence[Work], *, count: int, extensions: Sequence[str]) -> Iterator[tuple[Work, list[Record]]]:
+def play(
+    works: Sequence[Work], *, count: int, extensions: Sequence[str], watch: Watch
+) -> Iterator[tuple[Work, list[Record]]]:
     """Play works in `count` processes and yield each with its records as it ends, in any order.
 
-    A worker that dies is replaced, and its job played again at once by itself; see `losses`.
+    A worker that dies is replaced, and its job played again at once by itself; see `losses`. One whose job's time is up
+    is ended and replaced, and its job has failed.
     """
     queue, losses = deque(works), Losses()
     crew: list[_Worker] = []
@@ -36,9 +40,18 @@ def play(works: Sequence[Work], *, count: int, extensions: Sequence[str]) -> Ite
             crew.append(_hire(extensions))
             _assign(crew[-1], queue)
         while busy := [worker for worker in crew if worker.work is not None]:
-            ready = wait([worker.connection for worker in busy])
-            for worker in [worker for worker in busy if worker.connection in ready]:
-                work, records = _collect(worker)
+            for late in [worker for worker in busy if worker.work is not None and watch.is_over(worker.work)]:
+                work = _dismiss_late(late, watch)
+                crew.remove(late)
+                crew += [_hire(extensions)] if queue else []
+                _assign_idle(crew, queue)
+                yield work, [timed_out(work)]
+            ready = wait([worker.connection for worker in crew if worker.work is not None], timeout=LOOKS)
+            for worker in [worker for worker in crew if worker.work is not None and worker.connection in ready]:
+                ended = _collect(worker, watch)
+                if ended is None:
+                    continue
+                work, records = ended
                 if records is None:
                     crew.remove(worker)
                     lost = losses.judge(work, _bury(worker))
@@ -46,8 +59,7 @@ def play(works: Sequence[Work], *, count: int, extensions: Sequence[str]) -> Ite
                     if lost is None:
                         queue.appendleft(work)
                     crew += [_hire(extensions)] if queue else []
-                for idle in [worker for worker in crew if worker.work is None][: len(queue)]:
-                    _assign(idle, queue)
+                _assign_idle(crew, queue)
                 if records is not None:
                     yield work, records
     finally:
@@ -72,16 +84,38 @@ def _assign(worker: _Worker, queue: deque[Work]) -> None:
         return  # it died before it was given anything; reading from it will tell
 
 
-def _collect(worker: _Worker) -> tuple[Work, list[Record] | None]:
-    """The records of the worker's job, or None where it died."""
-    work, worker.work = worker.work, None
+def _assign_idle(crew: Sequence[_Worker], queue: deque[Work]) -> None:
+    for idle in [worker for worker in crew if worker.work is None][: len(queue)]:
+        _assign(idle, queue)
+
+
+def _collect(worker: _Worker, watch: Watch) -> tuple[Work, list[Record] | None] | None:
+    """The worker's job with its records, or with None where it died; None while it has only begun."""
+    work = worker.work
     if work is None:
         raise RuntimeError("a worker that was given nothing has sent something")
     try:
         lines = worker.connection.recv()
     except (EOFError, ConnectionResetError):
-        return work, None
-    return work, [Record.model_validate_json(line) for line in lines]
+        lines = ()
+    if lines is None:
+        watch.begin(work)
+        return None
+    watch.end(work)
+    worker.work = None
+    return work, [Record.model_validate_json(line) for line in lines] or None
+
+
+def _dismiss_late(worker: _Worker, watch: Watch) -> Work:
+    """End a worker whose job's time is up; returns the job."""
+    work = worker.work
+    if work is None:
+        raise RuntimeError("a worker that was given nothing is late")
+    watch.end(work)
+    worker.process.kill()
+    worker.process.join()
+    worker.connection.close()
+    return work
 
 
 def _bury(worker: _Worker) -> int | None:

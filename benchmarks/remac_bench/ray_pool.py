@@ -13,14 +13,15 @@ from remac_bench.extensions import load_extensions
 from remac_bench.losses import Losses
 from remac_bench.machine import cores
 from remac_bench.records import Record
-from remac_bench.worker import Work, play_job
+from remac_bench.watch import LOOKS, Watch
+from remac_bench.worker import Work, play_job, timed_out
 
 CRASHED = 1
 """Stands for the exit status of a worker that ended by itself: Ray does not tell it."""
 
 
 def play(
-    works: Sequence[Work], *, workers: int | None, address: str | None, extensions: Sequence[str]
+    works: Sequence[Work], *, workers: int | None, address: str | None, extensions: Sequence[str], watch: Watch
 ) -> Iterator[tuple[Work, list[Record]]]:
     """Play works on the cluster and yield each as it ends. Only this process writes records.
 
@@ -41,13 +42,13 @@ def play(
         raise UsageError(f"no Ray cluster at {address or 'this machine'!r}: {str(error).splitlines()[0]}") from error
     try:
         count = workers or int(ray.cluster_resources().get("CPU", 1))
-        yield from _spread(ray, deque(works), count, tuple(extensions))
+        yield from _spread(ray, deque(works), count, tuple(extensions), watch)
     finally:
         ray.shutdown()
 
 
 def _spread(
-    ray: Any, queue: deque[Work], count: int, extensions: tuple[str, ...]
+    ray: Any, queue: deque[Work], count: int, extensions: tuple[str, ...], watch: Watch
 ) -> Iterator[tuple[Work, list[Record]]]:
     remote = ray.remote(max_retries=0, num_cpus=1)(_play)  # it is we who decide what is played again
     losses = Losses()
@@ -56,8 +57,16 @@ def _spread(
         while queue and len(running) < count:
             work = queue.popleft()
             running[remote.remote(work, extensions)] = work
-        (ended, *_), _ = ray.wait(list(running), num_returns=1)
-        work = running.pop(ended)
+            watch.begin(work)
+        for late in [task for task, work in running.items() if watch.is_over(work)]:
+            ray.cancel(late, force=True)
+            watch.end(work := running.pop(late))
+            yield work, [timed_out(work)]
+        done, _ = ray.wait(list(running), num_returns=1, timeout=LOOKS) if running else ([], [])
+        if not done:
+            continue
+        (ended,) = done
+        watch.end(work := running.pop(ended))
         try:
             records = [Record.model_validate_json(line) for line in ray.get(ended)]
         except (ray.exceptions.RaySystemError, ray.exceptions.RayError) as error:

@@ -125,7 +125,7 @@ class Record(Model):
         problem: digest of the start without looks and names; None for older records.
         littered: things that were let fall and lie on the floor at the end.
         options: {"kitchen": ..., "agent": ...}: everything that the job was made with; "access": how language models
-            were reached.
+            were reached; "job_seconds": the bound on the job's wall time.
         suite, suite_version, suite_digest: the frozen list that the job belongs to, and the digest of its content;
             None for a job that was put together on the command line.
     """

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
+from typing import Any
 
 SECRET_NAMES = re.compile(r"(^|_)(KEY|TOKEN|SECRET|PASSWORD|PASSWD|CREDENTIALS?)(_|$)", re.IGNORECASE)
 """Names of environment variables whose values are secrets."""
@@ -21,9 +22,11 @@ _PATH = re.compile(r"(?<![\w:/.<>~])/(?:[^\s/'\"`:;,<>()\[\]{}|]+/)+(?=[^\s/'\"`
 def redact(text: str) -> str:
     """The text with secrets of the environment as <NAME>, what looks like a key as <key>, and paths cut to names.
 
-    A path with at least one folder keeps its last part; addresses (http://host/...) stay as they are.
+    What no file takes (halves of surrogate pairs) is shown as escapes. A path with at least one folder keeps its
+    last part; addresses (http://host/...) stay as they are.
     """
     from remac_agents.llm.redaction import Redactor  # only here: episodes without errors need no client
+    from remac_agents.printable import printable
 
     secrets = {
         value: name for name, value in os.environ.items() if len(value) >= SHORTEST_SECRET and SECRET_NAMES.search(name)
@@ -32,10 +35,30 @@ def redact(text: str) -> str:
         text = text.replace(value, f"<{secrets[value]}>")
     text = Redactor().text(text).replace("[key]", BLOT)
     text = _LONG_WORD.sub(lambda found: BLOT if _is_random(found[0]) else found[0], text)
-    home = str(Path.home())
+    home = _home()
     if len(home) > 1:
         text = text.replace(home + os.sep, "~/").replace(home, "~")
+    text = printable(text)
     return _PATH.sub("", re.sub(r"~/(?:[^\s/'\"`]+/)*(?=[^\s/'\"`])", "", text))
+
+
+def printable_values(value: Any) -> Any:
+    """Plain values with every text in them made printable."""
+    from remac_agents.printable import printable
+
+    if isinstance(value, str):
+        return printable(value)
+    if isinstance(value, dict):
+        return {printable_values(key): printable_values(part) for key, part in value.items()}
+    return [printable_values(part) for part in value] if isinstance(value, list | tuple) else value
+
+
+def _home() -> str:
+    """This user's folder; "" for a user without one, as in a container that knows its number alone."""
+    try:
+        return str(Path.home())
+    except RuntimeError:
+        return ""
 
 
 def _is_random(word: str) -> bool:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from remac_bench.engines import Engine, play_all
+from remac_bench.errors import UsageError
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import Job
 from remac_bench.lock import locked
 from remac_bench.recording import VIDEO_CHOICES, VideoMode
 from remac_bench.records import Record
 from remac_bench.store import Store, finished_jobs
+from remac_bench.watch import Watch, job_seconds
 from remac_bench.worker import Work
 from remac_env.errors import check_choice
 
@@ -26,10 +29,13 @@ class Listener:
     def end(self, job: Job, records: Sequence[Record]) -> None:
         """A job has ended, and its records are on the disk."""
 
+    def slow(self, job: Job, seconds: float) -> None:
+        """A job has been running for so long, and still does."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """How jobs are run; nothing here changes a result.
+    """How jobs are run; nothing here changes a result, but for a job whose time is up.
 
     Attributes:
         workers: how many at the same time; 0: in this process, one by one; None: as many as the engine likes best.
@@ -40,6 +46,7 @@ class Settings:
         extensions: modules or files that register tasks, imported in every process.
         fresh: forget the records and videos that the folder holds.
         preflight: ask each language model one tiny question before jobs are played.
+        job_seconds: wall time of a job at most, after which it has failed; None: `watch.job_seconds` for each.
     """
 
     workers: int | None = 1
@@ -51,15 +58,19 @@ class Settings:
     extensions: tuple[str, ...] = ()
     fresh: bool = False
     preflight: bool = False
+    job_seconds: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse an unknown kind of video or engine, and a number of workers that is none.
+        """Refuse an unknown kind of video or engine, and numbers of workers or seconds that are none.
 
         Raises:
             UnknownNameError, UsageError: naming what is valid.
         """
         check_choice("video", self.video, VIDEO_CHOICES)
         _ = self.place
+        seconds = self.job_seconds
+        if seconds is not None and not (isinstance(seconds, int | float) and 0 < seconds < math.inf):
+            raise UsageError(f"job_seconds {seconds!r} is not valid; valid: a positive number of seconds")
 
     @property
     def place(self) -> Engine:
@@ -109,8 +120,9 @@ def run_jobs(
         works = [work for work in _works(jobs, store.folder, settings) if work.job.key not in done]
         works.sort(key=_effort, reverse=True)
         broken: list[str] = []
+        watch = Watch(listener.slow)
         listener.begin([work.job for work in works])
-        for work, records in play_all(works, engine=settings.place, extensions=settings.extensions):
+        for work, records in play_all(works, engine=settings.place, extensions=settings.extensions, watch=watch):
             store.append(records)
             broken += [_problem(record) for record in records if record.infrastructure_error]
             listener.end(work.job, records)
@@ -141,7 +153,9 @@ def _works(jobs: Sequence[Job], folder: Path, settings: Settings) -> list[Work]:
         first = (job.task, job.label) not in filmed
         filmed.add((job.task, job.label))
         mode = _video_mode(job, settings, first=first)
-        works.append(Work(job=job, folder=str(folder), video=mode, optimum=settings.optimum))
+        seconds = job_seconds(settings.job_seconds, job.agent, providers=job.access.providers)
+        bounded = replace(job, seconds=seconds)
+        works.append(Work(job=bounded, folder=str(folder), video=mode, optimum=settings.optimum))
     return works
 
 

@@ -8,30 +8,51 @@ from queue import Empty, SimpleQueue
 
 from remac_bench.agents import Lines
 from remac_bench.records import Record
-from remac_bench.worker import Work, play_job
+from remac_bench.watch import LOOKS, Watch
+from remac_bench.worker import Work, play_job, timed_out
 
-Ended = tuple[Work, "list[Record] | BaseException"]
+Ended = tuple[Work, "list[Record] | BaseException | None"]
+"""A job with its records, or with an error of the runner's own; None: it has begun."""
 
 
-def play(works: Sequence[Work], *, count: int) -> Iterator[tuple[Work, list[Record]]]:
+def play(works: Sequence[Work], *, count: int, watch: Watch) -> Iterator[tuple[Work, list[Record]]]:
     """Play works with `count` at the same time, and yield each as it ends.
 
     The threads end with the process: one that waits for an answer does not hold up a runner that is stopped. What it
-    was at is played again by the next run.
+    was at is played again by the next run. A thread cannot be ended: one whose job's time is up is left to itself, its
+    job has failed, and another thread takes its place.
     """
     waiting: SimpleQueue[Work] = SimpleQueue()
     ended: SimpleQueue[Ended] = SimpleQueue()
     for work in works:
         waiting.put(work)
     stopped, lines = threading.Event(), Lines(calls=count)
-    for number in range(count):
+    left = {work.job.key: work for work in works}
+
+    def hire(number: int) -> None:
         arguments = (waiting, ended, stopped, lines)
         threading.Thread(target=_serve, args=arguments, name=f"remac-worker-{number}", daemon=True).start()
+
+    for number in range(count):
+        hire(number)
     try:
-        for _ in works:
-            work, records = ended.get()
+        while left:
+            for late in [work for work in left.values() if watch.is_over(work)]:
+                watch.end(left.pop(late.job.key))
+                hire(count := count + 1)
+                yield late, [timed_out(late)]
+            try:
+                work, records = ended.get(timeout=LOOKS)
+            except Empty:
+                continue
             if isinstance(records, BaseException):
                 raise records
+            if work.job.key not in left:
+                continue  # it came to an end after all, too late
+            if records is None:
+                watch.begin(work)
+                continue
+            watch.end(left.pop(work.job.key))
             yield work, records
     finally:
         stopped.set()
@@ -43,6 +64,7 @@ def _serve(waiting: SimpleQueue[Work], ended: SimpleQueue[Ended], stopped: threa
             work = waiting.get_nowait()
         except Empty:
             return
+        ended.put((work, None))
         try:
             ended.put((work, play_job(work, lines)))
         except BaseException as error:  # noqa: BLE001 - a defect of the runner's own; it must not wait for ever

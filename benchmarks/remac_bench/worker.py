@@ -11,10 +11,12 @@ from typing import Any
 from remac_bench import agents
 from remac_bench.agents import Lines
 from remac_bench.episode import Course, Fault, blaming, make_record, play_episode
+from remac_bench.errors import JobTimeoutError
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import Job
 from remac_bench.recording import Recorder, VideoMode
 from remac_bench.records import Record
+from remac_bench.watch import Deadline, job_seconds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,16 +28,29 @@ class Work:
     video: VideoMode = "none"
     optimum: bool = False
 
+    @property
+    def seconds(self) -> float:
+        """The job's wall time at most; one that takes longer has failed."""
+        return job_seconds(self.job.seconds, self.job.agent, providers=self.job.access.providers)
+
 
 def serve(connection: Connection, extensions: Sequence[str]) -> None:
-    """Receive works and send back their records as lines of JSON, until the other side is gone."""
+    """Receive works, say of each that it has begun (None), and send back its records as lines of JSON.
+
+    Until the other side is gone.
+    """
     # Ctrl-C goes to all processes of a terminal; it is the parent that decides when to stop.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    import remac_agents  # noqa: F401 - so that no job's time goes by with it
+    import remac_env  # noqa: F401
+
     load_extensions(extensions)
     lines = Lines()
     try:
         while True:
-            connection.send([record.line() for record in play_job(connection.recv(), lines)])
+            work = connection.recv()
+            connection.send(None)
+            connection.send([record.line() for record in play_job(work, lines)])
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
@@ -46,19 +61,25 @@ def play_job(work: Work, lines: Lines | None = None) -> list[Record]:
     Args:
         lines: what its language models share with other jobs of this process.
     """
-    job = work.job
+    job, deadline = work.job, Deadline.within(work.seconds)
     try:
         with blaming("infrastructure"):
             env = _make_env(job)
     except Fault as fault:
         return [make_record(job, 0, course=Course(), report={}, fault=fault)]
     try:
-        return _play_iterations(work, env, lines)
+        return _play_iterations(work, env, lines, deadline)
     finally:
         env.close()
 
 
-def _play_iterations(work: Work, env: Any, lines: Lines | None) -> list[Record]:
+def timed_out(work: Work) -> Record:
+    """The record of a job whose time is up: a failure of the agent, in the iteration that counts."""
+    fault = Fault("agent", JobTimeoutError(work.seconds))
+    return make_record(work.job, work.job.iterations, course=Course(), report={}, fault=fault)
+
+
+def _play_iterations(work: Work, env: Any, lines: Lines | None, deadline: Deadline) -> list[Record]:
     job = work.job
     try:
         with blaming("infrastructure"):
@@ -74,9 +95,12 @@ def _play_iterations(work: Work, env: Any, lines: Lines | None) -> list[Record]:
     for iteration in range(job.iterations + 1):
         name = f"{job.task}-{job.label}-seed{job.seed}-iteration{iteration}-{job.key}"
         recorder = Recorder(env, work.folder, name, work.video, last=iteration == job.iterations)
-        record = play_episode(env, agent, job, iteration, recorder, optimum=work.optimum)
+        record = play_episode(env, agent, job, iteration, recorder, deadline, optimum=work.optimum)
         records.append(record)
-        if record.infrastructure_error:
+        if record.infrastructure_error or record.scored:
+            break
+        if deadline.left <= 0:
+            records.append(timed_out(work))
             break
     return records
 

@@ -87,8 +87,10 @@ def forget(name: str) -> None:
     key = _key()
     _answers[key] = None
     _complaints.setdefault(name, "it failed when it was used")
+    path = _memory_file()
     try:
-        _memory_file().unlink(missing_ok=True)
+        if path is not None:
+            path.unlink(missing_ok=True)
     except OSError:
         return  # an unwritable cache is no reason to fail: the answer in this process is what counts
 
@@ -176,15 +178,18 @@ def _changed(path: str) -> int:
         return 0
 
 
-def _memory_file() -> Path:
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(home) / "remac_env" / "gl.json"
+def _memory_file() -> Path | None:
+    """Where the answer is remembered; None for a user without a folder."""
+    home = os.path.expanduser("~")
+    cache = os.environ.get("XDG_CACHE_HOME") or (os.path.join(home, ".cache") if os.path.isabs(home) else None)
+    return None if cache is None else Path(cache) / "remac_env" / "gl.json"
 
 
 def _remembered(key: str, candidates: tuple[str, ...]) -> str | None:
     """The platform remembered under this key, if the file is sound and the platform one that would be tried."""
+    path = _memory_file()
     try:
-        stored = json.loads(_memory_file().read_text(encoding="utf-8"))
+        stored = None if path is None else json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
     name = stored.get(key) if isinstance(stored, dict) else None
@@ -194,6 +199,8 @@ def _remembered(key: str, candidates: tuple[str, ...]) -> str | None:
 def _remember(key: str, name: str) -> None:
     """Write the one answer, whole or not at all; a cache that cannot be written is not needed."""
     path = _memory_file()
+    if path is None:
+        return
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, draft = tempfile.mkstemp(dir=path.parent, prefix="gl-")

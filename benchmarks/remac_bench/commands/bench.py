@@ -66,6 +66,7 @@ def run(
     engine: flags.EngineName = "auto",
     address: flags.Address = None,
     jobs: flags.Jobs = None,
+    job_seconds: flags.JobSeconds = None,
     optimum: flags.Optimum = False,
     extensions: flags.Extensions = None,
 ) -> None:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +12,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from remac_bench.console import FAILED, INTERRUPTED, console, plain
+from remac_bench.interrupts import SIGNALS, stoppable
 from remac_bench.jobs import Job
 from remac_bench.records import Record
 from remac_bench.report import read_rows, tables
@@ -34,7 +32,7 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
     refuse_unsolvable(jobs if settings.fresh else pending(jobs, folder))
     bar = Bar()
     try:
-        with _terminable():
+        with stoppable(*SIGNALS):
             if settings.preflight:
                 _preflight(jobs, folder)
             summary = run_jobs(jobs, folder, settings, listener=bar)
@@ -72,19 +70,6 @@ def _preflight(jobs: Sequence[Job], folder: str) -> None:
         check_jobs_models(left)
 
 
-@contextmanager
-def _terminable() -> Iterator[None]:
-    """Let SIGTERM, which batch systems send, stop a run as cleanly as Ctrl-C does."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread may set handlers
-        return
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
 class Bar(Listener):
     """A progress bar, in episodes, from the moment that there is something to do: done, failed, rate, ETA, money."""
 
@@ -111,6 +96,11 @@ class Bar(Listener):
         elapsed = self.progress.tasks[0].elapsed or 0.0
         counts = self.tally.told(elapsed)
         self.progress.update(self._task, advance=job.iterations + 1, description=told, told=counts)
+
+    def slow(self, job: Job, seconds: float) -> None:
+        """Name a job that takes long, above the bar."""
+        told = f"job {job.key}: {job.task} seed {job.seed} ({job.label}) has been running for {seconds:.0f} s"
+        self.progress.console.print(plain(told), markup=False, highlight=False)
 
     def stop(self) -> None:
         """Let go of the screen, once; a bar that was never shown leaves no trace."""

@@ -116,6 +116,7 @@ def _settings(given: dict[str, Any]) -> Settings:
         address=given["address"],
         video=given["video"],
         optimum=given["optimum"],
+        job_seconds=given["job_seconds"],
         extensions=tuple(given["extensions"] or ()),
         preflight=given["preflight"],
     )

@@ -1,0 +1,118 @@
+"""Roles whose answers are checked before a method sees them. What they may see is read from them once, and stays so."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from remac_agents.answers import MOST_LESSONS, Answers
+from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summary
+from remac_agents.plan import PlanError
+from remac_agents.printable import printable, words
+from remac_agents.roles import AdjustRequest, Advice, HandoverRequest, PlanRequest, ReflectRequest, Roles, Verdict, View
+from remac_env.conditions import Condition
+from remac_env.subtasks import Subtask
+
+PROBLEM = 2_000
+"""Characters of what a planner says about its own failure."""
+
+
+def checked(roles: Roles) -> Roles:
+    """The same roles, each behind a check of its answers."""
+    kinds: dict[str, Any] = {
+        "planner": CheckedPlanner,
+        "conditions": CheckedConditions,
+        "checker": CheckedChecker,
+        "adjuster": CheckedAdjuster,
+        "reflector": CheckedReflector,
+        "handover": CheckedHandover,
+        "summariser": CheckedSummariser,
+    }
+    return Roles(**{name: kinds[name](name, role) for name, role in roles.named().items()})
+
+
+class CheckedRole:
+    """What all of them share."""
+
+    def __init__(self, name: str, role: Any) -> None:
+        self.role, self.answers = role, Answers(name, role)
+        self.needs_truth = bool(getattr(role, "needs_truth", False))
+
+
+class CheckedPlanner(CheckedRole):
+    """Passes answers on: `read_plan` reads them, and a planner may correct what is no plan."""
+
+    def plan(self, request: PlanRequest) -> Any:
+        """The answer as it is; the words of an error made printable."""
+        answer = self.role.plan(request)
+        if isinstance(answer, PlanError):
+            return replace(answer, problem=printable(words(answer.problem)[:PROBLEM]))
+        return answer
+
+
+class CheckedConditions(CheckedRole):
+    """Conditions about this kitchen."""
+
+    def before(self, subtask: Subtask, robot: str, view: View) -> list[Condition]:
+        """What must hold before a subtask."""
+        return self.answers.conditions("before()", self.role.before(subtask, robot, view), view)
+
+    def after(self, subtask: Subtask, robot: str, view: View) -> list[Condition]:
+        """What must hold after it."""
+        return self.answers.conditions("after()", self.role.after(subtask, robot, view), view)
+
+
+class CheckedChecker(CheckedRole):
+    """One verdict for each condition."""
+
+    def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
+        """In the order of the conditions."""
+        asked = tuple(conditions)
+        return self.answers.verdicts(self.role.check(list(asked), view), asked)
+
+
+class CheckedAdjuster(CheckedRole):
+    """Advice whose steps this kitchen knows."""
+
+    def adjust(self, request: AdjustRequest) -> Advice:
+        """What to do first, and thereafter."""
+        return self.answers.advice(self.role.adjust(request), request)
+
+
+class CheckedReflector(CheckedRole):
+    """Lessons that are texts. `review` is there if the role has it."""
+
+    def __init__(self, name: str, role: Any) -> None:
+        super().__init__(name, role)
+        if getattr(role, "review", None) is not None:
+            self.review = self._review
+
+    def reflect(self, request: ReflectRequest) -> list[str]:
+        """What a failed pre-check teaches."""
+        return self.answers.texts("reflect()", self.role.reflect(request))
+
+    def _review(self, lessons: Sequence[str], *, success: bool) -> list[str]:
+        kept = self.role.review(list(lessons), success=success)
+        return self.answers.texts("review()", kept, max(MOST_LESSONS, len(lessons)))
+
+
+class CheckedHandover(CheckedRole):
+    """Passes answers on: `read_plan` reads them, and the lead works alone where there is no plan."""
+
+    def share(self, request: HandoverRequest) -> Any:
+        """The answer as it is."""
+        return self.role.share(request)
+
+
+class CheckedSummariser(CheckedRole):
+    """Lines and causes."""
+
+    def summarise(self, goal: str, steps: Sequence[SeenStep]) -> Summary:
+        """A line for each step, and one for each that was not tried again."""
+        return self.answers.summary(self.role.summarise(goal, list(steps)), steps)
+
+    def explain(self, request: ExplainRequest) -> Explanation:
+        """Why an episode failed."""
+        view = request.steps[0].before if request.steps else None
+        return self.answers.explanation(self.role.explain(request), request, view)
