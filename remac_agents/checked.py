@@ -9,7 +9,7 @@ from typing import Any
 from remac_agents.answers import MOST_LESSONS, Answers
 from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summary
 from remac_agents.plan import PlanError
-from remac_agents.printable import printable, words
+from remac_agents.printable import words
 from remac_agents.roles import AdjustRequest, Advice, HandoverRequest, PlanRequest, ReflectRequest, Roles, Verdict, View
 from remac_env.conditions import Condition
 from remac_env.subtasks import Subtask
@@ -47,8 +47,12 @@ class CheckedPlanner(CheckedRole):
         """The answer as it is; the words of an error made printable."""
         answer = self.role.plan(request)
         if isinstance(answer, PlanError):
-            return replace(answer, problem=printable(words(answer.problem)[:PROBLEM]))
+            return replace(answer, problem=_said(answer.problem), more=tuple(_said(text) for text in answer.more))
         return answer
+
+
+def _said(text: object) -> str:
+    return words(text)[:PROBLEM]
 
 
 class CheckedConditions(CheckedRole):

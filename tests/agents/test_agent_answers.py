@@ -281,7 +281,7 @@ def test_words_of_an_error_are_made_printable() -> None:
             raise TypeError("no words")
 
     report = one(method="BASE", planner=lambda request: PlanError(Odd()))  # type: ignore[arg-type]
-    assert report.errors == ("<unprintable Odd>",) * 2
+    assert set(report.errors) == {"<unprintable Odd>"}
     assert one(method="BASE", planner=lambda request: PlanError(HALF)).errors[0] == "half a pair: \\ud83d"
 
 
