@@ -188,9 +188,9 @@ def role(text: object) -> object:
         raise UsageError(f"role {error}") from error
 
 
-def reflector_of(planner: str) -> object:
+def reflector_of(planner: str, *, providers: str | None = None) -> str:
     """Who reflects on what a planner learns itself: the same model with the same options, or the rules."""
-    return role(planner) if is_model(_bare(planner)) else "rule"
+    return planner if is_model(_bare(planner), providers) else "rule"
 
 
 def changed_options(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -249,6 +249,25 @@ def test_the_doctor_asks(server: ChaosServer) -> None:
     assert result.exit_code == 2 and "valid: openai:o3, openrouter:openai/o3" in result.stderr
 
 
+def test_plans_and_experiments_ask_first_too(server: ChaosServer, tmp_path: Path) -> None:
+    file = tmp_path / "p.toml"
+    mine = f'[providers.mine]\ntitle="M"\nbase_url="{server.url}"\nkey="MINE_KEY"\nany_model=true\n'
+    file.write_text(mine + "[paper]\no3 = ['mine:thinker']\n", "utf-8")
+    more = ["--planner", "o3,seconds=20", "--providers", str(file), "--via", "auto"]
+    trial = ["experiment", "validity", "--tasks", "HeatOnStove", "--n", "1"]
+    for command in (["plan", "--task", "HeatOnStove"], trial):
+        server.plays(refuses(401, "bad key"))
+        result = CliRunner().invoke(app, [*command, *more], env={"MINE_KEY": "k"})
+        assert result.exit_code == 2 and "error: mine:thinker: key:" in result.stderr and len(server.asked) == 1
+        server.plays(says(SEES), says("Plan: [turn on stove]"))
+        result = CliRunner().invoke(app, [*command, *more], env={"MINE_KEY": "k"})
+        assert result.exit_code == 0, result.output
+        assert "preflight: mine:thinker" in result.stderr and server.asked[1].body["model"] == "thinker"
+        server.plays(says("Plan: [turn on stove]"))
+        result = CliRunner().invoke(app, [*command, *more, "--no-preflight"], env={"MINE_KEY": "k"})
+        assert result.exit_code == 0 and "preflight" not in result.stderr
+
+
 def test_the_measured_table_can_be_read() -> None:
     for method, tasks in measured().needs.items():
         for task, roles in tasks.items():

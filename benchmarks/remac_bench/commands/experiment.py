@@ -10,7 +10,7 @@ import typer
 
 from remac_bench.console import clean_errors, console
 from remac_bench.errors import UsageError
-from remac_bench.flags import Extensions
+from remac_bench.flags import BaseUrl, Extensions, Preflight, Providers, Via
 
 Names = Annotated[str, typer.Argument(help="reflection, wording or validity.")]
 Planners = Annotated[
@@ -31,12 +31,16 @@ def experiment(
         str, typer.Option(help="own: what each planner itself learns in a first iteration; rule: what the rules learn.")
     ] = "rule",
     file: Annotated[Path | None, typer.Option("--json", help="Also write every trial and the cells.")] = None,
+    base_url: BaseUrl = None,
+    providers: Providers = None,
+    via: Via = None,
+    preflight: Preflight = True,
     extensions: Extensions = None,
 ) -> None:
     """Ask planners for plans only, and judge them by the skill table: seconds, no physics."""
     import remac_env
-    from remac_agents.catalogue import make_role
     from remac_bench import agents
+    from remac_bench.commands.reaching import Reach
     from remac_bench.experiments.tables import as_json, tables
     from remac_bench.experiments.trials import EXPERIMENTS
     from remac_bench.extensions import find_local_modules, load_extensions
@@ -59,8 +63,10 @@ def experiment(
     chosen = parse_names(tasks, "tasks") if tasks else [task for task in known if get(task).in_table]
     for task in chosen:
         check_choice("task", task, known)
-    planners = {text: make_role("planner", agents.role(text)) for text in planner or OFFLINE}
-    own = {text: make_role("reflector", agents.reflector_of(text)) for text in planners}
+    reach = Reach(base_url=base_url, providers=providers, via=via, preflight=preflight)
+    planners = {text: reach.fill("planner", text) for text in map(reach.routed, planner or OFFLINE)}
+    reach.check(planners)
+    own = {text: reach.fill("reflector", agents.reflector_of(text, providers=providers)) for text in planners}
     reflectors = own if reflections == "own" else None
     sizes = [int(crew) for crew in crews]
     made = EXPERIMENTS[name](planners, chosen, count=count, robots=sizes, starts=kinds, reflectors=reflectors)

@@ -8,7 +8,19 @@ from typing import Annotated
 import typer
 
 from remac_bench.console import clean_errors
-from remac_bench.flags import Extensions, Layout, Naming, Planner, Starts, Style, Wording
+from remac_bench.flags import (
+    BaseUrl,
+    Extensions,
+    Layout,
+    Naming,
+    Planner,
+    Preflight,
+    Providers,
+    Starts,
+    Style,
+    Via,
+    Wording,
+)
 
 
 @clean_errors
@@ -28,11 +40,15 @@ def plan(
     by: Annotated[
         str, typer.Option("--reflections-by", help="own: the planner's own first iteration; rule: the rules'.")
     ] = "rule",
+    base_url: BaseUrl = None,
+    providers: Providers = None,
+    via: Via = None,
+    preflight: Preflight = True,
     extensions: Extensions = None,
 ) -> None:
     """Ask a planner for one plan and print it as JSON: valid, optimal, rounds, optimum and its first error."""
-    from remac_agents.catalogue import make_role
     from remac_bench import agents
+    from remac_bench.commands.reaching import Reach
     from remac_bench.extensions import find_local_modules, load_extensions
     from remac_bench.plans.ask import Cell, Taught, judged, teach, teach_by
     from remac_env.errors import check_choice
@@ -50,10 +66,13 @@ def plan(
         naming=naming,
     )
     check_choice("reflections-by", by, ("own", "rule"))
-    filled = make_role("planner", agents.role(planner or "literal"))
+    reach = Reach(base_url=base_url, providers=providers, via=via, preflight=preflight)
+    named = reach.routed(planner or "literal")
+    filled = reach.fill("planner", named)
+    reach.check({"planner": filled})
     lessons: Taught | None = None
     if taught and by == "own":
-        reflector = make_role("reflector", agents.reflector_of(planner or "literal"))
+        reflector = reach.fill("reflector", agents.reflector_of(named, providers=providers))
         lessons = teach_by(cell, planner=filled, reflector=reflector)
     elif taught:
         lessons = teach(cell)
