@@ -90,7 +90,7 @@ def make(
         helper: the second robot of a team; None: the first by name of the others.
         iterations: number of the last iteration on a start, where it is known; REMAC's team forms by then.
         models: keywords of `filling.ModelOptions`: model, base_url, providers, via, cassette, replay, max_calls,
-            max_tokens, max_money, max_seconds, limiter (docs/models.md).
+            max_tokens, max_money, max_seconds, limiter, manners (docs/models.md).
 
     Raises:
         UnknownNameError: for an unknown method, role or model; lists the valid ones.

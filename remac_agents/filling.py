@@ -13,7 +13,7 @@ from remac_agents.roles import Roles
 from remac_env.errors import OptionError, check_choice
 
 if TYPE_CHECKING:
-    from remac_agents.llm import Cassette, Limiter
+    from remac_agents.llm import Cassette, Limiter, Manners
     from remac_agents.models import Models
 
 DEFAULTS = {
@@ -46,6 +46,7 @@ class ModelOptions:
         max_calls, max_tokens, max_money, max_seconds: what all episodes of the agent together may spend on models;
             money in US dollars. None: `remac_agents.models.LIMITS`, and no bound on money.
         limiter: how many requests may be under way, where several agents share an endpoint.
+        manners: what was learnt of how endpoints want to be asked, where several agents share it.
     """
 
     model: str | None = None
@@ -59,6 +60,7 @@ class ModelOptions:
     max_money: float | None = None
     max_seconds: float | None = None
     limiter: Limiter | None = None
+    manners: Manners | None = None
 
     @property
     def budget(self) -> dict[str, float | None]:
@@ -120,13 +122,15 @@ def _taken_over(given: Mapping[str, Any], options: ModelOptions, models: Models)
 
 
 def _models(options: ModelOptions) -> Models:
-    from remac_agents.llm import Budget, Cassette, Limiter  # only here: no offline agent needs the client
+    from remac_agents.llm import Budget, Cassette, Limiter, Manners  # only here: no offline agent needs the client
     from remac_agents.models import LIMITS, Models
 
     for name, bound in options.budget.items():
         check_spending(f"max_{name}", bound)
     if options.limiter is not None and not isinstance(options.limiter, Limiter):
         raise OptionError(f"limiter {options.limiter!r} is not valid; valid: a remac_agents.llm.Limiter, or None")
+    if options.manners is not None and not isinstance(options.manners, Manners):
+        raise OptionError(f"manners {options.manners!r} is not valid; valid: a remac_agents.llm.Manners, or None")
     if options.replay and options.cassette is None:
         raise OptionError("replay needs a cassette; valid: cassette=FILE, replay=True")
     cassette = options.cassette
@@ -139,6 +143,7 @@ def _models(options: ModelOptions) -> Models:
         budget=Budget(**bounds),
         cassette=cassette,
         limiter=options.limiter,
+        manners=options.manners,
         base_url=options.base_url,
         providers=options.providers,
         via=options.via,

@@ -41,9 +41,15 @@ class Step:
 
 @dataclass(frozen=True)
 class Usage:
-    """What an episode took of language models. `money`: US dollars, of the calls whose price is known.
+    """What an episode took of language models.
 
-    `repeats`: questions that were not put because the same had been answered in this episode.
+    Attributes:
+        calls: questions.
+        requests: what was sent for them, repeated and failed requests included.
+        prompt_tokens, completion_tokens: of all requests, as far as endpoints told.
+        money: US dollars, of the requests whose price is known; `unpriced` counts the others.
+        seconds: spent in calls, waiting included.
+        repeats: questions that were not put because the same had been answered in this episode.
     """
 
     calls: int = 0
@@ -53,6 +59,7 @@ class Usage:
     unpriced: int = 0
     seconds: float = 0.0
     repeats: int = 0
+    requests: int = 0
 
 
 @dataclass(frozen=True)
@@ -67,6 +74,8 @@ class Exchange:
         error: the kind of a failed call (remac_agents.llm.KINDS), else None.
         tokens, money, seconds: what it took; money in US dollars, None where the price is not known.
         pictures: digests of the images shown.
+        requests: how often it had to be sent.
+        adaptations: how it was sent otherwise than asked, because of what the endpoint refuses.
     """
 
     round: int
@@ -80,6 +89,8 @@ class Exchange:
     money: float | None = None
     seconds: float = 0.0
     pictures: tuple[str, ...] = ()
+    requests: int = 0
+    adaptations: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -125,6 +136,14 @@ class EpisodeReport:
     exchanges: tuple[Exchange, ...] = ()
     pictures: Mapping[str, bytes] = field(default_factory=dict)
     infrastructure: str | None = None
+
+    @property
+    def adaptations(self) -> tuple[str, ...]:
+        """How questions were sent otherwise than asked, because of what endpoints refuse; each once."""
+        notes = [note for exchange in self.exchanges for note in exchange.adaptations]
+        # A bound on tokens is reduced by what each prompt leaves: the first one tells of them all.
+        first = {note.rpartition(" -> ")[0] or note: note for note in reversed(notes)}
+        return tuple(note for note in dict.fromkeys(notes) if note in first.values())
 
 
 @dataclass

@@ -16,6 +16,7 @@ from remac_agents.llm import (
     ChatError,
     ChatReply,
     Limiter,
+    Manners,
     ModelSettings,
     Picture,
     load,
@@ -23,6 +24,7 @@ from remac_agents.llm import (
     route,
 )
 from remac_agents.llm.clock import Clock
+from remac_agents.llm.outcomes import Bill
 from remac_agents.roles import StopEpisode
 
 LIMITS: dict[str, float] = {"calls": 1000, "tokens": 5_000_000, "seconds": 6 * 3600.0}
@@ -44,8 +46,7 @@ class Page:
     asked: dict[str, int] = field(default_factory=dict)
     answered: dict[str, str] = field(default_factory=dict)
     repeats: int = 0
-    tokens_in: int = 0
-    tokens_out: int = 0
+    bill: Bill = Bill()
 
 
 class Models:
@@ -57,6 +58,7 @@ class Models:
         budget: Budget | None = None,
         cassette: Cassette | None = None,
         limiter: Limiter | None = None,
+        manners: Manners | None = None,
         base_url: str | None = None,
         providers: Path | str | None = None,
         via: str | None = None,
@@ -68,6 +70,7 @@ class Models:
         Args:
             budget: None: LIMITS.
             limiter: may be shared with other agents.
+            manners: what was learnt of how endpoints want to be asked; may be shared too.
             base_url: of models that may be anywhere and are named without an address.
             providers: a file of providers that adds to those built in, or overrides them.
             via: the provider by which models are reached, or "auto"; see `remac_agents.llm.providers.route`.
@@ -77,7 +80,7 @@ class Models:
         self.cassette, self.page = cassette, Page()
         self.providers, self._via = providers, via
         self._limiter, self._base_url = limiter or Limiter(clock=clock), base_url
-        self._more: dict[str, Any] = {"clock": clock, "environ": environ}
+        self._more: dict[str, Any] = {"clock": clock, "environ": environ, "manners": manners or Manners()}
         self._clients: dict[tuple[str, str, str], ChatClient] = {}
 
     def client(self, model: str, settings: ModelSettings | None = None) -> ChatClient:
@@ -156,17 +159,18 @@ class Models:
 
     @property
     def usage(self) -> Usage:
-        """What the episode took. A question counts as one call, however often it had to be sent."""
+        """What the episode took. A question is one call, however many requests it took; all of them are booked."""
         page = self.page
         calls = [exchange for exchange in page.exchanges if exchange.error not in STOPPING]
         return Usage(
             calls=len(calls),
-            prompt_tokens=page.tokens_in,
-            completion_tokens=page.tokens_out,
-            money=sum(exchange.money or 0.0 for exchange in calls),
-            unpriced=sum(e.money is None and (e.error is None or e.tokens > 0) for e in calls),
+            prompt_tokens=page.bill.tokens_in,
+            completion_tokens=page.bill.tokens_out,
+            money=page.bill.money,
+            unpriced=page.bill.unpriced,
             seconds=sum(exchange.seconds for exchange in calls),
             repeats=page.repeats,
+            requests=page.bill.requests,
         )
 
     def _note(
@@ -179,8 +183,8 @@ class Models:
         outcome: ChatReply | ChatError,
     ) -> None:
         page, reply = self.page, outcome if isinstance(outcome, ChatReply) else None
-        page.tokens_in += outcome.tokens_in or 0
-        page.tokens_out += outcome.tokens_out or 0
+        bill = outcome.bill
+        page.bill += bill
         page.pictures.update({picture.digest: picture.png for picture in images})
         page.exchanges.append(
             Exchange(
@@ -191,9 +195,11 @@ class Models:
                 reply=reply.text if reply else "",
                 reasoning=reply.reasoning if reply else "",
                 error=None if reply else outcome.kind,  # type: ignore[union-attr]
-                tokens=(outcome.tokens_in or 0) + (outcome.tokens_out or 0),
-                money=outcome.money,
+                tokens=bill.tokens_in + bill.tokens_out,
+                money=None if bill.unpriced or not bill.requests else bill.money,
                 seconds=outcome.seconds,
                 pictures=tuple(picture.digest for picture in images),
+                requests=bill.requests,
+                adaptations=outcome.adaptations,
             )
         )

@@ -5,7 +5,7 @@
     {"plan": {"robot_0": [...]}}              JSON, also in a Markdown fence
     1. first command                          lists with numbers or bullets
     first command, second command             lines that hold nothing but commands
-Thoughts in `<think>` are passed over, and so is prose. A list or line in which some parts are commands is taken
+Thoughts (thoughts.py) are passed over, and so is prose. A list or line in which some parts are commands is taken
 with all of its parts, so that what is no command in it comes to light.
 """
 

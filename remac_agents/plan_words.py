@@ -7,10 +7,9 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+from remac_agents.thoughts import split_thoughts
 from remac_env.vocabulary import normalise
 
-_THOUGHTS = r"think|thinking|thought|reasoning"
-_THOUGHT = re.compile(rf"<(/?)(?:{_THOUGHTS})>", re.I)
 _FENCE = re.compile(r"^[ \t]*(?:```|~~~)[\w+-]*[ \t]*$", re.M)
 _TYPOGRAPHY = str.maketrans("\u2018\u2019\u201c\u201d\u2022\u2023\u2013\u00a0\u202f", "''\"\"---  ", "\ufeff")
 """Quotes, bullets, dashes and spaces of typesetters; letters stay as they are."""
@@ -35,18 +34,10 @@ _PLANS = re.compile(
 
 def without_thoughts(text: str) -> str | None:
     """The text without thoughts, Markdown fences and typographic letters; None if it ends in a thought."""
-    told, thinking, position = "", False, 0
-    for mark in _THOUGHT.finditer(text):
-        closes = bool(mark[1])
-        if closes and not thinking:
-            told = ""  # the text began with a thought whose opening is missing
-        elif not closes and not thinking:
-            told += text[position : mark.start()] + "\n"
-        thinking, position = not closes, mark.end()
-    if thinking:
+    found = split_thoughts(text)
+    if found.unfinished:
         return None
-    text = told + text[position:]
-    return _FENCE.sub("", text.translate(_TYPOGRAPHY))
+    return _FENCE.sub("", "\n".join(found.answer).translate(_TYPOGRAPHY))
 
 
 def split_heading(line: str) -> tuple[str | None, str]:

@@ -63,13 +63,15 @@ class Access:
 
 
 class Lines:
-    """What the jobs of one process share when they ask language models: one cassette, and a limiter for each model."""
+    """What the jobs of one process share when they ask language models: one cassette, a limiter for each model, and
+    what was learnt of how endpoints want to be asked."""
 
     def __init__(self, *, calls: int = 1) -> None:
         """Args: calls: how many may be under way at the same time, at first and at most."""
         self._calls, self._lock = calls, threading.Lock()
         self._limiters: dict[str, Any] = {}
         self._cassettes: dict[Access, Any] = {}
+        self._manners: Any = None
 
     def keywords(self, job: Job) -> dict[str, Any]:
         """Keywords of `remac_agents.make` for this job; none where no model is asked.
@@ -80,17 +82,18 @@ class Lines:
         models = asked_models(job.agent, providers=job.access.providers)
         if not models:
             return {}
-        from remac_agents.llm import Cassette, Limiter  # only here: no offline job needs the client
+        from remac_agents.llm import Cassette, Limiter, Manners  # only here: no offline job needs the client
 
         access, told = job.access, ",".join(models)
         with self._lock:
             if told not in self._limiters:
                 self._limiters[told] = Limiter(start=self._calls, most=self._calls)
+            self._manners = self._manners or Manners()
             if access.cassette is not None and access not in self._cassettes:
                 self._cassettes[access] = Cassette(access.cassette, mode="replay" if access.replay else "fill")
             found: dict[str, Any] = {"base_url": access.base_url, "providers": access.providers}
             found |= {"cassette": self._cassettes.get(access), "replay": access.replay}
-            return {**found, "limiter": self._limiters[told]}
+            return {**found, "limiter": self._limiters[told], "manners": self._manners}
 
 
 class Agent(Protocol):

@@ -41,6 +41,7 @@ def report_fields(report: Any) -> dict[str, Any]:
         "truth_readers": list(report.truth_readers),
         "planner_errors": [redact(text)[:MESSAGE_MAX] for text in report.errors],
         "usage": _copy(UsageEntry, report.usage),
+        "adaptations": list(report.adaptations),
         "exchanges": [_exchange(entry) for entry in report.exchanges[:EXCHANGES_MAX]],
     }
 
@@ -70,7 +71,7 @@ def _exchange(entry: Any) -> ExchangeEntry:
     told = {name: getattr(entry, name) for name in ExchangeEntry.model_fields}
     told["messages"] = [(role, cut(text)) for role, text in entry.messages]
     told["reply"], told["reasoning"] = cut(entry.reply), cut(entry.reasoning)
-    told["pictures"] = list(entry.pictures)
+    told["pictures"], told["adaptations"] = list(entry.pictures), list(entry.adaptations)
     return ExchangeEntry(**told)
 
 

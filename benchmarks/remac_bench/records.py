@@ -51,7 +51,8 @@ class ErrorEntry(Model):
 
 
 class UsageEntry(Model):
-    """What an episode took of language models. `money`: US dollars, of the calls whose price is known.
+    """What an episode took of language models. `calls` are questions; `requests` what was sent for them, repeated and
+    failed requests included. `money`: US dollars, of the requests whose price is known; `unpriced` counts the others.
 
     `repeats`: questions that were not put because the same had been answered in this episode.
     """
@@ -63,13 +64,15 @@ class UsageEntry(Model):
     unpriced: int = 0
     seconds: float = 0.0
     repeats: int = 0
+    requests: int = 0
 
 
 class ExchangeEntry(Model):
     """One question to a language model and its answer, long texts cut.
 
     `round` counts the rounds played before it; `pictures` are digests of the images shown, which lie in the records'
-    folder as pictures/<digest>.png; `error` is the kind of a failed call.
+    folder as pictures/<digest>.png; `error` is the kind of a failed call; `requests` how often it had to be sent;
+    `adaptations` how it was sent otherwise than asked.
     """
 
     round: int
@@ -83,6 +86,8 @@ class ExchangeEntry(Model):
     money: float | None = None
     seconds: float = 0.0
     pictures: list[str] = Field(default_factory=list)
+    requests: int = 0
+    adaptations: list[str] = Field(default_factory=list)
 
 
 class VideoEntry(Model):
@@ -119,6 +124,8 @@ class Record(Model):
         worlds: the WorldState at the start and after each round, as plain values.
         truth_readers: the roles that were given the WorldState.
         usage, exchanges: what language models were asked, and what that took.
+        adaptations: how questions were sent otherwise than asked, because of what endpoints refuse, such as
+            "max_tokens -> max_completion_tokens"; each once.
         planner_errors: replies of the planner that were no plans.
         optimum_rounds: length of the shortest plan, where it was asked for and is known; `optimum_proof` says how it
             is known, and `optimum_lower` how long it is at least (`remac_env.oracle.Certificate`).
@@ -168,6 +175,7 @@ class Record(Model):
     planner_errors: list[str] = Field(default_factory=list)
     usage: UsageEntry = Field(default_factory=UsageEntry)
     exchanges: list[ExchangeEntry] = Field(default_factory=list)
+    adaptations: list[str] = Field(default_factory=list)
     robot_contacts: int = 0
     near_misses: int = 0
     physics_steps: int = 0

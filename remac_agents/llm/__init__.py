@@ -8,12 +8,13 @@ with ChatClient("openai:gpt-4o", budget=Budget(calls=100, money=2.0)) as client:
 
 from __future__ import annotations
 
+from remac_agents.llm.adapting import Manners
 from remac_agents.llm.answer import Answer, BadAnswer, read_json
 from remac_agents.llm.budget import Budget, Spent
 from remac_agents.llm.cassette import Cassette
 from remac_agents.llm.client import ChatClient
 from remac_agents.llm.limiter import Limiter
-from remac_agents.llm.outcomes import KINDS, ChatError, ChatReply
+from remac_agents.llm.outcomes import KINDS, Bill, ChatError, ChatReply
 from remac_agents.llm.providers import Catalogue, Endpoint, Model, Provider, load, resolve, route
 from remac_agents.llm.redaction import file_name, plain
 from remac_agents.llm.request import Picture
@@ -23,6 +24,7 @@ __all__ = [
     "KINDS",
     "Answer",
     "BadAnswer",
+    "Bill",
     "Budget",
     "Cassette",
     "Catalogue",
@@ -31,6 +33,7 @@ __all__ = [
     "ChatReply",
     "Endpoint",
     "Limiter",
+    "Manners",
     "Model",
     "ModelSettings",
     "Picture",

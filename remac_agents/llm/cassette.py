@@ -9,12 +9,12 @@ import json
 import os
 import threading
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import IO, Any, Literal
 
-from remac_agents.llm.outcomes import KINDS, ChatError, ChatReply
+from remac_agents.llm.outcomes import KINDS, Bill, ChatError, ChatReply
 from remac_agents.llm.redaction import plain
 from remac_agents.llm.request import digest
 from remac_env.errors import OptionError, check_choice
@@ -162,9 +162,17 @@ def _entry(line: bytes) -> dict[str, Any] | None:
 
 def _outcome(entry: Mapping[str, Any]) -> ChatReply | ChatError:
     value = dict(entry["value"])
+    value["bill"] = Bill(**value["bill"]) if "bill" in value else _old_bill(value)
+    value["adaptations"] = tuple(value.get("adaptations", ()))
     if entry["outcome"] == "error":
         return ChatError(**value)
     return ChatReply(**value | {"flags": tuple(value.get("flags", ()))})
+
+
+def _old_bill(value: Mapping[str, Any]) -> Bill:
+    """Of an exchange that was recorded before all requests were booked: what is known of the last one."""
+    told = Bill(1, value.get("tokens_in") or 0, value.get("tokens_out") or 0, value.get("money") or 0.0)
+    return replace(told, requests=max(1, value.get("attempts", 1)), unpriced=int(value.get("money") is None))
 
 
 def _ends_torn(file: IO[bytes]) -> bool:

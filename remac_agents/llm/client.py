@@ -11,18 +11,18 @@ from dataclasses import replace
 from enum import Enum
 from typing import Any
 
-from remac_agents.llm.budget import Budget, Cost
+from remac_agents.llm.adapting import Manners
+from remac_agents.llm.asking import Asker
+from remac_agents.llm.budget import Budget
 from remac_agents.llm.cassette import Cassette
 from remac_agents.llm.clock import Clock
-from remac_agents.llm.judging import judge
 from remac_agents.llm.limiter import Limiter
-from remac_agents.llm.outcomes import KINDS, PATIENT, ChatError, ChatReply
+from remac_agents.llm.outcomes import PATIENT, ChatError, ChatReply
 from remac_agents.llm.providers import Endpoint, resolve
 from remac_agents.llm.redaction import Redactor, plain
 from remac_agents.llm.request import CHARACTERS_PER_TOKEN, ChatRequest, Picture, digest, read_messages
-from remac_agents.llm.retry import wait_before
 from remac_agents.llm.settings import ModelSettings, check_bounds, read_model_name
-from remac_agents.llm.transport import READ_S, Transport
+from remac_agents.llm.transport import Transport
 from remac_agents.llm.wire import Caps
 
 SEEN_IDS = 10_000
@@ -46,9 +46,9 @@ class ChatClient:
         limiter: Limiter | None = None,
         budget: Budget | None = None,
         cassette: Cassette | None = None,
+        manners: Manners | None = None,
         versions: Mapping[str, str] | None = None,
         caps: Caps | None = None,
-        read_s: float = READ_S,
         clock: Clock | None = None,
         jitter: Callable[[], float] | None = None,
         environ: Mapping[str, str] | None = None,
@@ -64,9 +64,9 @@ class ChatClient:
             limiter: how many requests may be under way.
             budget: what may be spent.
             cassette: where exchanges are recorded or come from.
+            manners: what was learnt of how endpoints want to be asked; clients of a run share it.
             versions: what else answers hang on, such as the prompts' version; kept apart on the cassette.
             caps: how much of an answer is read.
-            read_s: the longest wait for the next bytes, s.
             clock, jitter: time, and draws from [0, 1); given by tests.
             environ: where the key is looked up; None: the environment.
             tries: requests that one call sends at most.
@@ -79,16 +79,16 @@ class ChatClient:
         self.endpoint = self.settings.applied(endpoint)
         self.budget = budget or Budget()
         self.cassette = cassette
-        self._stream = self.endpoint.model.stream or self.endpoint.model.stream_only
-        self._clock = clock or Clock()
-        self.limiter = limiter or Limiter(clock=self._clock)
+        clock = clock or Clock()
+        self.limiter = limiter or Limiter(clock=clock)
         self._versions = dict(versions or {})
-        self._environ, self._tries = environ, tries
-        self._jitter = jitter or random.Random().random
+        self._environ = environ
         key = (os.environ if environ is None else environ).get(self.endpoint.provider.key, "").strip()
         self._key_problem = _key_problem(self.endpoint, key)
         self._redactor = Redactor([key])
-        self._transport = Transport("" if self._key_problem else key, clock=self._clock, caps=caps, read_s=read_s)
+        self._transport = Transport("" if self._key_problem else key, clock=clock, caps=caps)
+        jitter = jitter or random.Random().random
+        self._asker = Asker(self._transport, self.limiter, self.budget, manners or Manners(), clock, jitter, tries)
         self._seen: dict[str, None] = {}
         self._lock = threading.Lock()
 
@@ -104,7 +104,7 @@ class ChatClient:
     @property
     def streams(self) -> bool:
         """Whether answers are asked for in pieces."""
-        return self._stream
+        return self.endpoint.model.stream or self.endpoint.model.stream_only
 
     @property
     def has_key(self) -> bool:
@@ -165,101 +165,32 @@ class ChatClient:
             seed=settings.seed if seed is None else seed,
             versions=self._versions,
             label=label,
+            stream=self.streams,
         )
         canonical = self._redactor.value(request.canonical())
         key = digest(canonical)
         outcome = self._unsendable(request) or self._played(canonical)
+        if outcome is None and self._key_problem:
+            outcome = ChatError("unauthorised", self._key_problem)
         if outcome is None:
-            outcome = self._ask(request, deadline)
-            outcome = self._clean(replace(outcome, key=key))
+            outcome = self._clean(replace(self._asker.ask(request, deadline), key=key))
             return self._recorded(canonical, outcome)
         return self._clean(replace(outcome, key=key))
 
     def _unsendable(self, request: ChatRequest) -> ChatError | None:
         model = request.endpoint.model
         if request.images and not model.images:
-            return ChatError("unsupported", f"{request.endpoint.name} takes no images")
+            return ChatError("unsupported", f"{request.endpoint.name} takes no images (option images)")
         # Half the usual estimate of tokens is certainly too low; what lies between, the endpoint decides.
         fewest = sum(len(text) for _, text in request.messages) / (2 * CHARACTERS_PER_TOKEN)
         if model.context and fewest > model.context:
-            return ChatError("context_too_long", f"at least {fewest:.0f} tokens; {model.name} takes {model.context}")
+            told = f"at least {fewest:.0f} tokens; {model.name} takes {model.context} (option context)"
+            return ChatError("context_too_long", told)
         return None
 
     def _played(self, canonical: Mapping[str, Any]) -> ChatReply | ChatError | None:
         outcome = None if self.cassette is None else self.cassette.play(canonical)
         return None if outcome is None else replace(outcome, attempts=0, seconds=0.0)
-
-    def _ask(self, request: ChatRequest, seconds: float) -> ChatReply | ChatError:
-        if self._key_problem:
-            return ChatError("unauthorised", self._key_problem)
-        started = self._clock.monotonic()
-        left = self.budget.seconds_left()
-        deadline = started + (seconds if left is None else min(seconds, left))
-        tries: dict[str, int] = {}
-        sent = 0
-        try:
-            while True:
-                outcome, was_sent = self._try(request, deadline)
-                sent += was_sent
-                wait = self._wait(outcome, tries, deadline)
-                if wait is None:
-                    return replace(outcome, attempts=sent, seconds=self._clock.monotonic() - started)
-                self._clock.sleep(wait)
-        finally:
-            self.budget.book_seconds(self._clock.monotonic() - started)
-
-    def _wait(self, outcome: ChatReply | ChatError, tries: dict[str, int], deadline: float) -> float | None:
-        """Seconds until another try; None: none would help, or there is no time for it."""
-        if isinstance(outcome, ChatReply):
-            return None
-        tries[outcome.kind] = tries.get(outcome.kind, 0) + 1
-        total = sum(tries.values())
-        if tries[outcome.kind] >= KINDS[outcome.kind].tries or total >= self._tries:
-            return None
-        if not outcome.infrastructure:
-            return 0.0  # the endpoint is well and needs no rest
-        wait = wait_before(total, outcome.retry_after, self._jitter)
-        return None if self._clock.monotonic() + wait >= deadline else wait
-
-    def _try(self, request: ChatRequest, deadline: float) -> tuple[ChatReply | ChatError, bool]:
-        """One request, and whether it was sent."""
-        with self.limiter.place(deadline) as got:
-            if not got:
-                return ChatError("timeout", "other requests, or a pause of the endpoint, left no time"), False
-            model = request.endpoint.model
-            tokens = request.tokens_estimated()
-            worst = Cost(tokens + request.max_tokens, model.money(tokens, request.max_tokens))
-            broken = self.budget.refuse(worst)
-            if broken:
-                return ChatError("over_budget", broken), False
-            actual = worst
-            try:
-                raw = self._transport.send(request, stream=self._stream, deadline=deadline)
-                outcome = raw if isinstance(raw, ChatError) else judge(raw, request)
-                actual = self._cost(outcome, request)
-            finally:
-                self.budget.book(worst, actual)
-            self._tell_limiter(outcome)
-            return outcome, True
-
-    def _cost(self, outcome: ChatReply | ChatError, request: ChatRequest) -> Cost:
-        """What a request did cost: as the endpoint says, or else an estimate."""
-        if outcome.tokens_in is not None and outcome.tokens_out is not None:
-            return Cost(outcome.tokens_in + outcome.tokens_out, outcome.money)
-        if isinstance(outcome, ChatError) and outcome.status != 200 and outcome.kind not in ("timeout", "truncated"):
-            return Cost(0, 0.0)  # refused before any work was done
-        longest = request.max_tokens
-        if isinstance(outcome, ChatReply):
-            longest = min(longest, int(len(outcome.text + outcome.reasoning) / CHARACTERS_PER_TOKEN) + 1)
-        return Cost(request.tokens_estimated() + longest, outcome.money)
-
-    def _tell_limiter(self, outcome: ChatReply | ChatError) -> None:
-        if isinstance(outcome, ChatReply) or not KINDS[outcome.kind].infrastructure:
-            self.limiter.succeeded()
-        elif outcome.kind == "rate_limited":
-            self.limiter.rate_limited(wait_before(1, outcome.retry_after, self._jitter))
-        elif KINDS[outcome.kind].weighs:
-            self.limiter.failed()
 
     def _clean(self, outcome: ChatReply | ChatError) -> ChatReply | ChatError:
         """The outcome without keys; an endpoint may echo what it was sent."""

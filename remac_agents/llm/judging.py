@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from remac_agents.llm.outcomes import ChatError, ChatReply
-from remac_agents.llm.reasoning import split_reasoning
 from remac_agents.llm.request import ChatRequest
 from remac_agents.llm.wire import Raw
+from remac_agents.thoughts import split_reasoning
 
 MOST_TOKENS = 100_000_000
 """A larger count of tokens is not credible."""
@@ -16,16 +16,26 @@ MOST_TOKENS = 100_000_000
 MOST_MONEY = 10_000.0
 """Nor is a request that cost more US dollars."""
 
-_TOO_LONG = (
-    "context_length",
-    "context length",
-    "maximum context",
-    "context window",
-    "context size",
-    "prompt is too long",
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+STOPS = _words(
+    "stop eos eos_token end end_turn end_of_turn eot eot_id im_end endoftext end_of_text end_of_sequence stop_sequence "
+    "stop_string stop_token stop_word complete completed completion finish finished done natural normal success"
 )
-_NO_MODEL = ("model_not_found", "model not found", "unknown model", "no such model")
-_NO_MONEY = ("insufficient_quota", "exceeded your current quota", "billing", "insufficient balance", "credit balance")
+LENGTHS = _words(
+    "length max_tokens max_output_tokens max_completion_tokens max_new_tokens max_length max_tokens_reached "
+    "token_limit length_limit length_capped output_limit limit truncated context_length "
+    "context_window_exceeded model_length model_context_window_exceeded model_context_length"
+)
+FILTERED = _words(
+    "content_filter content_filtered content_policy filtered filter safety blocked blocklist refusal refused "
+    "moderation flagged sensitive guardrail_intervened recitation prohibited_content spii"
+)
+TOOLS = _words("tool_calls tool_call tool_use function_call function_calls")
+"""How endpoints say that an answer came to its own end, hit its bound, was withheld, or calls a tool."""
 
 
 def judge(raw: Raw, request: ChatRequest) -> ChatReply | ChatError:
@@ -35,7 +45,7 @@ def judge(raw: Raw, request: ChatRequest) -> ChatReply | ChatError:
     if money is None:
         money = request.endpoint.model.money(tokens_in, tokens_out)
     text, thoughts = split_reasoning(raw.content)
-    finish = (raw.finish or "").casefold()
+    finish = ending(raw.finish)
     kind, detail = _fault(raw, finish, text)
     if kind:
         return ChatError(kind, detail, 200, tokens_in=tokens_in, tokens_out=tokens_out, money=money)
@@ -46,7 +56,7 @@ def judge(raw: Raw, request: ChatRequest) -> ChatReply | ChatError:
         tokens_in=tokens_in,
         tokens_out=tokens_out,
         money=money,
-        finish_reason=finish,
+        finish_reason=(raw.finish or "").casefold(),
         model=raw.model,
         response_id=raw.response_id,
         fingerprint=raw.fingerprint,
@@ -55,17 +65,24 @@ def judge(raw: Raw, request: ChatRequest) -> ChatReply | ChatError:
 
 
 def _fault(raw: Raw, finish: str, text: str) -> tuple[str, str]:
-    if raw.tools or finish in ("tool_calls", "function_call"):
+    if raw.tools or finish in TOOLS:
         return "tool_call", f"finish_reason {finish or None!r}, calls: {', '.join(raw.tools) or 'none'}"
-    if finish in ("length", "max_tokens"):
+    if finish in LENGTHS:
         return "cut_short", f"after {len(raw.content)} characters of answer"
-    if raw.refused or finish == "content_filter":
+    if raw.refused or finish in FILTERED:
         return "filtered", f"finish_reason {finish or None!r}"
-    if finish != "stop":
+    whole = not finish and raw.done and text  # nothing was said of the ending, but the stream came to its end
+    if finish not in STOPS and not whole:
         return "unfinished", f"finish_reason {raw.finish!r}"
     if not text:
         return "empty", "reasoning only" if raw.reasoning.strip() or raw.content.strip() else "no text"
     return "", ""
+
+
+def ending(finish: str | None) -> str:
+    """A finish_reason without what differs between endpoints: case, dashes and prefixes."""
+    word = (finish or "").strip().casefold().replace("-", "_").replace(" ", "_")
+    return word.removeprefix("finish_reason_").strip("_<|>")
 
 
 def tokens(usage: Any) -> tuple[int | None, int | None]:
@@ -110,33 +127,10 @@ def _flags(raw: Raw, request: ChatRequest, tokens_in: int | None, tokens_out: in
         flags.append("usage_unknown")
     if tokens_out is not None and tokens_out >= request.max_tokens:
         flags.append("at_token_limit")
+    if not ending(raw.finish):
+        flags.append("ending_unknown")
     if raw.model and request.endpoint.model.name.split("/")[-1].casefold() not in raw.model.casefold():
         flags.append("other_model")
     if wanted is not None and wanted.get("type") not in request.endpoint.model.response_format:
         flags.append("response_format_not_offered")
     return tuple(flags)
-
-
-def refusal(status: int, detail: str, retry_after: float | None) -> ChatError:
-    """What an HTTP status other than 200 means. Only what may succeed later is of a kind that is retried."""
-    text = detail.casefold()
-    error = ChatError(_refusal_kind(status, text), detail, status)
-    if error.kind in ("rate_limited", "server_error") and retry_after is not None:
-        return ChatError(error.kind, detail, status, retry_after)
-    return error
-
-
-def _refusal_kind(status: int, text: str) -> str:
-    if status == 402 or (status == 429 and any(word in text for word in _NO_MONEY)):
-        return "quota"
-    if status == 429:
-        return "rate_limited"
-    if status in (401, 403):
-        return "unauthorised"
-    if status == 404 or (status == 400 and any(word in text for word in _NO_MODEL)):
-        return "unknown_model"
-    if status == 413 or (status in (400, 422) and any(word in text for word in _TOO_LONG)):
-        return "context_too_long"
-    if status in (408, 409, 425) or (status >= 500 and status not in (501, 505)):
-        return "server_error"
-    return "redirected" if 300 <= status < 400 else "bad_request"

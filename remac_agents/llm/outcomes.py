@@ -31,7 +31,7 @@ REASKS = 3
 
 KINDS: Mapping[str, Kind] = {
     "endpoint_unavailable": Kind("nobody answered: connection, name or TLS", PATIENT, True, True),
-    "timeout": Kind("the answer did not come in time", PATIENT, True, True),
+    "timeout": Kind("the answer did not come in time; it may have cost, and is not asked for again", 1, True, True),
     "rate_limited": Kind("the endpoint asked for fewer requests", PATIENT, True),
     "server_error": Kind("the endpoint failed", PATIENT, True, True),
     "malformed": Kind("the answer is not what the protocol says", REASKS, True, True),
@@ -44,15 +44,42 @@ KINDS: Mapping[str, Kind] = {
     "redirected": Kind("the endpoint pointed elsewhere, where no request was sent", 1, True),
     "cassette_miss": Kind("the cassette holds no answer to this request", 1, True),
     "unsupported": Kind("the model does not take what was to be sent", 1, True),
-    "context_too_long": Kind("the prompt does not fit the model", 1),
+    "context_too_long": Kind("the prompt leaves no room in the model's context for an answer", 1, True),
     "oversized": Kind("the answer was longer than allowed and was cut off unread", 1),
     "empty": Kind("no text besides reasoning, also when asked again", REASKS),
-    "cut_short": Kind("the answer hit the bound on its tokens", 1),
+    "cut_short": Kind("the answer hit the bound on its tokens, also the largest that the model takes", 1),
     "filtered": Kind("the endpoint withheld the answer, or the model refused", 1),
     "tool_call": Kind("the model called a tool, and none was offered", 1),
     "over_budget": Kind("the job has spent what it may", 1),
 }
 """Every kind of ChatError."""
+
+
+@dataclass(frozen=True)
+class Bill:
+    """What the requests of a call took, those included that failed or were given up.
+
+    Attributes:
+        requests: how many were sent.
+        tokens_in, tokens_out, money: as far as they are known; money in US dollars.
+        unpriced: requests whose money is not known.
+    """
+
+    requests: int = 0
+    tokens_in: int = 0
+    tokens_out: int = 0
+    money: float = 0.0
+    unpriced: int = 0
+
+    def __add__(self, other: Bill) -> Bill:
+        """Both together."""
+        return Bill(
+            self.requests + other.requests,
+            self.tokens_in + other.tokens_in,
+            self.tokens_out + other.tokens_out,
+            self.money + other.money,
+            self.unpriced + other.unpriced,
+        )
 
 
 @dataclass(frozen=True)
@@ -65,11 +92,14 @@ class ChatReply:
         tokens_in, tokens_out: as the endpoint counted them; None where it did not, or not credibly.
         money: US dollars, as the endpoint says, or else by the provider's listed price; None where neither is known.
         seconds: the whole call by the monotonic clock, waiting included.
-        attempts: requests sent; 0 when played from a cassette.
+        attempts: requests sent, or tried to; 0 when played from a cassette.
         finish_reason: as the endpoint gave it.
         model, response_id, fingerprint: what the endpoint said of itself, "" where nothing.
         key: digest of the request, by which a cassette finds the exchange.
         flags: oddities worth a line in the record, such as "usage_unknown" or "id_repeated".
+        bill: what all requests of the call took; tokens_in, tokens_out and money are those of the last one.
+        adaptations: how the request that was answered departed from the one that was to be sent, because of what the
+            endpoint refused, such as "max_tokens -> max_completion_tokens".
     """
 
     text: str
@@ -85,6 +115,8 @@ class ChatReply:
     fingerprint: str = ""
     key: str = ""
     flags: tuple[str, ...] = ()
+    bill: Bill = Bill()
+    adaptations: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -96,8 +128,8 @@ class ChatError:
         detail: what happened, for people: one line without control characters, keys blotted out.
         status: of HTTP, if the endpoint gave one.
         retry_after: seconds that the endpoint asked to wait, if it did.
-        tokens_in, tokens_out, money: what the failed call cost, as far as known.
-        seconds, attempts, key: as in ChatReply.
+        tokens_in, tokens_out, money: what the last request cost, as far as known.
+        seconds, attempts, key, bill, adaptations: as in ChatReply.
     """
 
     kind: str
@@ -110,6 +142,8 @@ class ChatError:
     seconds: float = 0.0
     attempts: int = 0
     key: str = ""
+    bill: Bill = Bill()
+    adaptations: tuple[str, ...] = ()
 
     @property
     def retriable(self) -> bool:

@@ -64,6 +64,7 @@ class ChatRequest:
         versions: what else an answer hangs on (the prompts' and the kitchen's versions); part of the key only.
         label: which question of which episode this is, so that equal prompts of several episodes are apart; part of
             the key only.
+        stream: whether the answer is asked for in pieces; no part of the key.
     """
 
     endpoint: Endpoint
@@ -75,6 +76,7 @@ class ChatRequest:
     seed: int | None = None
     versions: Mapping[str, str] = field(default_factory=dict)
     label: str = ""
+    stream: bool = False
 
     def canonical(self) -> dict[str, Any]:
         """The request as a value that is equal for equal requests. How it is sent (streamed or not) is no part."""
@@ -92,7 +94,14 @@ class ChatRequest:
             **({"extra": dict(self.endpoint.model.extra)} if self.endpoint.model.extra else {}),
         }
 
-    def body(self, *, stream: bool) -> dict[str, Any]:
+    @property
+    def asks_for_form(self) -> bool:
+        """Whether a response_format is sent: one is wanted, and the model offers its type."""
+        return self.response_format is not None and self.response_format.get("type") in (
+            self.endpoint.model.response_format
+        )
+
+    def body(self) -> dict[str, Any]:
         """The JSON to send: only what the model takes."""
         model = self.endpoint.model
         body: dict[str, Any] = {
@@ -105,9 +114,9 @@ class ChatRequest:
             body["temperature"] = self.temperature
         if self.seed is not None:
             body["seed"] = self.seed
-        if self.response_format is not None and self.response_format.get("type") in model.response_format:
+        if self.response_format is not None and self.asks_for_form:
             body["response_format"] = dict(self.response_format)
-        if stream:
+        if self.stream:
             body["stream"] = True
             if model.stream_usage:
                 body["stream_options"] = {"include_usage": True}

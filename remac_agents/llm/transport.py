@@ -11,6 +11,7 @@ import ssl
 import threading
 import zlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 from urllib.parse import urlsplit
@@ -18,14 +19,15 @@ from urllib.parse import urlsplit
 import httpx
 
 from remac_agents.llm.clock import Clock
-from remac_agents.llm.judging import refusal
 from remac_agents.llm.outcomes import ChatError
+from remac_agents.llm.refusals import refusal
 from remac_agents.llm.request import ChatRequest
 from remac_agents.llm.retry import asked_wait
 from remac_agents.llm.wire import Caps, Raw, StreamReader, error_text, read_body
 
-CONNECT_S, WRITE_S, READ_S = 5.0, 30.0, 60.0
-"""How long a connection, one write, and the wait for the next bytes may take."""
+CONNECT_S, WRITE_S = 10.0, 30.0
+"""How long a connection and one write may take. The answer is waited for until the deadline of the call, however silent
+the endpoint is: models that reason think for minutes."""
 
 NO_CONNECTION = "no connection"
 """With this begins the detail of an error where nobody was there to talk to."""
@@ -34,13 +36,10 @@ NO_CONNECTION = "no connection"
 class Transport:
     """Sends requests. Thread-safe; each request has a connection of its own, so that its deadline can cut it."""
 
-    def __init__(
-        self, key: str, *, clock: Clock | None = None, caps: Caps | None = None, read_s: float = READ_S
-    ) -> None:
-        """Args: key: sent as a bearer token, if not empty; read_s: the wait for the next bytes."""
+    def __init__(self, key: str, *, clock: Clock | None = None, caps: Caps | None = None) -> None:
+        """Args: key: sent as a bearer token, if not empty."""
         self._clock = clock or Clock()
         self._caps = caps or Caps()
-        self._read_s = read_s
         self.has_key = bool(key)
         headers = {"accept-encoding": "identity", "user-agent": "remac-kitchen"}
         if key:
@@ -59,44 +58,47 @@ class Transport:
         """Release the connections."""
         self._client.close()
 
-    def send(self, request: ChatRequest, *, stream: bool, deadline: float) -> Raw | ChatError:
+    def send(self, request: ChatRequest, *, deadline: float) -> Raw | ChatError:
         """One try. `deadline`: by the monotonic clock; nothing is read after it."""
         left = deadline - self._clock.monotonic()
         if left <= 0:
-            return ChatError("timeout", "no time was left to send the request")
-        begun: list[int] = []  # the status, once the headers came
+            return ChatError("timeout", "no time was left to send the request", tokens_in=0, tokens_out=0, money=0.0)
+        pulse = _Pulse(self._clock.monotonic())
         with _Watchdog(left) as watchdog:
             try:
-                answer = self._exchange(request, stream, deadline, watchdog, begun)
+                answer = self._exchange(request, deadline, watchdog, pulse)
             except (httpx.HTTPError, httpx.InvalidURL, httpx.StreamError, OSError) as error:
-                return _fault(error, watchdog.fired or self._clock.monotonic() >= deadline, begun)
+                now = self._clock.monotonic()
+                if isinstance(error, httpx.ConnectError | httpx.ConnectTimeout):
+                    return _fault(error, request.endpoint.base_url, watchdog.sent, pulse.status)
+                if watchdog.fired or now >= deadline:
+                    return ChatError("timeout", pulse.told(now), pulse.status)
+                return _fault(error, request.endpoint.base_url, watchdog.sent, pulse.status)
         if isinstance(answer, ChatError) and watchdog.fired:
             # A body without a length that was cut looks as if it had ended.
-            return ChatError("timeout", "the deadline passed while the answer came", answer.status)
+            return ChatError("timeout", pulse.told(self._clock.monotonic()), answer.status)
         return answer
 
     def _exchange(
-        self, request: ChatRequest, stream: bool, deadline: float, watchdog: _Watchdog, begun: list[int]
+        self, request: ChatRequest, deadline: float, watchdog: _Watchdog, pulse: _Pulse
     ) -> Raw | ChatError:
         left = deadline - self._clock.monotonic()
-        timeout = httpx.Timeout(
-            connect=min(CONNECT_S, left), read=min(self._read_s, left), write=min(WRITE_S, left), pool=left
-        )
+        timeout = httpx.Timeout(connect=min(CONNECT_S, left), read=left, write=min(WRITE_S, left), pool=left)
         sent = self._client.build_request(
             "POST",
             request.endpoint.base_url + "/chat/completions",
-            json=request.body(stream=stream),
+            json=request.body(),
             timeout=timeout,
             extensions={"trace": watchdog.trace},
         )
         response = self._client.send(sent, stream=True)
         try:
-            begun.append(response.status_code)
-            return self._read(response, deadline)
+            pulse.status = response.status_code
+            return self._read(response, deadline, pulse)
         finally:
             response.close()
 
-    def _read(self, response: httpx.Response, deadline: float) -> Raw | ChatError:
+    def _read(self, response: httpx.Response, deadline: float, pulse: _Pulse) -> Raw | ChatError:
         status = response.status_code
         events = status == 200 and "text/event-stream" in response.headers.get("content-type", "").casefold()
         cap = self._caps.error_bytes if status != 200 else self._caps.body_bytes
@@ -104,8 +106,9 @@ class Transport:
         body = bytearray()
         total = 0
         for data in _pieces(response, self._caps.stream_bytes if events else cap):
+            pulse.beat(self._clock.monotonic())
             if self._clock.monotonic() >= deadline:
-                return ChatError("timeout", "the answer was still coming at the deadline", status)
+                return ChatError("timeout", f"the answer was still coming: {pulse.told(deadline)}", status)
             if data is None:
                 encoding = response.headers.get("content-encoding")
                 body = bytearray(f"encoding {encoding!r} was not asked for", "utf-8")
@@ -170,20 +173,43 @@ def _refused(response: httpx.Response, body: bytes, wall: float) -> ChatError:
     return refusal(response.status_code, error_text(body), asked_wait(response.headers, wall))
 
 
-def _fault(error: Exception, late: bool, begun: list[int]) -> ChatError:
-    """A failure of the connection as a value. httpx's messages name addresses, never headers."""
-    told = f"{type(error).__name__}: {error}"
+def _fault(error: Exception, address: str, sent: bool, status: int | None) -> ChatError:
+    """A failure of the connection as a value. httpx's messages name addresses, never headers.
+
+    Args:
+        sent: whether anything of the request was; if not, it cost nothing.
+        status: of the answer, if it had begun.
+    """
+    told = f"{address}: {type(error).__name__}: {error}".rstrip(": ")
     if isinstance(error, httpx.ConnectError | httpx.ConnectTimeout):
-        return ChatError("endpoint_unavailable", f"{NO_CONNECTION}: {told}")
-    if late:
-        return ChatError("timeout", "the deadline passed")
-    if isinstance(error, httpx.TimeoutException):
-        return ChatError("timeout", told)
+        told = f"{NO_CONNECTION}: {told}"
+    free: dict[str, Any] = {} if sent else {"tokens_in": 0, "tokens_out": 0, "money": 0.0}
     if isinstance(error, (httpx.UnsupportedProtocol, httpx.LocalProtocolError, httpx.InvalidURL)):
-        return ChatError("bad_request", told)
-    if begun and begun[0] != 200:
-        return refusal(begun[0], told, None)
-    return ChatError("truncated" if begun else "endpoint_unavailable", told)
+        return ChatError("bad_request", told, **free)
+    if status is not None and status != 200:
+        return refusal(status, told, None)
+    return ChatError("endpoint_unavailable" if status is None else "truncated", told, **free)
+
+
+@dataclass
+class _Pulse:
+    """Signs of life of an endpoint: headers, pieces of an answer, comments that keep a connection open."""
+
+    begun: float
+    status: int | None = None
+    beats: int = 0
+    last: float = 0.0
+
+    def beat(self, now: float) -> None:
+        """Bytes came."""
+        self.beats, self.last = self.beats + 1, now
+
+    def told(self, now: float) -> str:
+        """What there was until the deadline."""
+        if not self.beats:
+            return f"silent for {now - self.begun:.0f} s, until the deadline (option seconds)"
+        since = f"{self.beats} signs of life, the last {now - self.last:.0f} s before"
+        return f"no whole answer in {now - self.begun:.0f} s ({since}), until the deadline (option seconds)"
 
 
 class _Watchdog:
@@ -194,7 +220,7 @@ class _Watchdog:
     """
 
     def __init__(self, seconds: float) -> None:
-        self.fired = False
+        self.fired = self.sent = False
         self._lock = threading.Lock()
         self._socket: socket.socket | None = None
         self._timer = threading.Timer(min(seconds, threading.TIMEOUT_MAX), self._fire)
@@ -213,6 +239,7 @@ class _Watchdog:
 
     def trace(self, event: str, info: dict[str, Any]) -> None:
         """Told by httpx of every step of a request."""
+        self.sent |= event.endswith("send_request_headers.started")
         if event == "connection.connect_tcp.complete":
             with self._lock:
                 self._socket = info["return_value"].get_extra_info("socket").dup()

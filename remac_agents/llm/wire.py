@@ -3,14 +3,30 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from remac_agents.llm.outcomes import ChatError
+from remac_agents.llm.refusals import refusal
 
 EXCERPT = 500
 """Characters of a strange answer that go into an error's detail."""
+
+
+BOM = b"\xef\xbb\xbf"
+"""The mark that some programs put before UTF-8."""
+
+IN_STREAM = "in the stream: "
+"""Stands before an error that came in a stream."""
+
+THINKING = ("thinking", "reasoning", "reasoning_text", "thought", "redacted_thinking")
+"""Types of parts of a content that are no answer."""
+
+LOOSE = ("text", "thinking", "reasoning", "summary", "content")
+LOOSE_DEPTH = 4
+"""Where the text of reasoning stands in an object, and how deep objects may be nested."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +50,7 @@ class Caps:
 
 @dataclass
 class Raw:
-    """An answer as it came, not judged yet."""
+    """An answer as it came, not judged yet. `done`: it was streamed, and the stream came to its end."""
 
     content: str = ""
     reasoning: str = ""
@@ -45,6 +61,7 @@ class Raw:
     model: str = ""
     response_id: str = ""
     fingerprint: str = ""
+    done: bool = False
 
 
 class _Strange(ValueError):
@@ -58,6 +75,8 @@ def read_body(data: bytes, caps: Caps) -> Raw | ChatError:
         raw = Raw()
         _note_origin(raw, body)
         choice = _choice(body.get("choices"))
+        if choice is None and body.get("error"):
+            return _error_inside(body, data, "in the answer: ")
         if choice is None:
             raise _Strange("it holds no choice")
         _add(raw, choice, choice.get("message"))
@@ -76,7 +95,7 @@ class StreamReader:
         self._data: list[bytes] = []
         self._texts: dict[str, list[str]] = {"content": [], "reasoning": []}
         self._length = 0
-        self._done = False
+        self._done = self._begun = False
 
     def feed(self, data: bytes) -> bool | ChatError:
         """Read on. True: the terminator came."""
@@ -109,11 +128,14 @@ class StreamReader:
             return ChatError("truncated", "the stream ended before [DONE]")
         self._raw.content = "".join(self._texts["content"])
         self._raw.reasoning = "".join(self._texts["reasoning"])
+        self._raw.done = True
         return self._raw
 
     def _lines(self, data: bytes) -> Iterator[bytes]:
         """Whole lines; \\r\\n, \\n and \\r end one. A \\r at the very end may be half of a \\r\\n and waits."""
         self._pending += data
+        if not self._begun and len(self._pending) >= len(BOM):
+            self._begun, self._pending = True, self._pending.removeprefix(BOM)
         held = b"\r" if self._pending.endswith(b"\r") else b""
         text = self._pending[: len(self._pending) - len(held)].replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         *lines, rest = text.split(b"\n")
@@ -123,7 +145,7 @@ class StreamReader:
     def _event(self, event: bytes) -> ChatError | None:
         chunk = _json(event)
         if chunk.get("error"):
-            return ChatError("server_error", f"in the stream: {error_text(event)}")
+            return _error_inside(chunk, event, IN_STREAM)
         _note_origin(self._raw, chunk)
         choice = _choice(chunk.get("choices"))
         if choice is not None:
@@ -139,20 +161,40 @@ class StreamReader:
 
 
 def error_text(data: bytes) -> str:
-    """The message of an error body, or its beginning."""
+    """What an error body says: message, code and type, what the company behind the endpoint said, which parameter it is
+    about, and counts of tokens; or the body's beginning."""
     try:
-        error = _json(data).get("error")
+        body = _json(data)
     except _Strange:
-        error = None
-    if isinstance(error, dict):
-        told = [str(error[name]) for name in ("message", "code", "type") if error.get(name)]
-        return "; ".join(told)[: 2 * EXCERPT]
-    return data[: 2 * EXCERPT].decode("utf-8", "replace") if error is None else str(error)[: 2 * EXCERPT]
+        return data[: 2 * EXCERPT].decode("utf-8", "replace")
+    error = body.get("error", body if isinstance(body.get("message"), str) else None)
+    if not isinstance(error, dict):
+        text = data.decode("utf-8", "replace") if error is None else str(error)
+        return text[: 2 * EXCERPT]
+    told = [str(error[name]) for name in ("message", "code", "type") if error.get(name)]
+    metadata = error.get("metadata")
+    if isinstance(metadata, dict) and metadata.get("raw"):
+        raw = metadata["raw"] if isinstance(metadata["raw"], str) else json.dumps(metadata["raw"])
+        told.insert(0, error_text(raw.encode("utf-8", "replace")))
+    told += [f"(param: {error['param']})"] if error.get("param") else []
+    told += [f"{name}={error[name]}" for name in ("n_prompt_tokens", "n_ctx") if isinstance(error.get(name), int)]
+    return "; ".join(told)[: 2 * EXCERPT]
+
+
+def _error_inside(body: dict[str, Any], data: bytes, where: str) -> ChatError:
+    """An error under status 200: as the status that it names, else as a failure of the endpoint."""
+    error = body["error"]
+    code = error.get("code", error.get("status")) if isinstance(error, dict) else None
+    status = int(code) if str(code).isdecimal() and 400 <= int(code) < 600 else None  # type: ignore[arg-type]
+    told = where + error_text(data)
+    if status is None and re.search(r"invalid_request|unsupported|context_length", told, re.IGNORECASE):
+        status = 400  # a request that was refused, by an endpoint that had begun to answer it
+    return ChatError("server_error", told) if status is None else refusal(status, told, None)
 
 
 def _json(data: bytes) -> dict[str, Any]:
     try:
-        value = json.loads(data)
+        value = json.loads(data.removeprefix(BOM))
     except (ValueError, RecursionError) as error:
         raise _Strange(f"no JSON ({type(error).__name__})") from None
     if not isinstance(value, dict):
@@ -184,10 +226,12 @@ def _add(raw: Raw, choice: dict[str, Any], message: Any) -> None:
     if not isinstance(message, dict):
         raise _Strange("its message is no object")
     raw.content += _text(message.get("content"))
-    raw.reasoning += _text(message.get("reasoning_content")) or _text(message.get("reasoning"))
+    raw.reasoning += _reasoning(message)
     raw.refused |= bool(message.get("refusal"))
     raw.tools += _tools(message)
     finish = choice.get("finish_reason")
+    if isinstance(finish, dict):
+        finish = finish.get("type")  # SGLang's own form
     if finish is not None and not isinstance(finish, str):
         raise _Strange("its finish_reason is no text")
     raw.finish = raw.finish or finish
@@ -198,10 +242,32 @@ def _text(value: Any) -> str:
     if value is None:
         return ""
     if isinstance(value, list) and all(isinstance(part, dict) for part in value):
-        return "".join(_text(part.get("text")) for part in value)
+        return "".join(_text(part.get("text")) for part in value if part.get("type") not in THINKING)
     if not isinstance(value, str):
         raise _Strange("its content is no text")
     return value
+
+
+def _reasoning(message: dict[str, Any]) -> str:
+    """Reasoning that comes apart from the answer: in a field of its own, in details, or as parts of the content."""
+    for name in ("reasoning_content", "reasoning", "thinking"):
+        if told := _loose(message.get(name)):
+            return told
+    content = message.get("content")
+    parts = [part for part in content if isinstance(part, dict)] if isinstance(content, list) else []
+    thought = "".join(_loose(part) for part in parts if part.get("type") in THINKING)
+    return thought or _loose(message.get("reasoning_details"))
+
+
+def _loose(value: Any, depth: int = 0) -> str:
+    """The text in a value of whatever form; what is none is passed over, for reasoning is not judged."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, list) and depth < LOOSE_DEPTH:
+        return "".join(_loose(part, depth + 1) for part in value)
+    if isinstance(value, dict) and depth < LOOSE_DEPTH:
+        return next((told for name in LOOSE if (told := _loose(value.get(name), depth + 1))), "")
+    return ""
 
 
 def _tools(message: dict[str, Any]) -> list[str]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
 
 
 @dataclass
@@ -154,11 +154,22 @@ DONE = b"data: [DONE]\n\n"
 USAGE = event({"choices": [], "usage": {"prompt_tokens": 10, "completion_tokens": 5}})
 
 
-def streams(*pieces: bytes, pause: float = 0.0) -> Act:
-    """Events, or parts of events, each sent by itself; without a length, so that the end of the connection ends it."""
-    return drips(
-        b"HTTP/1.1 200 OK\r\ncontent-type: text/event-stream\r\nconnection: close\r\n\r\n", *pieces, pause=pause
-    )
+def streams(*pieces: bytes, pause: float = 0.0, hang: float = 0.0) -> Act:
+    """Events, or parts of events, each sent by itself; without a length, so that the end of the connection ends it.
+    `hang`: seconds that the connection then stays open in silence."""
+    head = b"HTTP/1.1 200 OK\r\ncontent-type: text/event-stream\r\nconnection: close\r\n\r\n"
+    sending = drips(head, *pieces, pause=pause)
+    return then(sending, hangs(hang)) if hang else sending
+
+
+def then(*acts: Act) -> Act:
+    """One act after another, on the same connection."""
+
+    def act(connection: socket.socket, asked: Asked) -> None:
+        for each in acts:
+            each(connection, asked)
+
+    return act
 
 
 def drips(*pieces: bytes, pause: float = 0.0, times: int = 1) -> Act:
@@ -170,6 +181,22 @@ def drips(*pieces: bytes, pause: float = 0.0, times: int = 1) -> Act:
             connection.sendall(piece)
             if pause:
                 time.sleep(pause)
+
+    return act
+
+
+class Skips(Protocol):
+    """Time that can be skipped."""
+
+    skipped: float
+
+
+def thinks(time: Skips, seconds: float, answer: Act) -> Act:
+    """An answer after so many seconds of silence, which nobody has to wait for."""
+
+    def act(connection: socket.socket, asked: Asked) -> None:
+        time.skipped += seconds
+        answer(connection, asked)
 
     return act
 

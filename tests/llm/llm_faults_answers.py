@@ -31,7 +31,7 @@ def no_text_is_asked_for_twice_more(kit: Kit) -> None:
 @fault(10)
 def endings_are_typed(kit: Kit) -> None:
     for finish, kind, attempts in (
-        ("length", "cut_short", 1),
+        ("length", "cut_short", 3),
         ("content_filter", "filtered", 1),
         (None, "unfinished", 3),
         ("vanished", "unfinished", 3),

@@ -6,9 +6,11 @@ import gzip
 import json
 import time
 from email.utils import formatdate
+from typing import Any
 
+import httpx
 import pytest
-from chaos_server import DONE, USAGE, ChaosServer, chunk, drips, event, hangs, refuses, says, sends, streams
+from chaos_server import DONE, USAGE, ChaosServer, chunk, drips, event, hangs, refuses, says, sends, streams, thinks
 from llm_kit import KEY, Kit, fault
 
 from remac_agents.llm import Limiter
@@ -32,10 +34,39 @@ def no_connection_is_unavailable(kit: Kit) -> None:
 
 
 @fault(2)
-def silence_is_a_timeout_and_tried_again(kit: Kit) -> None:
-    assert kit.reply(hangs(), says("back"), read_s=0.1).text == "back"
-    error = kit.error(hangs(), read_s=0.05)
-    assert (error.kind, error.attempts) == ("timeout", 6)
+def silence_is_waited_for_until_the_deadline_and_not_asked_again(kit: Kit) -> None:
+    for act in (hangs(), streams(chunk("a"), b": alive\n\n", pause=0.1, hang=5.0)):
+        error = kit.error(act, ask={"deadline": 0.4})
+        assert (error.kind, error.attempts, len(kit.server.asked)) == ("timeout", 1, 1)
+        assert error.infrastructure and "option seconds" in error.detail
+        assert (error.bill.requests, error.bill.unpriced, error.bill.money) == (1, 1, 0.0), "it may have cost something"
+    assert "signs of life" in error.detail
+
+
+@fault(2)
+def an_answer_may_take_as_long_as_the_call(kit: Kit) -> None:
+    seen: list[dict[str, float]] = []
+    send = httpx.Client.send
+
+    def noting(client: httpx.Client, request: httpx.Request, **more: Any) -> httpx.Response:
+        seen.append(dict(request.extensions["timeout"]))
+        return send(client, request, **more)
+
+    kit.monkeypatch.setattr(httpx.Client, "send", noting)
+    for seconds in (90.0, 900.0):
+        reply = kit.reply(thinks(kit.time, seconds - 5, says("at last")), options={"seconds": seconds})
+        assert (reply.text, reply.attempts) == ("at last", 1) and reply.seconds > seconds - 6
+        assert seen[-1]["read"] == pytest.approx(seconds, abs=1), "no silence is too long before the deadline"
+        assert seen[-1]["connect"] == 10.0
+    error = kit.error(thinks(kit.time, 901, says("too late")), options={"seconds": 900})
+    assert (error.kind, error.attempts, len(kit.server.asked)) == ("timeout", 1, 1)
+
+
+@fault(2)
+def a_word_now_and_then_is_a_sign_of_life(kit: Kit) -> None:
+    words = [piece for word in ["one", "two", "three"] for piece in (b": keep-alive\n\n", chunk(f"{word} "))]
+    reply = kit.reply(streams(*words, chunk("", finish="stop"), USAGE, DONE, pause=0.03))
+    assert (reply.text, reply.attempts, reply.bill.requests) == ("one two three", 1, 1)
 
 
 @fault(2)
@@ -91,7 +122,7 @@ def what_cannot_succeed_is_not_tried_again(kit: Kit) -> None:
         "context_too_long": too_long,
         "unauthorised": refuses(401, f"Incorrect API key provided: {KEY}"),
         "unknown_model": refuses(404, "The model `test-model` does not exist"),
-        "bad_request": refuses(422, "temperature: not a number"),
+        "bad_request": refuses(422, "messages: not a list"),
         "quota": refuses(429, "You exceeded your current quota", code="insufficient_quota"),
     }
     for kind, act in refusals.items():

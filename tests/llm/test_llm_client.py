@@ -15,7 +15,7 @@ from llm_kit import ASK, KEY, Kit, open_kit
 
 from remac_agents.llm import KINDS, Budget, ChatClient, ChatError, ChatReply, Picture, plain, resolve
 from remac_agents.llm.budget import Cost
-from remac_agents.llm.reasoning import split_reasoning
+from remac_agents.thoughts import split_reasoning
 from remac_env.errors import OptionError
 
 
@@ -98,7 +98,7 @@ def test_a_model_is_sent_only_what_it_takes(kit: Kit) -> None:
     picture = Picture.of(numpy.zeros((4, 4, 3), dtype=numpy.uint8))
     with ChatClient(blind, environ={"OPENAI_API_KEY": KEY}) as client:
         assert client.complete(ASK, images=[picture]) == ChatError(
-            "unsupported", "openai:o3 takes no images", key=client.complete(ASK, images=[picture]).key
+            "unsupported", "openai:o3 takes no images (option images)", key=client.complete(ASK, images=[picture]).key
         )
         formless = client.complete(ASK, response_format={"type": "json_object"})
     assert isinstance(formless, ChatReply) and "response_format_not_offered" in formless.flags

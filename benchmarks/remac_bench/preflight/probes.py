@@ -197,6 +197,9 @@ def _json(client: ChatClient, reply: ChatReply, refused: str, *, claimed: bool, 
     if claimed and not asked:
         told = f"the form was refused ({plain(refused)[:200]}); name the model with response_format=none"
         return Probe(name, "JSON", False, told)
+    if "response_format left out" in reply.adaptations:
+        told = "the form is refused, and left out of every request; name the model with response_format=none"
+        return Probe(name, "JSON", False, told)
     how = "by its form" if claimed and asked else "by the prompt alone"
     return Probe(name, "JSON", found, how if found else f"not in the answer {plain(reply.text)[:80]!r}")
 
