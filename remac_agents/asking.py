@@ -17,6 +17,7 @@ from remac_env.subtasks import WAIT
 if TYPE_CHECKING:
     from remac_agents.episode import Episode
 
+
 def ask_planner(
     planner: Planner, request: PlanRequest, commands: Commands, *, most: int
 ) -> tuple[Plan | PlanError, ...]:
@@ -39,8 +40,7 @@ def ask_planner(
 def plan_request(episode: Episode, robots: tuple[str, ...]) -> PlanRequest:
     """What the planner is told at this moment of an episode."""
     briefing, view = episode.briefing, episode.view
-    runs = episode.memory.runs(briefing.task) if episode.reflecting else ()
-    previous = previous_try(runs[-1]) if runs else None
+    previous = try_before(episode)
     world = episode.seen_by(episode.roles.planner).world
     return PlanRequest(
         goal=briefing.goal,
@@ -74,6 +74,12 @@ def ran_so_far(moments: Sequence[Moment]) -> tuple[Ran, ...]:
             ended = None if report is None else report.status == "success"
             found.append(Ran(moment.round + 1, robot, subtask.text, ended, None if report is None else report.reason))
     return tuple(found)
+
+
+def try_before(episode: Episode) -> PreviousTry | None:
+    """The iteration before this one, where the method learns and there was one."""
+    runs = episode.memory.runs(episode.briefing.task) if episode.reflecting else ()
+    return previous_try(runs[-1]) if runs else None
 
 
 def previous_try(run: Run) -> PreviousTry:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sequence
 
-from remac_agents.asking import ask_planner, plan_request, ran_so_far
+from remac_agents.asking import ask_planner, plan_request, ran_so_far, try_before
 from remac_agents.briefing import Bounds, Briefing
 from remac_agents.free_text import truth_of
 from remac_agents.ledger import Check, Ledger, really_done
@@ -146,6 +146,7 @@ class Episode:
             view=self.seen_by(self.roles.adjuster),
             ask=lambda condition: self._ask(robot, subtask, condition),
             ran=ran_so_far(self.moments),
+            previous=try_before(self),
         )
         advice = self.roles.adjuster.adjust(request)
         old = self.plan.row(robot)

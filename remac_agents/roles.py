@@ -138,6 +138,7 @@ class AdjustRequest:
         plan: what remains of the plan, for all robots.
         executed: the robot's subtasks so far, without their retries.
         ran: every command so far of every robot, and how each ended.
+        previous: the iteration before this one and how that went, where the method learns and there was one.
         commands: every legal command.
         view: the moment.
         ask: puts further conditions to the checker.
@@ -152,6 +153,7 @@ class AdjustRequest:
     view: View
     ask: Ask
     ran: tuple[Ran, ...] = ()
+    previous: PreviousTry | None = None
 
 
 @dataclass(frozen=True)

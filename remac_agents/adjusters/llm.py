@@ -53,6 +53,7 @@ def _analysis(request: AdjustRequest) -> dict[str, str]:
     return {
         **wording.room(request.view),
         "commands": ", ".join(request.commands),
+        "previous_try": wording.previous_try(request.previous),
         "ran": wording.rounds(request.ran),
         "plan": wording.rows(request.plan.as_text()),
         "robot": request.robot,
@@ -66,6 +67,7 @@ def _adjustment(request: AdjustRequest, reason: str, steps: tuple[Subtask, ...])
     return {
         "commands": ", ".join(request.commands),
         "goal": request.view.goal,
+        "previous_try": wording.previous_try(request.previous),
         "ran": wording.rounds(request.ran),
         "robot": request.robot,
         "held": wording.held(request.view, request.robot),

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from remac_agents import wording
 from remac_agents.plan import MAX_STEPS, Commands, Plan, PlanError
 from remac_agents.roles import PlanRequest
 from remac_env.subtasks import Subtask
@@ -70,6 +71,8 @@ def _show(request: PlanRequest) -> None:
     _say("", request.scene or f"Goal: {request.goal}")
     for title, lines in (
         ("Reflections", request.reflections),
+        ("The try before", wording.previous_try(request.previous).splitlines()),
+        ("Run so far", [] if request.events else wording.rounds(request.ran).splitlines()),
         ("So far", request.events),
         ("Why it failed", [request.explanation] if request.explanation else []),
         ("The last answer", [request.failure] if request.failure else []),

@@ -36,6 +36,17 @@ def test_one_step_at_a_time_with_the_cause_of_a_refusal(
     assert "not_at_station" in capsys.readouterr().out
 
 
+def test_people_are_told_how_the_try_before_went(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    env, agent = suite_kitchen(TASK, robots=1), remac_agents.make("RE", planner="human")
+    for plan in (PLAN[2:], PLAN):
+        typed(monkeypatch, *plan, "")
+        assert play(env, agent).success
+    said = capsys.readouterr().out
+    assert said.count("The try before:") == 1 and "  It reached the goal in " in said and "  1. robot_0: navigate to" in said
+
+
 def test_nobody_types(monkeypatch: pytest.MonkeyPatch) -> None:
     typed(monkeypatch)
     report = play(suite_kitchen(TASK), remac_agents.make("BASE", planner="human"))

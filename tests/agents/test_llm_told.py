@@ -88,6 +88,19 @@ def test_the_next_iteration_hears_how_the_try_before_went() -> None:
         assert f"robot_0: [{RIGHT}]\nIt reached the goal in 6 rounds.\nIt was not changed on the way." in third
 
 
+def test_an_adjuster_hears_how_the_try_before_went() -> None:
+    with scripted() as model:
+        model.answers = {"planner": f"Plan: [{NAIVE}]"}
+        agent = agent_of(model, "RE")
+        for _ in range(2):
+            play(model.env, agent)
+        for name in ("analysis", "adjustment"):
+            first, second = heard(model, name)
+            assert "try before" not in first
+            assert f"The plan of the try before this one, and how that went:\nrobot_0: [{NAIVE}]\nIt reached" in second
+            assert "4. robot_0: navigate to counter: success" in second
+
+
 def test_a_try_that_failed_is_told_as_one() -> None:
     plan = {"a": ("go", "wait", "put")}
     lost = PreviousTry(plan, False, (Ran(1, "a", "go", True), Ran(3, "a", "put", False), Ran(4, "a", "put", False)))
