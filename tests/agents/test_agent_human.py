@@ -44,7 +44,8 @@ def test_people_are_told_how_the_try_before_went(
         typed(monkeypatch, *plan, "")
         assert play(env, agent).success
     said = capsys.readouterr().out
-    assert said.count("The try before:") == 1 and "  It reached the goal in " in said and "  1. robot_0: navigate to" in said
+    assert said.count("The try before:") == 1
+    assert "  It reached the goal in " in said and "  1. robot_0: navigate to" in said
 
 
 def test_nobody_types(monkeypatch: pytest.MonkeyPatch) -> None:
