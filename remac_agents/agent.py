@@ -56,12 +56,18 @@ class Agent:
         self._success = False
         self._iteration = 0
 
+    @property
+    def picture_viewers(self) -> tuple[str, ...]:
+        """The roles that the method asks and that look at pictures: their kitchen needs obs="state+images"."""
+        return self.roles.picture_viewers() if self.method.checks else ()
+
     def reset(self, obs: Told, infos: Told) -> None:
         """Begin an episode; one that was never closed is closed first, as a failure.
 
         Raises:
             UnknownNameError: if the leading or helping robot that was asked for is not in this kitchen.
-            OptionError: for infos that are not those of a kitchen's reset.
+            OptionError: for infos that are not those of a kitchen's reset, and where a role must see pictures and there
+                are none.
         """
         _check_infos(infos, _NEEDED)
         if self._open:
@@ -76,6 +82,7 @@ class Agent:
             if begin is not None:
                 begin(int(briefing.episode.get("seed", 0)), self._iteration)
         view, world = _look(obs, infos, briefing)
+        self._check_pictures(view)
         self._episode = Episode(briefing, self._checked, view, world, bounds=self.bounds, memory=self.memory)
         self._episode.won = self._won.get(self._label)
         seed = briefing.episode.get("seed", "")
@@ -154,6 +161,14 @@ class Agent:
         )
 
     # -- inside ----------------------------------------------------------------------------------------------
+
+    def _check_pictures(self, view: View) -> None:
+        viewers = self.picture_viewers
+        if viewers and not any(view.images.values()):
+            raise OptionError(
+                f"{', '.join(viewers)} of {self.method.name} must see pictures, and these observations hold none; "
+                'valid: those of parallel_env(..., obs="state+images", image_size=512)'
+            )
 
     def _next_turn(self, obs: Told, infos: Told) -> dict[str, Subtask]:
         """What the method yields next; nothing once it has ended."""

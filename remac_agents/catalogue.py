@@ -127,6 +127,7 @@ class FunctionRole:
     def __init__(self, function: Any, verb: str) -> None:
         self._function = function
         self.needs_truth = bool(getattr(function, "needs_truth", False))
+        self.needs_images = bool(getattr(function, "needs_images", False))
         setattr(self, verb, function)
 
     def __repr__(self) -> str:

@@ -6,12 +6,11 @@ from collections.abc import Generator, Mapping, Sequence
 
 from remac_agents.asking import ask_planner, plan_request, ran_so_far, try_before
 from remac_agents.briefing import Bounds, Briefing
-from remac_agents.free_text import truth_of
 from remac_agents.ledger import Check, Ledger, really_done
 from remac_agents.memory import Memory
 from remac_agents.moment import Moment, shown
 from remac_agents.plan import Commands, Plan, PlanError
-from remac_agents.roles import AdjustRequest, PlanRequest, ReflectRequest, Roles, View
+from remac_agents.roles import AdjustRequest, PlanRequest, ReflectRequest, Roles, Verdict, View
 from remac_agents.tries import Try
 from remac_env.conditions import Condition
 from remac_env.state import WorldState
@@ -50,7 +49,7 @@ class Episode:
         self._adjustments = 0
         self._accepted: set[str] = set()
         self._slipped: set[str] = set()
-        self._answers: dict[Condition, bool] = {}
+        self._answers: dict[Condition, Verdict] = {}
         self._noted: set[tuple[str, Condition]] = set()
 
     # -- the plan --------------------------------------------------------------------------------------------
@@ -122,7 +121,7 @@ class Episode:
             conditions = self.roles.conditions.before(subtask, robot, self.seen_by(self.roles.conditions))
             verdicts = self._judge(conditions)
             self._note(self.ledger.pre_checks, robot, subtask, verdicts)
-            wrong = tuple(condition for condition, value in verdicts.items() if not value)
+            wrong = tuple(condition for condition, verdict in verdicts.items() if verdict.value is False)
             if wrong:
                 failed[robot] = wrong
         return failed
@@ -163,13 +162,13 @@ class Episode:
             )
 
     def check_after(self) -> None:
-        """Check what was run; a robot whose post-conditions fail tries again, at most `retries` times."""
+        """Check what was run; a robot whose post-conditions are found false tries again, at most `retries` times."""
         for robot, subtask in self.turn.items():
             last = self.moments[-1]
             view = shown(last.before, last.world_before, self.roles.conditions)
             verdicts = self._judge(self.roles.conditions.after(subtask, robot, view))
             self._note(self.ledger.post_checks, robot, subtask, verdicts)
-            if all(verdicts.values()):
+            if not any(verdict.value is False for verdict in verdicts.values()):
                 self._pending.discard(robot)
                 if subtask != WAIT:
                     self._slipped.discard(robot)
@@ -228,32 +227,32 @@ class Episode:
         self.plan = self.plan.with_row(robot, row)
         self._open_round()
 
-    def _judge(self, conditions: Sequence[Condition]) -> dict[Condition, bool]:
-        """Verdicts; a question put twice at one moment is answered once."""
+    def _judge(self, conditions: Sequence[Condition]) -> dict[Condition, Verdict]:
+        """Verdicts, None where the checker gives none; a question put twice at one moment is answered once."""
         fresh = [condition for condition in dict.fromkeys(conditions) if condition not in self._answers]
         if fresh:
+            self._answers |= {condition: Verdict(condition, None, "not judged") for condition in fresh}
             for verdict in self.roles.checker.check(fresh, self.seen_by(self.roles.checker)):
-                self._answers[verdict.condition] = verdict.value
-        return {condition: self._answers.get(condition, True) for condition in conditions}
+                self._answers[verdict.condition] = verdict
+        return {condition: self._answers[condition] for condition in conditions}
 
-    def _ask(self, robot: str, subtask: Subtask, condition: Condition) -> bool:
+    def _ask(self, robot: str, subtask: Subtask, condition: Condition) -> bool | None:
         verdicts = self._judge([condition])
         self._note(self.ledger.pre_checks, robot, subtask, verdicts, asked=True)
-        return verdicts[condition]
+        return verdicts[condition].value
 
     def _note(
         self,
         book: list[Check],
         robot: str,
         subtask: Subtask,
-        verdicts: Mapping[Condition, bool],
+        verdicts: Mapping[Condition, Verdict],
         *,
         asked: bool = False,
     ) -> None:
-        for condition, value in verdicts.items():
+        for condition, verdict in verdicts.items():
             key = (f"{id(book)} {robot} {subtask.text}", condition)
             if key in self._noted:
                 continue
             self._noted.add(key)
-            truth = truth_of(condition, self.view.scene, self._world)
-            book.append(Check(self.rounds, robot, subtask.text, condition.sentence, value, truth, asked))
+            book.append(Check.of(verdict, self.rounds, robot, subtask, self.view.scene, self._world, asked=asked))

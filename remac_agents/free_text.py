@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
-from remac_env.conditions import Condition
+from remac_env.conditions import Condition, Kind
 from remac_env.state import Scene, WorldState
 
 _PREDICATE = "free text"
 
+_OUGHT = re.compile(
+    r"\b(may|might|must|should|ought|can|could|cannot|needs?|requires?|required|allowed|permitted|safe|suitable|"
+    r"appropriate|right|correct|proper|fits?|too (big|large|small|deep|heavy|hot)|(big|large|small|deep) enough)\b",
+    re.I,
+)
+"""Words of a sentence about what is right or possible, which no picture shows."""
+
 
 @dataclass(frozen=True, slots=True)
 class FreeText(Condition):
-    """A condition whose only argument is its sentence."""
+    """A condition whose only argument is its sentence: no predicate says the same."""
 
     @classmethod
     def of(cls, sentence: str) -> FreeText:
@@ -23,6 +31,11 @@ class FreeText(Condition):
     def sentence(self) -> str:
         """The words themselves."""
         return self.args[0]
+
+    @property
+    def kind(self) -> Kind:
+        """Known where the words are about what is right or possible, else seen."""
+        return "known" if _OUGHT.search(self.sentence) else "seen"
 
 
 def truth_of(condition: Condition, scene: Scene, world: WorldState | None) -> bool | None:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 from remac_agents.episode import Episode
-from remac_agents.free_text import truth_of
 from remac_agents.ledger import Check
 from remac_agents.moment import Moment, shown
 from remac_agents.roles import Attempt, View
@@ -40,7 +39,7 @@ class ExplainRequest:
 
     Attributes:
         steps: the last try of each step, in order; `summary.subgoals` has one line for each.
-        reached: whether the checker found each subgoal met.
+        reached: whether the checker found each subgoal met; None where it cannot tell.
         false_before: index of a step -> its pre-conditions that the checker finds false, seen at that moment.
         plan: robot -> commands of the plan that failed.
     """
@@ -48,7 +47,7 @@ class ExplainRequest:
     goal: str
     summary: Summary
     steps: tuple[SeenStep, ...]
-    reached: tuple[bool, ...]
+    reached: tuple[bool | None, ...]
     false_before: Callable[[int], tuple[Condition, ...]]
     plan: dict[str, tuple[str, ...]]
 
@@ -128,17 +127,18 @@ def _seen(moment: Moment, robot: str, step: Subtask, role: object) -> SeenStep:
     return SeenStep(moment.round, robot, step, before, shown(moment.after, moment.world_after, role))
 
 
-def _reached(episode: Episode, moment: Moment, robot: str, step: Subtask) -> bool:
-    """Whether the checker, shown the moment after the step, finds what the step was to achieve."""
+def _reached(episode: Episode, moment: Moment, robot: str, step: Subtask) -> bool | None:
+    """Whether the checker, shown the moment after the step, finds what the step was to achieve; None: cannot tell."""
     roles = episode.roles
     view = shown(moment.before, moment.world_before, roles.conditions)
     wanted = roles.conditions.after(step, robot, view)
     verdicts = roles.checker.check(wanted, shown(moment.after, moment.world_after, roles.checker))
     for verdict in verdicts:
-        truth = truth_of(verdict.condition, moment.after.scene, moment.world_after)
-        entry = Check(episode.rounds, robot, step.text, verdict.condition.sentence, verdict.value, truth, True)
+        scene, world = moment.after.scene, moment.world_after
+        entry = Check.of(verdict, episode.rounds, robot, step, scene, world, asked=True)
         episode.ledger.post_checks.append(entry)
-    return all(verdict.value for verdict in verdicts)
+    found = {verdict.value for verdict in verdicts}
+    return False if False in found else None if None in found else True
 
 
 def _false_before(episode: Episode, moment: Moment, robot: str, step: Subtask) -> tuple[Condition, ...]:
@@ -147,7 +147,7 @@ def _false_before(episode: Episode, moment: Moment, robot: str, step: Subtask) -
     wanted = roles.conditions.before(step, robot, shown(moment.before, moment.world_before, roles.conditions))
     verdicts = roles.checker.check(wanted, shown(moment.before, moment.world_before, roles.checker))
     for verdict in verdicts:
-        truth = truth_of(verdict.condition, moment.before.scene, moment.world_before)
-        entry = Check(episode.rounds, robot, step.text, verdict.condition.sentence, verdict.value, truth, True)
+        scene, world = moment.before.scene, moment.world_before
+        entry = Check.of(verdict, episode.rounds, robot, step, scene, world, asked=True)
         episode.ledger.pre_checks.append(entry)
-    return tuple(verdict.condition for verdict in verdicts if not verdict.value)
+    return tuple(verdict.condition for verdict in verdicts if verdict.value is False)

@@ -5,26 +5,56 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from remac_agents.free_text import FreeText, truth_of
 from remac_agents.plan import Plan
+from remac_agents.roles import Verdict
 from remac_env.state import Scene, WorldState
 from remac_env.subtasks import WAIT, Subtask
 
 
 @dataclass(frozen=True)
 class Check:
-    """One verdict beside the truth (None where the kitchen did not tell it).
+    """One verdict (None: the checker cannot tell) beside the truth (None where the kitchen did not tell it).
 
     `round` counts rounds played before it; `asked` marks a question of the adjuster's, which is no pre-check
-    itself.
+    itself; `reason` is the checker's, where it gives one; `unmatched` marks words that no predicate says.
     """
 
     round: int
     robot: str
     subtask: str
     condition: str
-    verdict: bool
+    verdict: bool | None
     truth: bool | None
     asked: bool = False
+    reason: str = ""
+    unmatched: bool = False
+
+    @classmethod
+    def of(
+        cls,
+        verdict: Verdict,
+        rounds: int,
+        robot: str,
+        subtask: Subtask,
+        scene: Scene,
+        world: WorldState | None,
+        *,
+        asked: bool = False,
+    ) -> Check:
+        """A verdict about a moment, beside what was true then."""
+        condition = verdict.condition
+        return cls(
+            round=rounds,
+            robot=robot,
+            subtask=subtask.text,
+            condition=condition.sentence,
+            verdict=verdict.value,
+            truth=truth_of(condition, scene, world),
+            asked=asked,
+            reason=verdict.reason,
+            unmatched=isinstance(condition, FreeText),
+        )
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ class Run:
     @property
     def adjusted(self) -> bool:
         """True when some pre-condition was found false, so that the plan was changed on the way."""
-        return any(not entry.get("verdict", True) for entry in self.pre_check_results)
+        return any(entry.get("verdict") is False for entry in self.pre_check_results)
 
     def as_json(self) -> dict[str, Any]:
         """The eight fields as values that json.dumps takes."""

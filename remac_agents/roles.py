@@ -1,8 +1,8 @@
 """The roles that methods are made of: one small protocol each, with a frozen request and a frozen reply.
 
-A role that sets `needs_truth = True` is given the WorldState; every report lists which roles do. A role may
-also have `begin_episode(seed, iteration)`, which is called at each reset: whatever it draws by chance comes
-from there.
+A role that sets `needs_truth = True` is given the WorldState; every report lists which roles do. One that sets
+`needs_images = True` looks at pictures: its kitchen is made with obs="state+images". A role may also have
+`begin_episode(seed, iteration)`, which is called at each reset: whatever it draws by chance comes from there.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ class StopEpisode(RemacError, RuntimeError):
         self.infrastructure = infrastructure
 
 
-Ask = Callable[[Condition], bool]
-"""A question to the checker about the moment at hand."""
+Ask = Callable[[Condition], bool | None]
+"""A question to the checker about the moment at hand; None: it cannot tell."""
 
 Images = Mapping[str, Mapping[str, Any]]
 """Robot -> camera -> picture, shape (height, width, 3), uint8."""
@@ -121,10 +121,13 @@ class PlanRequest:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A checker's answer to one condition, and why where it says so."""
+    """A checker's answer to one condition, and why where it says so. `value` None: it cannot tell.
+
+    What nobody can tell is not false: the method goes on, and the record holds None beside the truth.
+    """
 
     condition: Condition
-    value: bool
+    value: bool | None
     reason: str = ""
 
 
@@ -285,3 +288,7 @@ class Roles:
     def truth_readers(self) -> tuple[str, ...]:
         """The roles that are given the WorldState."""
         return tuple(name for name, role in self.named().items() if getattr(role, "needs_truth", False))
+
+    def picture_viewers(self) -> tuple[str, ...]:
+        """The roles that look at pictures."""
+        return tuple(name for name, role in self.named().items() if getattr(role, "needs_images", False))

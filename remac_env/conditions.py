@@ -6,13 +6,15 @@ question for a checker and a test on the truth.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 from remac_env.state import ASIDE, Place, Scene, WorldState, base_place, contents, inside, occupant, supports
 
 Predicate = Callable[..., bool]
+Kind = Literal["seen", "felt", "known"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +32,56 @@ class Condition:
     def holds(self, scene: Scene, world: WorldState) -> bool:
         """Whether the condition is true in this world."""
         return PREDICATES[self.predicate](scene, world, *self.args)
+
+    @property
+    def kind(self) -> Kind:
+        """What its answer comes from: pictures, what a robot feels in its own gripper, or knowledge of a rule."""
+        return "felt" if self.predicate in FELT else "known" if self.predicate in KNOWN else "seen"
+
+    def felt(self, scene: Scene, holding: Mapping[str, str | None]) -> bool | None:
+        """The answer of the gripper, for the kind `felt`; None for other kinds, and where nothing is felt of the robot.
+
+        Args:
+            holding: robot -> the thing in its gripper, None for an empty one.
+        """
+        if self.predicate not in FELT or self.args[0] not in holding:
+            return None
+        robot, *others = self.args
+        return FELT[self.predicate](scene, holding[robot], *others)
+
+
+@dataclass(frozen=True, slots=True)
+class Denial(Condition):
+    """That a condition does not hold, for those that no predicate is the opposite of; see `denied`."""
+
+    @property
+    def condition(self) -> Condition:
+        """What is denied."""
+        return Condition(self.args[0], self.args[1:])
+
+    @property
+    def sentence(self) -> str:
+        """The denial in plain English."""
+        return f"it is not so that {self.condition.sentence}"
+
+    @property
+    def kind(self) -> Kind:
+        """That of what is denied."""
+        return self.condition.kind
+
+    def holds(self, scene: Scene, world: WorldState) -> bool:
+        """Whether what is denied is false in this world."""
+        return not self.condition.holds(scene, world)
+
+    def felt(self, scene: Scene, holding: Mapping[str, str | None]) -> bool | None:
+        """The gripper's answer to what is denied, turned round."""
+        answer = self.condition.felt(scene, holding)
+        return None if answer is None else not answer
+
+
+def denied(condition: Condition) -> Denial:
+    """The denial of a condition: a predicate "not" with the condition's predicate and arguments."""
+    return Denial("not", (condition.predicate, *condition.args))
 
 
 @lru_cache(maxsize=4096)
@@ -175,23 +227,31 @@ def _all_off(scene: Scene, world: WorldState, fixture: str) -> bool:
     return not world.fixtures[fixture].on
 
 
-def _holds_shaker(scene: Scene, world: WorldState, robot: str) -> bool:
-    held = world.robots[robot].holding
-    return held is not None and scene.objects[held].seasons
-
-
 def _within(scene: Scene, world: WorldState, name: str, container: str) -> bool:
     return inside(scene, world, name, container)
 
 
+FELT: dict[str, Predicate] = {
+    "hand_empty": lambda scene, held: held is None,
+    "holding": lambda scene, held, name: held == name,
+    "hand_full": lambda scene, held: held is not None,
+    "holds_shaker": lambda scene, held: held is not None and scene.objects[held].seasons,
+}
+"""Predicates of the kind `felt`, whose first argument is a robot: decided from (scene, what it holds, *other args)."""
+
+KNOWN = ("no_vessel_needed", "graspable")
+"""Predicates of the kind `known`: what is right or possible, which no picture shows. All others are `seen`."""
+
+
+def _by_feel(test: Predicate) -> Predicate:
+    return lambda scene, world, robot, *others: test(scene, world.robots[robot].holding, *others)
+
+
 PREDICATES: dict[str, Predicate] = {
+    **{name: _by_feel(test) for name, test in FELT.items()},
     "at": _at,
     "aside": lambda scene, world, robot: world.robots[robot].station == ASIDE,
     "station_free": _station_free,
-    "hand_empty": lambda scene, world, robot: world.robots[robot].holding is None,
-    "holding": lambda scene, world, robot, name: world.robots[robot].holding == name,
-    "hand_full": lambda scene, world, robot: world.robots[robot].holding is not None,
-    "holds_shaker": _holds_shaker,
     "placed": _placed,
     "accessible": _accessible,
     "unloaded": lambda scene, world, name: not contents(world, name),

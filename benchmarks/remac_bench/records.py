@@ -29,16 +29,19 @@ class OutcomeEntry(Model):
 class CheckEntry(Model):
     """A checker's verdict on one condition beside the truth (None where the kitchen did not tell it).
 
-    `round` counts the rounds played before it; `asked` marks a question of the adjuster's.
+    `verdict` None: the checker cannot tell. `round` counts the rounds played before it; `asked` marks a question of the
+    adjuster's; `reason` is the checker's own, if any; `unmatched` marks a model's words that no predicate says.
     """
 
     round: int
     robot: str
     subtask: str
     condition: str
-    verdict: bool
+    verdict: bool | None
     truth: bool | None = None
     asked: bool = False
+    reason: str = ""
+    unmatched: bool = False
 
 
 class ErrorEntry(Model):

@@ -29,7 +29,7 @@ COMPACT = (
 )
 """Columns of the results that stand in the main table; the others come with `--all`."""
 
-ALARMS = ("crashed", "infrastructure", "crash", "unclear", "unknown", "retries")
+ALARMS = ("crashed", "infrastructure", "crash", "unclear", "unknown", "retries", "cannot_tell", "unmatched")
 """Columns that a terminal shows only where one of their numbers is not 0."""
 
 FIRST = ("results", "ranking", "blame")

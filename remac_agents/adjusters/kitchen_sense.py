@@ -40,8 +40,8 @@ class KitchenSense:
         self.objects = request.view.scene.objects
 
     def true(self, predicate: str, *args: str) -> bool:
-        """What the checker says."""
-        return self.request.ask(condition(predicate, *args))
+        """Whether the checker says so; what it cannot tell it does not say."""
+        return self.request.ask(condition(predicate, *args)) is True
 
     def kind(self, target: str) -> FixtureFacts | ObjectFacts:
         """The static facts of a fixture or object."""

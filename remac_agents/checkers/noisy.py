@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from remac_agents.checkers.truth import UNJUDGED, TruthChecker
+from remac_agents.checkers.truth import TruthChecker
 from remac_agents.option_text import check_number
 from remac_agents.roles import Verdict, View
 from remac_env.conditions import Condition
@@ -37,7 +37,7 @@ class NoisyChecker:
         return [self._flip(verdict) for verdict in self._truth.check(conditions, view)]
 
     def _flip(self, verdict: Verdict) -> Verdict:
-        if verdict.reason == UNJUDGED:
+        if verdict.value is None:
             return verdict
         rate = self.false_alarm if verdict.value else self.miss
         wrong = self._chance.random() < rate

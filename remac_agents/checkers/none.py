@@ -1,4 +1,4 @@
-"""The checker that does not look: everything is said to be true."""
+"""The checker that does not look."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from remac_env.conditions import Condition
 
 
 class NoChecker:
-    """Never finds anything wrong."""
+    """Never finds anything wrong, and says that it cannot tell."""
 
     needs_truth = False
 
     def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
-        """True, for every condition."""
-        return [Verdict(condition, True, "not looked at") for condition in conditions]
+        """No verdict on any condition."""
+        return [Verdict(condition, None, "not looked at") for condition in conditions]

@@ -8,16 +8,16 @@ from remac_agents.free_text import truth_of
 from remac_agents.roles import Verdict, View
 from remac_env.conditions import Condition
 
-UNJUDGED = "only a model can judge these words"
+UNMATCHED = "no sentence of the skill table says the same, and only a model can judge these words"
 
 
 class TruthChecker:
-    """Reads the WorldState. What a model put into words of its own counts as true: nobody here can judge it."""
+    """Reads the WorldState. Of what a model put into words of its own it cannot tell."""
 
     needs_truth = True
 
     def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
-        """One true verdict a condition.
+        """One true verdict a condition, None on words that match none.
 
         Raises:
             ValueError: if it was not given the world.
@@ -27,4 +27,4 @@ class TruthChecker:
                 "the truth checker was not given the WorldState; infos[robot]['world'] is missing"
             )
         found = [(condition, truth_of(condition, view.scene, view.world)) for condition in conditions]
-        return [Verdict(c, True, UNJUDGED) if truth is None else Verdict(c, truth) for c, truth in found]
+        return [Verdict(c, truth, UNMATCHED if truth is None else "") for c, truth in found]

@@ -1,56 +1,104 @@
-"""The checker that is a model with eyes: it is shown pictures and a list of conditions, and judges each."""
+"""The checker that is a model with eyes. What a robot feels in its gripper nobody is asked about; what can be seen is
+judged by pictures; what is right or possible is asked as a question of knowledge."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, field_validator
 
 from remac_agents import wording
 from remac_agents.llm import BadAnswer, Picture
 from remac_agents.model_role import ModelRole, reads
-from remac_agents.roles import Report, Verdict, View
+from remac_agents.roles import Report, StopEpisode, Verdict, View
 from remac_env.conditions import Condition
 from remac_env.errors import OptionError
 
 CAMERAS = ("side", "wrist")
 """What the paper's checks look at; all there are, where a kitchen has neither."""
 
+UNSURE = ("cannot tell", "can't tell", "unknown", "unclear", "unsure", "not sure", "null", "none")
+"""Words that models write where they should write null."""
+
+Seen = Mapping[str, Any]
+"""What a picture is called -> picture, in the order in which they are shown."""
+
 
 class _Answer(BaseModel):
-    verdicts: list[bool]
-    reasons: list[str] = Field(default_factory=list)
+    verdicts: list[bool | None]
+    reasons: list[str | None] = Field(default_factory=list)
+
+    @field_validator("verdicts", mode="before")
+    @classmethod
+    def _read_words(cls, given: Any) -> Any:
+        return [_read_word(value) for value in given] if isinstance(given, list) else given
+
+
+def _read_word(value: Any) -> Any:
+    word = value.strip(" .").lower() if isinstance(value, str) else None
+    return None if word in UNSURE else {"true": True, "false": False}.get(word or "", value)
 
 
 class VlmChecker(ModelRole):
-    """Shows the robots' pictures that the kitchen gives (obs="state+images"); without any, the model has what the
-    grippers feel and how the last commands were reported. What it does not judge counts as true.
+    """One question a kind of condition, and none about what is felt (`Condition.kind`).
+
+    What cannot be told from the pictures of the robots at work is asked once more with those that were not shown, and
+    what knowledge alone does not settle with all of them. What then is still open, or has no usable answer, is None.
 
     Raises:
         OptionError: for a model that takes no images.
     """
 
     role = "checker"
-    asks_once = "picture"
+    needs_images = True
 
     def open(self) -> None:
         """Refuse a model without eyes."""
         if not self.client.endpoint.model.images:
-            name = self.client.endpoint.name
-            raise OptionError(f"checker {name!r} takes no images; valid: a model that does, or 'truth'")
+            raise OptionError(
+                f"checker {self.client.endpoint.name!r} takes no images, so that it cannot look; valid: a model that "
+                "does (remac doctor lists them; images=true after a name says that a server's model takes them), "
+                "'truth' (reads the WorldState, and is said to in every table), 'noisy', or 'none'"
+            )
 
     def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
-        """One verdict a condition, in order; nothing is asked about no conditions."""
+        """One verdict a condition, in order.
+
+        Raises:
+            StopEpisode: where nobody can answer, and where there are no pictures to look at.
+        """
+        found = {condition: _felt(condition, view) for condition in conditions}
+        left = [condition for condition, verdict in found.items() if verdict.value is None]
+        known = [condition for condition in left if condition.kind == "known"]
+        seen = [condition for condition in left if condition.kind != "known"]
+        found |= self._ask("checker_known", known, view, {})
+        if seen or any(found[condition].value is None for condition in known):
+            _check_pictures(view)
+        first, rest = _pictures(view, conditions)
+        for prompt, asked, shown in (
+            ("checker_seen", seen, first),
+            ("checker_seen", seen, rest),
+            ("checker_known", known, {**first, **rest}),
+        ):
+            again = [condition for condition in asked if found[condition].value is None]
+            found |= self._ask(prompt, again, view, shown) if shown else {}
+        return [found[condition] for condition in conditions]
+
+    def _ask(
+        self, prompt: str, conditions: Sequence[Condition], view: View, shown: Seen
+    ) -> dict[Condition, Verdict]:
+        """The answers to one question; nothing is asked about no conditions."""
         if not conditions:
-            return []
-        shown = _pictures(view, conditions)
+            return {}
+        robots = _spoken_of(view, conditions) or view.scene.robots
         fields = {
             "pictures": "; ".join(shown),
-            "grippers": "; ".join(f"{robot} holds {wording.held(view, robot)}" for robot in view.scene.robots),
-            "reports": "; ".join(f"{robot}: {_status(view.reports.get(robot))}" for robot in view.scene.robots),
+            "grippers": "; ".join(f"{robot} holds {wording.held(view, robot)}" for robot in robots),
             "conditions": wording.numbered(condition.sentence for condition in conditions),
         }
+        if prompt == "checker_seen":
+            fields["reports"] = "; ".join(f"{robot}: {_status(view.reports.get(robot))}" for robot in robots)
 
         def read(text: str) -> _Answer | BadAnswer:
             answer = reads(_Answer)(text)
@@ -59,23 +107,50 @@ class VlmChecker(ModelRole):
             return BadAnswer(f"{len(answer.verdicts)} verdicts for {len(conditions)} sentences")
 
         images = [Picture.of(picture) for picture in shown.values()]
-        answer = self.ask("checker", fields, read, about=f"{len(conditions)} conditions", images=images)
+        answer = self.ask(prompt, fields, read, about=f"{len(conditions)} conditions", images=images)
         if isinstance(answer, BadAnswer):
-            return [Verdict(condition, True, f"not judged: {answer.problem}") for condition in conditions]
-        reasons = [wording.one_line(reason) for reason in answer.reasons] + [""] * len(conditions)
+            return {condition: Verdict(condition, None, f"not judged: {answer.problem}") for condition in conditions}
+        reasons = [wording.one_line(reason or "") for reason in answer.reasons] + [""] * len(conditions)
         judged = zip(conditions, answer.verdicts, reasons, strict=False)
-        return [Verdict(condition, value, reason) for condition, value, reason in judged]
+        return {condition: Verdict(condition, value, reason) for condition, value, reason in judged}
 
 
-def _pictures(view: View, conditions: Sequence[Condition]) -> dict[str, Any]:
-    """Name -> picture, of the robots that the conditions speak of, or of all."""
+def _check_pictures(view: View) -> None:
+    if not any(view.images.values()):
+        raise StopEpisode(
+            'checker: it looks at pictures, and the kitchen gives none; valid: parallel_env(..., '
+            'obs="state+images", image_size=512)',
+            infrastructure=True,
+        )
+
+
+def _felt(condition: Condition, view: View) -> Verdict:
+    """What the gripper says; no value where it says nothing."""
+    value = condition.felt(view.scene, view.holding)
+    return Verdict(condition, value, "" if value is None else "felt in the gripper")
+
+
+def _spoken_of(view: View, conditions: Sequence[Condition]) -> list[str]:
     named = {name for condition in conditions for name in condition.args}
-    robots = [robot for robot in view.images if robot in named] or list(view.images)
-    return {
-        f"{robot}, {camera} camera": view.images[robot][camera]
+    words = " ".join(condition.sentence for condition in conditions)
+    return [robot for robot in view.scene.robots if robot in named or robot in words]
+
+
+def _pictures(view: View, conditions: Sequence[Condition]) -> tuple[Seen, Seen]:
+    """What is shown first - the side and wrist of the robots that the conditions speak of, or of all - and the rest."""
+    robots = [robot for robot in _spoken_of(view, conditions) if robot in view.images] or list(view.images)
+    every = {(robot, camera): view.images[robot][camera] for robot in view.images for camera in view.images[robot]}
+    first = {
+        (robot, camera): every[robot, camera]
         for robot in robots
         for camera in [name for name in CAMERAS if name in view.images[robot]] or view.images[robot]
     }
+    rest = {spot: picture for spot, picture in every.items() if spot not in first}
+    return _named(first), _named(rest)
+
+
+def _named(pictures: Mapping[tuple[str, str], Any]) -> Seen:
+    return {f"{robot}, {camera} camera": picture for (robot, camera), picture in pictures.items()}
 
 
 def _status(report: Report | None) -> str:

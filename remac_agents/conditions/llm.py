@@ -1,5 +1,5 @@
-"""Conditions that a language model writes. Sentences of the skill table become its conditions; the model's own words
-stay words, which only a checker with a model can judge."""
+"""Conditions that a language model writes. What the skill table can say, in whatever words, becomes its conditions; the
+rest stays words, which only a checker with a model can judge, and which the record marks as unmatched."""
 
 from __future__ import annotations
 
@@ -48,5 +48,5 @@ class LlmConditions(ModelRole):
         if isinstance(answer, BadAnswer):
             return []
         lines = (wording.one_line(text) for text in answer.conditions)
-        found = [read_condition(line, view.scene) or FreeText.of(line) for line in lines if line]
+        found = [read_condition(line, view.scene, robot=robot) or FreeText.of(line) for line in lines if line]
         return [condition for condition in dict.fromkeys(found) if condition.predicate not in OF_THE_ROUND]

@@ -29,6 +29,7 @@ class Method:
         remembers: its runs go into the memory.
         iterates: playing one start again may end differently, so that it is given k+1 iterations.
         plans_ahead: it has a first plan, whose length is the IPL.
+        checks: it asks for conditions and verdicts; one that does not asks its planner alone.
     """
 
     name: str
@@ -37,12 +38,13 @@ class Method:
     remembers: bool = False
     iterates: bool = False
     plans_ahead: bool = True
+    checks: bool = True
 
 
 METHODS: dict[str, Method] = {
     method.name: method
     for method in (
-        Method(name="BASE", run=base),
+        Method(name="BASE", run=base, checks=False),
         Method(name="CC", run=cc),
         Method(name="RE", run=re, remembers=True, iterates=True),
         Method(name="REMAC", run=remac, robots=2, remembers=True, iterates=True),
@@ -52,7 +54,7 @@ METHODS: dict[str, Method] = {
         Method(name="CAPE-IMPLICIT", run=cape("implicit"), plans_ahead=False),
         Method(name="CAPE-SUCCESS", run=cape("success"), plans_ahead=False),
         Method(name="CAPE-RESAMPLE", run=cape("resample"), plans_ahead=False),
-        Method(name="BASE-BEST", run=best_of(base), iterates=True),
+        Method(name="BASE-BEST", run=best_of(base), iterates=True, checks=False),
         Method(name="CC-BEST", run=best_of(cc), iterates=True),
     )
 }

@@ -49,7 +49,11 @@ class LlmSummariser(ModelRole):
 
     def explain(self, request: ExplainRequest) -> Explanation:
         """The cause as the model sees it; what was false before the step at fault, the checker says."""
-        reached = {True: "did what it was to do", False: "did not do what it was to do"}
+        reached = {
+            True: "did what it was to do",
+            False: "did not do what it was to do",
+            None: "whether it did what it was to do, nobody can tell",
+        }
         steps = zip(request.summary.subgoals, request.reached, strict=False)
         fields = {
             "goal": request.goal,

@@ -30,6 +30,8 @@ class RuleSummariser:
             if false:
                 told = f'the plan is wrong: before "{step.subtask.text}" it was not true that {_list(false)}'
                 return Explanation(told, index, false)
+        if None in request.reached:
+            return Explanation("the goal is not reached, and of some steps nobody can tell whether they did their part")
         return Explanation("every step did what it was to do, but the goal is not reached: steps are missing")
 
 

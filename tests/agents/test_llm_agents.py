@@ -63,7 +63,7 @@ def test_what_the_cassette_does_not_hold_is_shown_as_a_difference(tmp_path: Path
 def test_a_checker_is_shown_the_images() -> None:
     with scripted(obs="state+images", image_size=32) as model:
         report = run(model, "CC", checker={"name": "custom:scripted", "base_url": model.server.url})
-        shown = [name for name, _ in model.heard if name == "checker"]
+        shown = [name for name, _ in model.heard if name == "checker_seen"]
         assert shown and report.success
         bodies = [asked.body["messages"][-1]["content"] for asked in model.server.asked]
         pictured = [body for body in bodies if isinstance(body, list)]

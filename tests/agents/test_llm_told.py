@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -17,6 +18,7 @@ import remac_agents
 from remac_agents import wording
 from remac_agents.accounts import PreviousTry, Ran
 from remac_agents.catalogue import make_role
+from remac_agents.free_text import FreeText
 from remac_agents.request_json import as_json
 from remac_agents.roles import AdjustRequest, Advice, PlanRequest, StopEpisode
 
@@ -157,7 +159,7 @@ def test_the_goal_stands_once_in_every_prompt(method: str) -> None:
             play(model.env, agent)
         goal = next(iter(model.env.reset(seed=3)[1].values()))["goal"]
         for (name, _), asked in zip(model.heard, model.server.asked, strict=True):
-            assert text_of(asked).count(goal) == (name != "checker"), (name, text_of(asked))
+            assert text_of(asked).count(goal) == (not name.startswith("checker")), (name, text_of(asked))
 
 
 def test_a_states_text_is_that_of_the_moment() -> None:
@@ -262,17 +264,26 @@ def test_a_question_that_got_no_usable_answer_is_put_again() -> None:
         assert len(first) == 2 and len(set(first)) == 1
 
 
-@pytest.mark.parametrize("sighted", [True, False])
-def test_a_picture_is_judged_once_and_no_picture_is_another_moment(sighted: bool) -> None:
-    options: dict[str, Any] = {"obs": "state+images", "image_size": 32} if sighted else {}
-    with scripted(**options) as model:
+def test_a_picture_is_judged_once() -> None:
+    with scripted(obs="state+images", image_size=32) as model:
         plan = ["navigate aside", "navigate aside", "navigate aside"]
         report = run(model, "CC", planner=lambda request: plan, conditions="rule")
         questions = [text_of(asked) for asked in model.server.asked]
         pictures = [str(asked.body["messages"][-1]["content"])[-2000:] for asked in model.server.asked]
         alike = len(questions) - len(set(zip(questions, pictures, strict=True)))
-        assert (alike == 0) is sighted
-        assert bool(report.usage.repeats) is sighted
+        assert alike == 0
+        assert report.usage.repeats
+
+
+def test_what_is_known_is_asked_once_and_other_pictures_are_another_question() -> None:
+    with scripted() as model:
+        aside = ["navigate aside", "wait", "navigate aside"]
+        known = FreeText.of("a robot may stand aside")
+        seen = FreeText.of("the floor is dry")
+        conditions = SimpleNamespace(before=lambda *_: [known, seen], after=lambda *_: [])
+        run(model, "CC", planner=lambda request: aside, conditions=conditions)
+        assert len(heard(model, "checker_known")) == 1
+        assert len(heard(model, "checker_seen")) == 2
 
 
 def test_an_adjuster_is_asked_each_time() -> None:

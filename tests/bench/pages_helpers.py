@@ -51,7 +51,10 @@ def hostile(**changes: Any) -> Record:
         "rounds": 1,
         "outcomes": [{EVIL: OutcomeEntry(subtask=EVIL, status=EVIL, reason=EVIL, detail=EVIL, seconds=3.0)}],
         "worlds": [world, {**world, "robots": {EVIL: {"holding": None}}}],
-        "pre_checks": [CheckEntry(round=0, robot=EVIL, subtask=EVIL, condition=EVIL, verdict=True, truth=False)],
+        "pre_checks": [
+            CheckEntry(round=0, robot=EVIL, subtask=EVIL, condition=EVIL, verdict=True, truth=False, reason=EVIL),
+            CheckEntry(round=0, robot=EVIL, subtask=EVIL, condition=EVIL, verdict=None, unmatched=True),
+        ],
         "initial_plan": {EVIL: [EVIL]},
         "final_plan": {EVIL: [EVIL]},
         "reflections": [EVIL, EVIL * 100],

@@ -311,6 +311,49 @@ def test_the_audit_counts_verdicts_beside_the_truth() -> None:
     )
 
 
+def test_what_a_checker_cannot_tell_is_counted_apart_and_by_kind() -> None:
+    said = {
+        "the microwave door is open": [(True, True), (False, False), (None, True), (None, False)],
+        "the gripper of robot_0 holds the bowl": [(True, True)],
+        "what robot_0 holds may touch the sink without a vessel": [(True, False)],
+        "it is not so that robot_0 stands at the sink": [(False, False)],
+    }
+    checks = [
+        CheckEntry(round=0, robot="robot_0", subtask="wait", condition=sentence, verdict=verdict, truth=truth)
+        for sentence, pairs in said.items()
+        for verdict, truth in pairs
+    ]
+    own = {"round": 0, "robot": "robot_0", "subtask": "wait", "unmatched": True}
+    checks += [
+        CheckEntry(**own, condition="all is well", verdict=None),
+        CheckEntry(**own, condition="the oven must be hot", verdict=True),
+    ]
+    counted = tally(checks)
+    assert (counted.known, counted.cannot_tell, counted.unknown, counted.unmatched) == (5, 3, 1, 2)
+    assert (counted.found, counted.missed, counted.false_alarms, counted.passed) == (2, 1, 0, 2)
+    board = judging.board([record(pre_checks=checks)])
+    audit = texts(sheet(board, "audit"), "kind", "verdicts", "recall", "cannot_tell", "unknown", "unmatched")
+    assert audit[0] == ("all", "5", "67%", "3", "1", "2")
+    rows = texts(sheet(board, "conditions"), "kind", "predicate", "verdicts", "recall", "cannot_tell", "unmatched")
+    assert rows == [
+        ("seen", "all", "3", "100%", "3", "1"),
+        ("seen", "door_open", "2", "100%", "2", "0"),
+        ("seen", "not at", "1", "100%", "0", "0"),
+        ("seen", "own words", "0", "-", "1", "1"),
+        ("felt", "all", "1", "-", "0", "0"),
+        ("felt", "holding", "1", "-", "0", "0"),
+        ("known", "all", "1", "0%", "0", "1"),
+        ("known", "no_vessel_needed", "1", "0%", "0", "0"),
+        ("known", "own words", "0", "-", "0", "1"),
+    ]
+
+
+def test_verdicts_of_older_records_are_read_as_they_were() -> None:
+    old = '{"round": 1, "robot": "r", "subtask": "wait", "condition": "c", "verdict": true, "truth": false}'
+    entry = CheckEntry.model_validate_json(old)
+    assert (entry.verdict, entry.reason, entry.unmatched) == (True, "", False)
+
+
 def test_rounds_and_tokens_of_false_alarms() -> None:
     """An alarm before round 1 sends the robot to the counter and back; one after round 3 has it place again."""
     names = (

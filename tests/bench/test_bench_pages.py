@@ -172,6 +172,13 @@ def test_wrong_verdicts_stand_out(tmp_path: Path) -> None:
     assert parse(page(right, folder=tmp_path)).all("tr", class_="wrong") == []
 
 
+def test_what_a_checker_cannot_tell_is_neither_right_nor_wrong_on_a_page(tmp_path: Path) -> None:
+    root = parse(page(hostile(), folder=tmp_path))
+    told = [row.text for row in root.all("tr") if "cannot tell" in row.text]
+    assert len(told) == 1 and "(in other words)" in told[0]
+    assert root.all("td", class_="is-false") == []
+
+
 def test_images_that_a_checker_saw(run: Path) -> None:
     root = parse((run / "episodes" / "spoken-0.html").read_text("utf-8"))
     (picture,) = root.all("img")

@@ -37,6 +37,7 @@ RANKS = {
     "remac_env.text": 2,
     "remac_env.rounds": 2,
     "remac_env.vocabulary": 2,
+    "remac_env.paraphrases": 2,
     "remac_env.sentences": 2,
     "remac_env.simulator": 1,
     "remac_env.start": 1,

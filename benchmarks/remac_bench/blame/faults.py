@@ -50,7 +50,7 @@ def find_faults(record: Record, replay: Replay) -> Faults:
     """The faults of an episode that was played again."""
     skill = [fault for index, turn in enumerate(replay.rounds) for fault in _slips(replay.scene, index, turn)]
     passed = {(c.round - 1, c.robot, c.subtask) for c in record.post_checks if is_miss(c)}
-    caught = {(c.round - 1, c.robot, c.subtask) for c in record.post_checks if not c.verdict}
+    caught = {(c.round - 1, c.robot, c.subtask) for c in record.post_checks if c.verdict is False}
     waved = [fault for fault in skill if _key(fault) in passed - caught]
     lasting = [fault for fault in skill if fault not in waved and not _made_good(replay, fault)]
     checker = sorted([*_wrong_verdicts(record, replay), *map(_as_waved, waved)], key=lambda fault: fault.round)
@@ -138,11 +138,11 @@ def _mistakes(scene: Scene, index: int, turn: Round) -> Iterable[Fault]:
 def _wrong_verdicts(record: Record, replay: Replay) -> Iterable[Fault]:
     """Wrong verdicts that were acted upon."""
     rounds = replay.rounds
-    found = {(c.round, c.robot, c.subtask) for c in record.pre_checks if c.truth is False and not c.verdict}
+    found = {(c.round, c.robot, c.subtask) for c in record.pre_checks if c.truth is False and c.verdict is False}
     for check in record.pre_checks:
         key = (check.round, check.robot, check.subtask)
         ran = check.round < len(rounds) and _ran(record, check.round, check)
-        if check.asked and check.truth is not None and check.truth != check.verdict:
+        if check.asked and None not in (check.truth, check.verdict) and check.truth != check.verdict:
             yield _verdict(check, check.round, "the adjuster asked, and was told wrongly")
         elif is_miss(check) and ran and key not in found:
             yield _verdict(check, check.round, "called true before the subtask, and is false")

@@ -16,6 +16,8 @@ class Tally:
         found, missed: conditions that were false, called false and called true.
         false_alarms, passed: conditions that were true, called false and called true.
         unknown: verdicts beside which no truth stands.
+        cannot_tell: conditions on which the checker gave no verdict, whatever is true; in none of the others.
+        unmatched: of the last two, those in a model's own words, which no predicate says.
     """
 
     found: int = 0
@@ -23,6 +25,8 @@ class Tally:
     false_alarms: int = 0
     passed: int = 0
     unknown: int = 0
+    cannot_tell: int = 0
+    unmatched: int = 0
 
     @property
     def known(self) -> int:
@@ -34,7 +38,10 @@ def tally(checks: Iterable[CheckEntry]) -> Tally:
     """Count verdicts."""
     counts = dict.fromkeys(Tally.__dataclass_fields__, 0)
     for check in checks:
-        if check.truth is None:
+        counts["unmatched"] += check.unmatched
+        if check.verdict is None:
+            counts["cannot_tell"] += 1
+        elif check.truth is None:
             counts["unknown"] += 1
         elif check.truth:
             counts["passed" if check.verdict else "false_alarms"] += 1
@@ -45,12 +52,12 @@ def tally(checks: Iterable[CheckEntry]) -> Tally:
 
 def is_false_alarm(check: CheckEntry) -> bool:
     """A true condition that was called false."""
-    return check.truth is True and not check.verdict
+    return check.truth is True and check.verdict is False
 
 
 def is_miss(check: CheckEntry) -> bool:
     """A false condition that was called true."""
-    return check.truth is False and check.verdict
+    return check.truth is False and check.verdict is True
 
 
 def detours(record: Record) -> dict[int, int]:
@@ -96,7 +103,7 @@ def detour_tokens(record: Record) -> int:
 
 def _unprovoked(checks: Iterable[CheckEntry]) -> list[CheckEntry]:
     checks = [check for check in checks if not check.asked]
-    provoked = {(c.round, c.robot, c.subtask) for c in checks if c.truth is not True and not c.verdict}
+    provoked = {(c.round, c.robot, c.subtask) for c in checks if c.truth is not True and c.verdict is False}
     return [c for c in checks if is_false_alarm(c) and (c.round, c.robot, c.subtask) not in provoked]
 
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from remac_agents.free_text import FreeText
 from remac_bench.board import Column, Sheet
 from remac_bench.judging.alarms import detour_tokens, detours, is_false_alarm, tally
 from remac_bench.judging.cells import Cells, count, number, only_known, rate, word
 from remac_bench.judging.episodes import cap_rounds, setting, shared_key
 from remac_bench.judging.statistics import mean
 from remac_bench.records import CheckEntry, Record
+from remac_env.conditions import Condition
+from remac_env.sentences import predicate_of
 
 DEFAULT_CHECKER = "truth"
 """What `remac_agents.make` fills the role with."""
@@ -28,8 +31,18 @@ AUDIT_COLUMNS = (
     Column(key="rounds", title="Rounds lost", help="rounds an episode that were spent on false alarms"),
     Column(key="each", title="an alarm", help="rounds lost for each false alarm"),
     Column(key="tokens", title="Tokens lost", help="tokens an episode in rounds spent on false alarms"),
+    Column(key="cannot_tell", title="Cannot tell", help="conditions without a verdict; they are in no rate"),
     Column(key="unknown", title="Unknown", help="verdicts beside which no truth stands"),
+    Column(key="unmatched", title="Unmatched", help="of the last two: in a model's own words, which no predicate says"),
 )
+KIND_COLUMNS = (
+    AUDIT_COLUMNS[0],
+    Column(key="kind", title="Kind", numeric=False, help="seen in pictures, felt in the gripper, or known as a rule"),
+    Column(key="predicate", title="Condition", numeric=False, help="the predicate, or words that no predicate says"),
+    *(column for column in AUDIT_COLUMNS if column.key not in ("agent", "kind", "rounds", "each", "tokens")),
+)
+KINDS = ("seen", "felt", "known")
+OWN_WORDS = "own words"
 DOSE_COLUMNS = (
     Column(key="agent", title="Method", numeric=False),
     Column(key="checker", title="Checker", numeric=False),
@@ -53,6 +66,7 @@ def audit_sheets(records: Sequence[Record], *, folder: str) -> list[Sheet]:
         here = [record for record in checked if setting(record) == where]
         tail = "" if len(settings) == 1 else f"-{index}"
         sheets.append(_audit(where, here, key=f"audit{tail}", folder=folder))
+        sheets.append(_by_kind(where, here, key=f"conditions{tail}", folder=folder))
         sheets += _doses(where, here, key=f"dose{tail}", folder=folder)
     return sheets
 
@@ -77,7 +91,8 @@ def _audit(where: str, records: Sequence[Record], *, key: str, folder: str) -> S
         key=key,
         title=f"Audit of the checkers: {where}",
         caption=(
-            "Every verdict of every iteration beside the truth, with Wilson's intervals. Rounds lost, at least: from a "
+            "Every verdict of every iteration beside the truth, with Wilson's intervals; what a checker cannot tell is "
+            "counted apart. Rounds lost, at least: from a "
             "false alarm until the robot runs the subtask after all, and subtasks run again though they were done."
         ),
         command=f"remac bench report {folder} --all",
@@ -85,6 +100,43 @@ def _audit(where: str, records: Sequence[Record], *, key: str, folder: str) -> S
         rows=tuple(rows),
         facts=tuple(facts),
     )
+
+
+def _by_kind(where: str, records: Sequence[Record], *, key: str, folder: str) -> Sheet:
+    """The same by what conditions are about: a row a kind, and one a predicate."""
+    rows: list[Cells] = []
+    facts: list[dict[str, str]] = []
+    for agent in sorted({record.agent for record in records}):
+        group = [record for record in records if record.agent == agent]
+        found: dict[tuple[str, str], list[CheckEntry]] = {}
+        for check in (check for record in group for check in (*record.pre_checks, *record.post_checks)):
+            kind, predicate = _about(check)
+            found.setdefault((kind, "all"), []).append(check)
+            found.setdefault((kind, predicate), []).append(check)
+        order = sorted(found, key=lambda row: (KINDS.index(row[0]), row[1] != "all", row[1]))
+        for kind, predicate in order:
+            rows.append(only_known(_quality(agent, kind, found[kind, predicate]) | {"predicate": word(predicate)}))
+            facts.append({"agent": agent, "method": group[0].method, "setting": where})
+    return Sheet(
+        key=key,
+        title=f"Audit of the checkers by kind of condition: {where}",
+        caption=(
+            "Before a subtask, after it and asked by the adjuster, all together. No model is asked about what is felt: "
+            "the gripper answers."
+        ),
+        command=f"remac bench report {folder} --all",
+        columns=KIND_COLUMNS,
+        rows=tuple(rows),
+        facts=tuple(facts),
+    )
+
+
+def _about(check: CheckEntry) -> tuple[str, str]:
+    """The kind of a condition and its predicate, from its sentence."""
+    predicate = None if check.unmatched else predicate_of(check.condition)
+    if predicate is None:
+        return FreeText.of(check.condition).kind, OWN_WORDS
+    return Condition(predicate.removeprefix("not "), ()).kind, predicate
 
 
 def _quality(agent: str, kind: str, checks: Sequence[CheckEntry]) -> Cells:
@@ -100,7 +152,9 @@ def _quality(agent: str, kind: str, checks: Sequence[CheckEntry]) -> Cells:
         "precision": rate(counted.found, called),
         "recall": rate(counted.found, wrong),
         "false_alarms": rate(counted.false_alarms, right),
+        "cannot_tell": count(counted.cannot_tell),
         "unknown": count(counted.unknown),
+        "unmatched": count(counted.unmatched),
     }
 
 

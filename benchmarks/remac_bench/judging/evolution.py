@@ -88,4 +88,4 @@ def _cells(task: str, agent: str, iteration: int, group: Sequence[Record]) -> Ce
 
 
 def _alarms(record: Record) -> int:
-    return sum(not check.verdict and not check.asked for check in record.pre_checks)
+    return sum(check.verdict is False and not check.asked for check in record.pre_checks)

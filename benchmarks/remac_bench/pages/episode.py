@@ -35,8 +35,9 @@ class Check:
 
     @property
     def wrong(self) -> bool:
-        """Whether the verdict is not the truth; not where the truth is not known."""
-        return self.entry.truth is not None and self.entry.truth != self.entry.verdict
+        """Whether the verdict is not the truth; not where either is not known."""
+        known = self.entry.truth is not None and self.entry.verdict is not None
+        return known and self.entry.truth != self.entry.verdict
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,7 +171,7 @@ def _alarms(rounds: Iterable[Round]) -> dict[tuple[int, str], bool]:
     alarms: dict[tuple[int, str], bool] = {}
     for each in rounds:
         for check in each.checks:
-            if not check.entry.verdict:
+            if check.entry.verdict is False:
                 spot = (each.number, check.entry.robot)
                 alarms[spot] = alarms.get(spot, False) or check.wrong
     return alarms

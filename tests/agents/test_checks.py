@@ -1,0 +1,351 @@
+"""Three kinds of conditions, verdicts that cannot tell, and conditions in other words."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+from agent_kitchens import play, suite_kitchen
+from chaos_server import Asked
+from scripted_model import PICTURES, ScriptedModel, run, scripted
+
+import remac_agents
+from remac_agents.checkers.truth import TruthChecker
+from remac_agents.free_text import FreeText
+from remac_agents.prompt import load
+from remac_agents.roles import Verdict, View
+from remac_env.conditions import SENTENCES, Condition, condition, denied
+from remac_env.errors import OptionError
+from remac_env.sentences import ARGUMENTS, predicate_of, read_condition, sentence_forms
+
+TASK = "DefrostInBowl"
+
+
+def kitchen(task: str = TASK) -> Any:
+    env = suite_kitchen(task)
+    env.reset(seed=3)
+    return env
+
+
+def view_of(env: Any, *, images: Any = None, holding: Any = None, world: Any = None) -> View:
+    held = dict.fromkeys(env.start.scene.robots) if holding is None else holding
+    seen = dict.fromkeys(held, PICTURES) if images is None else images
+    return View("defrost", env.start.scene, held, {}, seen, world)
+
+
+def checker_of(model: ScriptedModel) -> Any:
+    return remac_agents.make("CC", model="custom:scripted", base_url=model.server.url).roles.checker
+
+
+def asked(model: ScriptedModel) -> list[str]:
+    return [name for name, _ in model.heard]
+
+
+def listed(user: str) -> list[str]:
+    return re.findall(r"^\d+\. (.*)$", user, re.M)
+
+
+def pictures_in(request: Asked) -> int:
+    told = request.body["messages"][-1]["content"]
+    return 0 if isinstance(told, str) else sum(part["type"] == "image_url" for part in told)
+
+
+# -- kinds ----------------------------------------------------------------------------------------------------------
+
+
+def test_every_predicate_has_a_kind_and_the_vessel_rule_is_knowledge() -> None:
+    kinds = {name: Condition(name, ()).kind for name in SENTENCES}
+    assert {name for name, kind in kinds.items() if kind == "felt"} == {
+        "hand_empty",
+        "hand_full",
+        "holding",
+        "holds_shaker",
+    }
+    assert kinds["no_vessel_needed"] == kinds["graspable"] == "known"
+    assert kinds["door_open"] == kinds["at"] == kinds["unloaded"] == kinds["inside"] == "seen"
+    assert denied(condition("no_vessel_needed", "robot_0", "sink")).kind == "known"
+    assert FreeText.of("the fish must lie in a bowl before it touches the sink").kind == "known"
+    assert FreeText.of("the water runs over the fish").kind == "seen"
+
+
+def test_what_is_felt_is_the_truth_about_the_gripper_and_nobody_is_asked() -> None:
+    with scripted(TASK) as model:
+        scene = model.env.start.scene
+        thing, robot = next(iter(scene.objects)), scene.robots[-1]
+        conditions = [condition("holding", robot, thing), condition("hand_empty", robot), condition("hand_full", robot)]
+        view = view_of(model.env, holding={robot: thing}, images={})
+        checker = checker_of(model)
+        assert [verdict.value for verdict in checker.check(conditions, view)] == [True, False, True]
+        denials = [denied(c) for c in conditions]
+        assert [verdict.value for verdict in checker.check(denials, view)] == [False, True, False]
+        assert {verdict.reason for verdict in checker.check(conditions, view)} == {"felt in the gripper"}
+        assert model.heard == []
+
+
+def test_each_kind_is_asked_in_its_own_words() -> None:
+    with scripted(TASK) as model:
+        robot = "robot_0"
+        conditions = [
+            condition("no_vessel_needed", robot, "sink"),
+            condition("hand_empty", robot),
+            condition("door_open", "microwave"),
+            FreeText.of("the bowl must hold the food before it touches the sink"),
+        ]
+        verdicts = checker_of(model).check(conditions, view_of(model.env))
+        assert [verdict.condition for verdict in verdicts] == conditions
+        told = dict(model.heard)
+        assert asked(model) == ["checker_known", "checker_seen"]
+        assert listed(told["checker_known"]) == [conditions[0].sentence, conditions[3].sentence]
+        assert listed(told["checker_seen"]) == [conditions[2].sentence]
+        assert [pictures_in(request) for request in model.server.asked] == [0, 2]
+        assert "holds nothing" in told["checker_known"]
+
+
+def test_no_rule_stands_under_words_that_forbid_to_judge_it() -> None:
+    known = load("checker_known")
+    assert not re.search(r"not what (should|ought)|do not judge|judge what you see", known.system, re.I)
+    assert re.search(r"right|allowed", known.system + known.user)
+    assert "Judge what is, not what should be" in load("checker_seen").system
+
+
+def test_questions_are_the_same_for_the_same_moment() -> None:
+    with scripted(TASK) as model:
+        conditions = [condition("door_open", "microwave"), condition("no_vessel_needed", "robot_0", "sink")]
+        for _ in range(2):
+            checker_of(model).check(conditions, view_of(model.env))
+        assert model.heard[:2] == model.heard[2:]
+
+
+# -- cannot tell ----------------------------------------------------------------------------------------------------
+
+
+def verdicts(*values: Any) -> str:
+    return json.dumps({"verdicts": list(values), "reasons": ["because"] * len(values)})
+
+
+def test_what_cannot_be_told_is_looked_at_again_with_the_other_pictures() -> None:
+    with scripted(TASK) as model:
+        given = iter([verdicts(None, True), verdicts(False)])
+        model.answers = {"checker_seen": lambda user: next(given)}
+        conditions = [condition("door_open", "microwave"), condition("at", "robot_0", "sink")]
+        found = checker_of(model).check(conditions, view_of(model.env))
+        assert [verdict.value for verdict in found] == [False, True]
+        first, second = (user for _, user in model.heard)
+        assert "robot_0, side camera; robot_0, wrist camera" in first and "front" not in first
+        assert "robot_0, front camera" in second and "robot_0, side camera" not in second
+        assert listed(second) == [conditions[0].sentence]
+
+
+@pytest.mark.parametrize("word", [None, "cannot tell", "Unknown.", "null"])
+def test_knowledge_that_hangs_on_what_is_seen_is_asked_again_with_pictures(word: Any) -> None:
+    with scripted(TASK) as model:
+        given = iter([verdicts(word), verdicts(True)])
+        model.answers = {"checker_known": lambda user: next(given)}
+        (verdict,) = checker_of(model).check([condition("no_vessel_needed", "robot_0", "sink")], view_of(model.env))
+        assert (verdict.value, verdict.reason) == (True, "because")
+        assert [pictures_in(request) for request in model.server.asked] == [0, 6]
+
+
+@pytest.mark.parametrize("answer", ["no idea", '{"verdicts": []}', '{"verdicts": [1, 2]}', verdicts(True, True)])
+def test_an_answer_that_is_of_no_use_is_no_verdict(answer: str) -> None:
+    with scripted(TASK) as model:
+        model.answers = {"checker_seen": answer}
+        (verdict,) = checker_of(model).check([condition("door_open", "microwave")], view_of(model.env))
+        assert verdict.value is None and verdict.reason.startswith("not judged: ")
+
+
+class Blindfolded:
+    """A checker that never can tell."""
+
+    def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
+        return [Verdict(condition, None, "too dark") for condition in conditions]
+
+
+class Forgetful:
+    """A checker that forgets the last condition."""
+
+    needs_truth = True
+
+    def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
+        return TruthChecker().check(conditions, view)[:-1]
+
+
+@pytest.mark.parametrize("method", remac_agents.methods())
+def test_a_checker_that_cannot_tell_lets_every_method_go_on_and_end(method: str) -> None:
+    agent = remac_agents.make(method, checker=Blindfolded())
+    reports = [play(suite_kitchen(TASK), agent) for _ in range(2)]
+    for report in reports:
+        checks = (*report.pre_checks, *report.post_checks)
+        assert {check.verdict for check in checks} <= {None}
+        assert {check.reason for check in checks} <= {"too dark"}
+        assert not report.success and report.retries == 0
+        assert not report.adjusted or method.startswith("REFLECT")
+    assert any(report.pre_checks for report in reports) == (not method.startswith("BASE"))
+    assert not any(run.adjusted for run in agent.memory.all_runs())
+
+
+def test_cc_without_verdicts_plays_as_base_does() -> None:
+    base = play(suite_kitchen(TASK), remac_agents.make("BASE"))
+    for checker in (Blindfolded(), "none"):
+        report = play(suite_kitchen(TASK), remac_agents.make("CC", checker=checker))
+        assert [step.subtask for step in report.executed] == [step.subtask for step in base.executed]
+
+
+def test_a_verdict_that_is_missing_is_not_true() -> None:
+    report = play(suite_kitchen(TASK), remac_agents.make("CC", checker=Forgetful()))
+    missing = [check for check in (*report.pre_checks, *report.post_checks) if check.verdict is None]
+    assert missing and {check.reason for check in missing} == {"not judged"}
+
+
+def test_a_model_that_cannot_tell_is_recorded_so() -> None:
+    with scripted(TASK) as model:
+        dark = lambda user: verdicts(*[None] * len(listed(user)))  # noqa: E731
+        model.answers = {"checker_seen": dark, "checker_known": dark}
+        report = run(model, "CC", planner="literal", conditions="rule", adjuster="rule", reflector="rule")
+        found = {check.verdict for check in report.pre_checks if predicate_kind(check.condition) != "felt"}
+        assert found == {None}
+        assert report.infrastructure is None and not report.adjusted
+
+
+def predicate_kind(sentence: str) -> str:
+    predicate = predicate_of(sentence)
+    assert predicate is not None
+    return Condition(predicate, ()).kind
+
+
+def test_a_model_that_misreads_the_vessel_rule_is_found_out_by_kind() -> None:
+    """Planted: everything is allowed. The audit shows it where it belongs: in what is known."""
+    with scripted(TASK) as model:
+        model.answers = {"checker_known": lambda user: verdicts(*[True] * len(listed(user)))}
+        report = run(model, "CC", planner="literal", conditions="rule", adjuster="rule", reflector="rule")
+        wrong = [check for check in report.pre_checks if check.verdict is not None and check.verdict != check.truth]
+        assert {predicate_of(check.condition) for check in wrong} == {"no_vessel_needed"}
+        assert not report.success
+        right = run(model, "CC", planner="literal", checker="truth", conditions="rule", adjuster="rule")
+        assert right.success
+
+
+# -- pictures -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", remac_agents.methods())
+def test_without_pictures_a_checker_with_eyes_is_refused_before_anything_is_asked(method: str) -> None:
+    with scripted(TASK, pictures=False) as model:
+        agent = remac_agents.make(method, model="custom:scripted", base_url=model.server.url)
+        obs, infos = model.env.reset(seed=3)
+        if method in ("BASE", "BASE-BEST"):  # nobody looks there
+            assert agent.picture_viewers == ()
+            agent.reset(obs, infos)
+            return
+        assert agent.picture_viewers == ("checker",)
+        with pytest.raises(OptionError, match=r'checker of .* valid: .*obs="state\+images"'):
+            agent.reset(obs, infos)
+        assert model.heard == []
+
+
+def test_a_view_without_pictures_is_nobodys_verdict() -> None:
+    with scripted(TASK) as model:
+        checker = checker_of(model)
+        with pytest.raises(remac_agents.StopEpisode, match=r"obs=.state\+images") as stopped:
+            checker.check([condition("door_open", "microwave")], view_of(model.env, images={}))
+        assert stopped.value.infrastructure and model.heard == []
+
+
+@pytest.mark.parametrize("given", ["deepseek:deepseek-reasoner", "DeepSeek-R1"])
+def test_a_model_without_eyes_is_no_checker_and_hears_what_is(given: str) -> None:
+    with pytest.raises(OptionError, match=r"takes no images.*valid: .*'truth'.*'none'"):
+        remac_agents.make("CC", checker=given)
+
+
+# -- other words ----------------------------------------------------------------------------------------------------
+
+SAME = {
+    "The gripper of robot_0 is empty.": ("hand_empty", "robot_0"),
+    "robot_0's gripper is empty": ("hand_empty", "robot_0"),
+    "robot_0 holds nothing": ("hand_empty", "robot_0"),
+    "robot_0 is not holding anything": ("hand_empty", "robot_0"),
+    "its gripper is empty": ("hand_empty", "robot_0"),
+    "the robot does not hold anything": ("hand_empty", "robot_0"),
+    "robot_1 is holding a bowl": ("holding", "robot_1", "bowl"),
+    "the bowl is in robot_1's gripper": ("holding", "robot_1", "bowl"),
+    "the gripper of robot_0 isn't empty": ("hand_full", "robot_0"),
+    "the bowl is inside the sink": ("inside", "bowl", "sink"),
+    "the sink contains the bowl": ("inside", "bowl", "sink"),
+    "There is a bowl in the sink": ("inside", "bowl", "sink"),
+    "the bowl is on top of the counter": ("inside", "bowl", "counter"),
+    "the microwave's door is shut": ("door_closed", "microwave"),
+    "the door of the cabinet is not open": ("door_not_open", "cabinet"),
+    "the cabinet is open": ("door_open", "cabinet"),
+    "the faucet is on": ("switched_on", "faucet"),
+    "the faucet is turned off": ("all_off", "faucet"),
+    "the stove is not currently on": ("switched_off", "stove"),
+    "robot_0 is standing next to the sink": ("at", "robot_0", "sink"),
+    "the robot has reached the sink": ("at", "robot_0", "sink"),
+    "the bowl is empty": ("unloaded", "bowl"),
+    "the sink has enough space for what robot_0 holds": ("room", "robot_0", "sink"),
+    "the bowl is not in the sink": ("not", "inside", "bowl", "sink"),
+    "robot_0 is not holding the bowl": ("not", "holding", "robot_0", "bowl"),
+    "it is not true that robot_0 is at the sink": ("not", "at", "robot_0", "sink"),
+}
+OTHER = (
+    "robot_9 is at the sink",
+    "the bowl is clean",
+    "the path is clear",
+    "the bowl is near the sink",
+    "robot_0 and robot_1 hold nothing",
+    "it is not so that the bowl is not in the sink",
+    "the dishwasher is open",
+    "the bowl must not be in the sink",
+    "the b\u043ewl is in the sink",
+    "",
+)
+
+
+@pytest.mark.parametrize("text", SAME)
+def test_other_words_are_matched(text: str) -> None:
+    found = read_condition(text, kitchen().start.scene, robot="robot_0")
+    assert found is not None and (found.predicate, *found.args) == SAME[text]
+
+
+@pytest.mark.parametrize("text", OTHER)
+def test_what_says_something_else_is_not_matched(text: str) -> None:
+    assert read_condition(text, kitchen().start.scene, robot="robot_0") is None
+
+
+@pytest.mark.parametrize("task", ["DefrostInBowl", "HeatOnStove"])
+def test_every_sentence_and_its_denial_come_back(task: str) -> None:
+    env = kitchen(task)
+    scene, world = env.start.scene, env.world
+    names = {"robot": scene.robots, "fixture": scene.fixtures, "object": scene.objects}
+    firsts = {kind: tuple(found)[-1] for kind, found in names.items()}
+    vessel = next(name for name, facts in scene.objects.items() if facts.holds)
+    door = next(name for name, facts in scene.fixtures.items() if facts.door)
+    switch = next(name for name, facts in scene.fixtures.items() if facts.switches)
+    firsts |= {"thing": firsts["object"], "vessel": vessel, "door": door, "switch": switch, "mark": "washed"}
+    assert len(sentence_forms()) == len(ARGUMENTS)
+    for predicate, kinds in ARGUMENTS.items():
+        stated = Condition(predicate, tuple(firsts[kind] for kind in kinds))
+        assert read_condition(stated.sentence, scene) == stated
+        assert predicate_of(stated.sentence) == predicate
+        denial = read_condition(denied(stated).sentence, scene)
+        assert denial == denied(stated)
+        assert predicate_of(denied(stated).sentence) == f"not {predicate}"
+        if predicate != "station_free":
+            assert denial.holds(scene, world) is not stated.holds(scene, world)
+
+
+def test_words_that_match_nothing_are_never_true_and_are_counted() -> None:
+    class Poet:
+        def before(self, subtask: Any, robot: str, view: View) -> list[Condition]:
+            return [FreeText.of("all is well in this kitchen")]
+
+        def after(self, subtask: Any, robot: str, view: View) -> list[Condition]:
+            return []
+
+    for checker in ("truth", {"name": "noisy", "false_alarm": 1.0, "miss": 1.0}):
+        report = play(suite_kitchen(TASK), remac_agents.make("CC", conditions=Poet(), checker=checker))
+        assert report.pre_checks
+        assert {(check.verdict, check.truth, check.unmatched) for check in report.pre_checks} == {(None, None, True)}
