@@ -59,7 +59,8 @@ class Agent:
     @property
     def picture_viewers(self) -> tuple[str, ...]:
         """The roles that the method asks and that look at pictures: their kitchen needs obs="state+images"."""
-        return self.roles.picture_viewers() if self.method.checks else ()
+        viewers = self.roles.picture_viewers()
+        return tuple(role for role in viewers if role == "planner" or self.method.checks)
 
     def reset(self, obs: Told, infos: Told) -> None:
         """Begin an episode; one that was never closed is closed first, as a failure.

@@ -18,7 +18,7 @@ from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summar
 from remac_agents.plan import MAX_STEPS, Commands, is_unordered
 from remac_agents.printable import is_printable, quoted, type_name
 from remac_agents.roles import AdjustRequest, Advice, Verdict, View
-from remac_env.conditions import PREDICATES, Condition
+from remac_env.conditions import PREDICATES, Condition, Denial, denied
 from remac_env.errors import RemacError
 from remac_env.sentences import ARGUMENTS
 from remac_env.subtasks import DONE, SKILLS, WAIT, Subtask
@@ -168,6 +168,8 @@ class Answers:
         if not isinstance(condition, Condition):
             raise self._error(verb, quoted(condition), valid)
         predicate, args = condition.predicate, condition.args
+        if isinstance(condition, Denial) and isinstance(args, tuple) and args:
+            return denied(self._condition(verb, condition.condition, view, valid))
         if isinstance(condition, FreeText):
             texts = args if isinstance(args, tuple) and len(args) == 1 else (None,)
             return FreeText.of(self.text(verb, texts[0], "a sentence"))

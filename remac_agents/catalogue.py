@@ -121,6 +121,26 @@ def read_role(text: str, models: Models | None = None) -> dict[str, Any]:
     return {"name": name, **(options if model else {option: read_value(value) for option, value in options.items()})}
 
 
+def looks_at_pictures(role: str, given: object, *, providers: Any = None) -> bool:
+    """Whether who is given for a role must be shown pictures (`needs_images`); nobody is made.
+
+    Args:
+        providers: a file of providers that adds to those built in.
+
+    Raises:
+        UnknownNameError: as for `make_role`.
+    """
+    name = given.get("name", "") if isinstance(given, Mapping) else given
+    if not isinstance(name, str):
+        return bool(getattr(name, "needs_images", False))
+    name = name.partition(",")[0].strip()
+    if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name, providers):
+        return bool(getattr(_load(role, MODEL_ROLES[role]), "needs_images", False))
+    if role == "planner" and name.startswith(("http://", "https://", "answers:")):
+        return False
+    return bool(getattr(_find(role, name), "needs_images", False))
+
+
 class FunctionRole:
     """A plain function in place of a role's only verb."""
 

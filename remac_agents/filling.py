@@ -100,10 +100,29 @@ def fill_roles(given: Mapping[str, Any], options: ModelOptions) -> Roles:
         UnknownNameError, OptionError: see `remac_agents.make`.
     """
     models = _models(options) if options.given or any(_may_be_model(who) for who in given.values()) else None
-    chosen: dict[str, Any] = {role: DEFAULTS[role] if who is None else who for role, who in given.items()}
+    chosen = _chosen(given, options, models)
+    return Roles(**{role: make_role(role, who, models=models) for role, who in chosen.items()})
+
+
+def fillers(given: Mapping[str, Any], **options: Any) -> dict[str, Any]:
+    """Role -> who would fill it, for roles as `make` takes them; nobody is made and nothing is asked.
+
+    Args:
+        given: role -> who fills it; those that are missing are not given.
+        options: keywords of ModelOptions that say which model there is, and where.
+
+    Raises:
+        UnknownNameError, OptionError: for a model that is not valid.
+    """
+    read, every = read_options(options), {role: given.get(role) for role in DEFAULTS}
+    return _chosen(every, read, _models(read) if read.given else None)
+
+
+def _chosen(given: Mapping[str, Any], options: ModelOptions, models: Models | None) -> dict[str, Any]:
+    chosen = {role: DEFAULTS[role] if who is None else who for role, who in given.items()}
     if options.model is not None and models is not None:
         chosen |= dict.fromkeys(_taken_over(given, options, models), options.model)
-    return Roles(**{role: make_role(role, who, models=models) for role, who in chosen.items()})
+    return chosen
 
 
 def _may_be_model(who: object) -> bool:

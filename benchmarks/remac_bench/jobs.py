@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
-from remac_bench import agents
+from remac_bench import agents, sight
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_env.options import Options
@@ -49,6 +49,7 @@ class Job:
         access: how language models are reached. Not part of the key: it changes who is asked, not what.
         suite: where the job comes from. Not part of the key either: equal jobs are equal.
         seconds: its wall time at most; None: not bounded yet (`watch.job_seconds`). Not part of the key either.
+        viewers: the roles for which the kitchen has pictures.
     """
 
     method: str
@@ -60,6 +61,7 @@ class Job:
     access: Access = field(default_factory=Access)
     suite: SuiteMark | None = None
     seconds: float | None = None
+    viewers: tuple[str, ...] = ()
 
     @cached_property
     def key(self) -> str:
@@ -97,6 +99,7 @@ class Job:
         made = {"kitchen": asdict(self.options), "agent": dict(self.agent), "iterations": self.iterations}
         if self.seconds is not None:
             made["job_seconds"] = self.seconds
+        made |= {"viewers": list(self.viewers)} if self.viewers else {}
         return made if self.access == Access() else {**made, "access": self.access.told}
 
 
@@ -122,7 +125,7 @@ def make_jobs(
     """Every combination of tasks, methods and seeds.
 
     Args:
-        kitchen: keywords of `remac_env.parallel_env` but `robots`.
+        kitchen: keywords of `remac_env.parallel_env` but `robots`. Pictures follow from the roles (sight.kitchen_for).
         agent: keywords of `remac_agents.make`; those that are None count as not given.
         robots, iterations: None means the method's own; methods without a memory play iteration 0 alone.
         access: see Job.
@@ -136,7 +139,10 @@ def make_jobs(
     access = access or Access()
     for task in tasks:
         for method in methods:
-            options = Options(**kitchen, robots=agents.default_robots(method) if robots is None else robots)
+            named = sight.with_checker(method, given, access)
+            viewers = sight.viewers(method, named, access)
+            crew = agents.default_robots(method) if robots is None else robots
+            options = Options(**sight.kitchen_for(viewers, kitchen), robots=crew)
             last = agents.default_iterations(method)
             last = iterations if last and iterations is not None else last
             for seed in seeds:
@@ -145,9 +151,10 @@ def make_jobs(
                     task=task,
                     seed=seed,
                     options=options,
-                    agent=given,
+                    agent=named,
                     iterations=last,
                     access=access,
+                    viewers=viewers,
                 )
                 jobs[job.key] = job
     if checked:

@@ -101,8 +101,8 @@ class Suite:
             agent = {**given, **{name: value for name, value in entry.items() if value is not None}}
             mark = SuiteMark(name=self.name, version=self.version, digest=self.digest, given=given)
             for block in self.blocks:
-                for job in _block_jobs(block, agent, backend):
-                    jobs[job.key] = replace(job, access=access or Access(), suite=mark)
+                for job in _block_jobs(block, agent, backend, access):
+                    jobs[job.key] = replace(job, suite=mark)
         jobs |= {job.key: job for job in self._floor_jobs(backend) if job.key not in jobs}
         if checked:
             check_jobs(list(jobs.values()))
@@ -112,7 +112,7 @@ class Suite:
     def _floor_jobs(self, backend: str | None) -> list[Job]:
         mark = SuiteMark(name=self.name, version=self.version, digest=self.digest, given={})
         blocks = [replace(block, methods=(FLOOR_METHOD,), robots=None) for block in self.blocks]
-        made = [_block_jobs(block, {"planner": who}, backend) for who in self.floors for block in blocks]
+        made = [_block_jobs(block, {"planner": who}, backend, None) for who in self.floors for block in blocks]
         return [replace(job, suite=mark) for jobs in made for job in jobs]
 
 
@@ -145,7 +145,9 @@ def _folder() -> Path:
     return inside if inside.is_dir() else Path(__file__).parents[1] / "suites"
 
 
-def _block_jobs(block: Block, agent: Mapping[str, Any], backend: str | None) -> list[Job]:
+def _block_jobs(
+    block: Block, agent: Mapping[str, Any], backend: str | None, access: Access | None
+) -> list[Job]:
     jobs = []
     for task in block.tasks:
         for cell in _cells(task, block.cells):
@@ -158,6 +160,7 @@ def _block_jobs(block: Block, agent: Mapping[str, Any], backend: str | None) -> 
                 agent=agent,
                 robots=block.robots,
                 iterations=block.iterations,
+                access=access,
                 checked=False,
             )
     return jobs

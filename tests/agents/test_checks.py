@@ -13,12 +13,11 @@ from chaos_server import Asked
 from scripted_model import PICTURES, ScriptedModel, run, scripted
 
 import remac_agents
-from remac_agents.checkers.truth import TruthChecker
 from remac_agents.free_text import FreeText
 from remac_agents.prompt import load
 from remac_agents.roles import Verdict, View
-from remac_env.conditions import SENTENCES, Condition, condition, denied
-from remac_env.errors import OptionError
+from remac_env.conditions import SENTENCES, Condition, Denial, condition, denied
+from remac_env.errors import OptionError, RemacError
 from remac_env.sentences import ARGUMENTS, predicate_of, read_condition, sentence_forms
 
 TASK = "DefrostInBowl"
@@ -164,15 +163,6 @@ class Blindfolded:
         return [Verdict(condition, None, "too dark") for condition in conditions]
 
 
-class Forgetful:
-    """A checker that forgets the last condition."""
-
-    needs_truth = True
-
-    def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
-        return TruthChecker().check(conditions, view)[:-1]
-
-
 @pytest.mark.parametrize("method", remac_agents.methods())
 def test_a_checker_that_cannot_tell_lets_every_method_go_on_and_end(method: str) -> None:
     agent = remac_agents.make(method, checker=Blindfolded())
@@ -194,10 +184,23 @@ def test_cc_without_verdicts_plays_as_base_does() -> None:
         assert [step.subtask for step in report.executed] == [step.subtask for step in base.executed]
 
 
-def test_a_verdict_that_is_missing_is_not_true() -> None:
-    report = play(suite_kitchen(TASK), remac_agents.make("CC", checker=Forgetful()))
-    missing = [check for check in (*report.pre_checks, *report.post_checks) if check.verdict is None]
-    assert missing and {check.reason for check in missing} == {"not judged"}
+def test_denials_are_conditions_of_a_role_too() -> None:
+    class Denying:
+        def __init__(self, *conditions: Any) -> None:
+            self.conditions = list(conditions)
+
+        def before(self, subtask: Any, robot: str, view: View) -> list[Condition]:
+            return self.conditions
+
+        def after(self, subtask: Any, robot: str, view: View) -> list[Condition]:
+            return []
+
+    there = Denying(denied(condition("inside", "bowl", "sink")))
+    report = play(suite_kitchen(TASK), remac_agents.make("CC", conditions=there))
+    assert {check.verdict for check in report.pre_checks} == {True}
+    for bad in (denied(condition("inside", "tray", "sink")), Denial("not", ()), denied(denied(there.conditions[0]))):
+        with pytest.raises(RemacError):
+            play(suite_kitchen(TASK), remac_agents.make("CC", conditions=Denying(bad)))
 
 
 def test_a_model_that_cannot_tell_is_recorded_so() -> None:

@@ -101,12 +101,19 @@ def _jobs(context: typer.Context, entry: dict[str, Any], access: Access) -> list
         tasks=remac_env.tasks() if given["tasks"] is None else parse_names(given["tasks"], "tasks"),
         methods=parse_names(given["methods"], "methods"),
         seeds=parse_seeds(given["seeds"]),
-        kitchen=flags.pick(context, flags.KITCHEN),
+        kitchen=_kitchen(context),
         agent=entry,
         robots=given["robots"],
         iterations=given["iterations"],
         access=access,
     )
+
+
+def _kitchen(context: typer.Context) -> dict[str, Any]:
+    """The kitchen's flags; those about pictures only where they are given, else they follow from the roles."""
+    follow = ("obs", "image_size")
+    given = flags.pick(context, flags.KITCHEN)
+    return {name: v for name, v in given.items() if name not in follow or _explicit(context, name) is not None}
 
 
 def _settings(given: dict[str, Any]) -> Settings:
