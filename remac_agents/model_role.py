@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -26,9 +26,8 @@ T = TypeVar("T")
 class ModelRole:
     """Base of the roles. `role` is the name under which its questions are recorded.
 
-    `asks_once`: a question that was answered in this episode is not put again but answered as before - always
-    ("episode"), only where it shows pictures ("picture": without them the same words may be about another moment),
-    or never ("": another answer is wanted).
+    `asks_once`: a question - the same words and pictures - that was answered in this episode is not put again but
+    answered as before. False where another answer is wanted.
 
     Args:
         model: `provider:model`, or a name of the paper's models.
@@ -41,7 +40,7 @@ class ModelRole:
 
     role = ""
     needs_truth = False
-    asks_once: Literal["episode", "picture", ""] = "episode"
+    asks_once = True
 
     def __init__(self, model: str, *, models: Models | None = None, **options: Any) -> None:
         self.models = models or Models()
@@ -111,7 +110,7 @@ class ModelRole:
 
     def _question(self, messages: Sequence[Message], images: Sequence[Picture]) -> str:
         """What is the same for the same question, "" for one that is put each time."""
-        if not self.asks_once or (self.asks_once == "picture" and not images):
+        if not self.asks_once:
             return ""
         asked = [(message["role"], message["content"]) for message in messages]
         return repr((self.client.endpoint.name, self.role, asked, [picture.digest for picture in images]))

@@ -25,7 +25,7 @@ class LlmAdjuster(ModelRole):
     first, and then the old plan."""
 
     role = "adjuster"
-    asks_once = ""
+    asks_once = False
 
     def adjust(self, request: AdjustRequest) -> Advice:
         """Reason and recommended steps, and the robot's new row."""
