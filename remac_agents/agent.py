@@ -256,7 +256,7 @@ def _report(info: Mapping[str, Any]) -> Report | None:
     if not outcome:
         return None
     told_why = info.get("feedback") == "reason"
-    return Report(str(outcome["status"]), outcome.get("reason") if told_why else None)
+    return Report(str(outcome["status"]), (outcome.get("reason") or None) if told_why else None)
 
 
 def _run(episode: Episode, *, success: bool) -> Run:

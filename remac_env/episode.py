@@ -93,7 +93,7 @@ class Episode:
         return progress(self.terms.goal, self.terms.scene, self.world)
 
     def info(self, robot: str) -> dict[str, Any]:
-        """What `infos[robot]` holds."""
+        """What `infos[robot]` holds: each key always of one type, as vector environments need it."""
         terms = self.terms
         return {
             "outcome": self._outcome(robot),
@@ -101,7 +101,7 @@ class Episode:
             "goal": terms.sentence,
             "episode": dict(terms.label),
             "success": self.end == "success",
-            "end": self.end,
+            "end": self.end or "",
             "world": self.world,
             "scene": terms.scene,
             "commands": dict(terms.commands),
@@ -110,10 +110,10 @@ class Episode:
             "feedback": terms.options.feedback,
             "phases": {name: index < self.phases_done for index, (name, _) in enumerate(terms.phases)},
             "round": self.rounds,
-            "seconds": self.seconds,
-            "robot_contacts": self.counters.robot_contacts,
-            "near_misses": self.counters.near_misses,
-            "physics_steps": self.counters.physics_steps,
+            "seconds": float(self.seconds),
+            "robot_contacts": int(self.counters.robot_contacts),
+            "near_misses": int(self.counters.near_misses),
+            "physics_steps": int(self.counters.physics_steps),
         }
 
     def _judge(self) -> End | None:
@@ -126,15 +126,16 @@ class Episode:
             return "done"
         return "truncated" if self.rounds >= terms.options.max_rounds else None
 
-    def _outcome(self, robot: str) -> dict[str, Any] | None:
+    def _outcome(self, robot: str) -> dict[str, Any]:
+        """How the robot's last subtask ended; empty before the first."""
         outcome = self.outcomes.get(robot)
         if outcome is None:
-            return None
+            return {}
         return {
             "status": outcome.status,
-            "reason": outcome.reason,
+            "reason": outcome.reason or "",
             "detail": outcome.detail,
-            "seconds": outcome.seconds,
+            "seconds": float(outcome.seconds),
         }
 
     def _text(self, robot: str) -> str:

@@ -187,9 +187,14 @@ def _proven(certificate: Certificate | None) -> dict[str, Any]:
 def read_outcomes(env: Any, actions: Mapping[str, int], infos: Mapping[str, Any]) -> dict[str, OutcomeEntry]:
     """How every robot's subtask of the round that was just played ended."""
     return {
-        robot: OutcomeEntry(subtask=_text(env, actions[robot]), **(info["outcome"] or {"status": "failure"}))
+        robot: OutcomeEntry(subtask=_text(env, actions[robot]), **_outcome(info["outcome"]))
         for robot, info in infos.items()
     }
+
+
+def _outcome(told: Mapping[str, Any]) -> dict[str, Any]:
+    """An outcome as records have it: None where there is no reason."""
+    return {**told, "reason": told["reason"] or None} if told else {"status": "failure"}
 
 
 def _text(env: Any, token: int) -> str:
@@ -229,7 +234,7 @@ def make_record(
         iteration=iteration,
         scored=iteration == job.iterations and not broken,
         success=fault is None and shared.get("end") == "success",
-        end=shared.get("end"),
+        end=shared.get("end") or None,
         progress=round(course.progress, 6),
         phases=dict(shared.get("phases", {})),
         rounds=len(course.outcomes),

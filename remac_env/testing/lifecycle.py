@@ -26,7 +26,7 @@ def check_lifecycle(env_fn: EnvMaker, *, seed: int = 0) -> None:
         env.step(wait)
         _, infos = env.reset(seed=seed)
         expect(env.agents == env.possible_agents, "check_lifecycle: a reset does not bring all robots back")
-        untouched = all(info["outcome"] is None for info in infos.values())
+        untouched = not any(info["outcome"] for info in infos.values())
         expect(untouched, "check_lifecycle: outcomes of the old episode are told after reset")
         _, _, terminations, _, _ = env.step(done)
         expect(all(terminations.values()), "check_lifecycle: the episode goes on though every robot has said `done`")

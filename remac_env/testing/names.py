@@ -96,7 +96,7 @@ def _check_replay(env_fn: EnvMaker, seed: int, script: list[Tokens], wait: int) 
 
 
 def _verdict(turn: Turn, name: str) -> Mapping[str, Any]:
-    outcome = turn.infos[name]["outcome"] or {}
+    outcome = turn.infos[name]["outcome"]
     return {
         "status": outcome.get("status"),
         "reason": outcome.get("reason"),

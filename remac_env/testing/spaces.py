@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,8 +17,8 @@ from remac_env.testing.world import check_world
 if TYPE_CHECKING:
     from remac_env.parallel import KitchenParallelEnv
 
-INFO_TYPES: Mapping[str, type | tuple[type, ...]] = {
-    "outcome": (dict, type(None)),
+INFO_TYPES: Mapping[str, type] = {
+    "outcome": dict,
     "text": str,
     "goal": str,
     "episode": dict,
@@ -35,7 +35,7 @@ def check_spaces(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int
     """Play whole random legal episodes and look at all that comes back.
 
     Observations lie in their spaces with the same keys, dtypes and shapes; the dicts hold exactly the robots that were
-    alive before the step; infos have all fields; rewards are finite floats and flags bools; robots end together;
+    alive before the step; infos have all fields, each always of one type; rewards are finite floats and flags bools; robots end together;
     spaces stay the same objects; arrays once returned are not written to again; the world is whole.
 
     Raises:
@@ -43,11 +43,13 @@ def check_spaces(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int
     """
     with opened(env_fn) as env:
         kept = {name: (env.observation_space(name), env.action_space(name)) for name in env.possible_agents}
+        types: dict[str, type] = {}
         for seed in seeds:
             older: list[tuple[np.ndarray, np.ndarray]] = []
             for turn in play(env, seed, random_legal(seed, env.vocabulary), rounds=rounds):
                 where = f"check_spaces, seed {seed}, round {turn.number}"
                 _check_turn(env, turn, where)
+                _check_types(turn, types, where)
                 reused = any(not np.array_equal(array, copy) for array, copy in older)
                 expect(not reused, f"{where}: an observation returned earlier was written to")
                 older = [(array, array.copy()) for seen in turn.observations.values() for array in seen.values()]
@@ -98,17 +100,35 @@ def _check_info(turn: Turn, name: str, where: str) -> None:
     lacking = [field for field in EPISODE_FIELDS if field not in info["episode"]]
     expect(not lacking, f"{where}: info['episode'] lacks {lacking}")
     outcome = info["outcome"]
-    expect((outcome is None) == (turn.number == 0), f"{where}: info['outcome'] is {outcome!r}")
-    if outcome is None:
+    expect((not outcome) == (turn.number == 0), f"{where}: info['outcome'] is {outcome!r}")
+    if not outcome:
         return
     lacking = [field for field in OUTCOME_FIELDS if field not in outcome]
     expect(not lacking, f"{where}: info['outcome'] lacks {lacking}")
     status, reason, seconds = outcome["status"], outcome["reason"], outcome["seconds"]
     expect(status in ("success", "failure"), f"{where}: status {status!r}")
-    valid = reason is None if status == "success" else reason in REASONS
+    valid = reason == "" if status == "success" else reason in REASONS
     expect(valid, f"{where}: reason {reason!r} with status {status!r}; valid reasons: {', '.join(REASONS)}")
     timed = isinstance(seconds, float) and math.isfinite(seconds) and seconds >= 0
     expect(timed, f"{where}: seconds {seconds!r}")
+
+
+def _check_types(turn: Turn, types: dict[str, type], where: str) -> None:
+    """Every value in the infos is of the type that it had before, or vector environments cannot put them together."""
+    for info in turn.infos.values():
+        for path, value in _leaves(info):
+            kind = types.setdefault(path, type(value))
+            changed = f"is a {type(value).__name__} and was a {kind.__name__}"
+            expect(type(value) is kind, f"{where}: info{path} {changed}; valid: one type for every key")
+
+
+def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Every value of nested dicts, the dicts among them, with its keys: "['episode']['seed']"."""
+    if path:
+        yield path, value
+    if isinstance(value, dict):
+        for key, part in value.items():
+            yield from _leaves(part, f"{path}[{key!r}]")
 
 
 def _check_flags(env: KitchenParallelEnv, turn: Turn, where: str) -> None:

@@ -36,7 +36,7 @@ def check_text(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1, 2), rounds: in
                     _check_names_told(info, where)
                     word = STATE_WORDS.search(_without_names(info))
                     expect(not word, f"{where}: the text tells a state: {word and word.group()!r} in\n{info['text']}")
-                    status = (info["outcome"] or {}).get("status")
+                    status = info["outcome"].get("status")
                     things = (*info["scene"].robots, *info["scene"].fixtures, *info["scene"].objects)
                     known = texts.setdefault((name, things, info["goal"], status), info["text"])
                     expect(known == info["text"], f"{where}: two worlds, two texts:\n{known}\n---\n{info['text']}")

@@ -25,7 +25,8 @@ def driven(env) -> tuple:
     """The world before a drive to the cabinet, the joint subtask, and what came of it."""
     before, subtask = env.world, env.vocabulary.parse("navigate to cabinet")
     _, _, _, _, infos = env.step({"robot_0": env.vocabulary.encode(subtask.text)})
-    return before, {"robot_0": subtask}, {"robot_0": Outcome(**infos["robot_0"]["outcome"])}
+    told = infos["robot_0"]["outcome"]
+    return before, {"robot_0": subtask}, {"robot_0": Outcome(**told | {"reason": told["reason"] or None})}
 
 
 def test_a_round_as_foretold_agrees(kitchen) -> None:

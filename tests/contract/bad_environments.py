@@ -84,6 +84,35 @@ class UnlistedReason(Tampered):
         return {name: info | ({"outcome": wrong} if info["outcome"] else {}) for name, info in infos.items()}
 
 
+class NoOutcomeYet(Tampered):
+    """None before the first outcome: a vector environment cannot put that beside a dict."""
+
+    def tamper_infos(self, infos: Any) -> Any:
+        return {name: info | {"outcome": info["outcome"] or None} for name, info in infos.items()}
+
+
+class EndsInNone(Tampered):
+    def tamper_infos(self, infos: Any) -> Any:
+        return {name: info | {"end": info["end"] or None} for name, info in infos.items()}
+
+
+class NoReasonOnSuccess(Tampered):
+    """The same one level deeper, where it is a success that has no reason."""
+
+    def tamper_infos(self, infos: Any) -> Any:
+        for info in infos.values():
+            if info["outcome"]:
+                info["outcome"]["reason"] = info["outcome"]["reason"] or None
+        return infos
+
+
+class NumpyCounters(Tampered):
+    """Counters that become numbers of NumPy once something was counted."""
+
+    def tamper_infos(self, infos: Any) -> Any:
+        return {name: info | {"round": np.int64(info["round"]) if self.round else 0} for name, info in infos.items()}
+
+
 class WholeRewards(Tampered):
     def tamper_step(self, answer: list[Any]) -> list[Any]:
         answer[REWARD] = {name: int(reward) for name, reward in answer[REWARD].items()}

@@ -121,10 +121,10 @@ def outcomes_are_from_the_list(seen: Seen) -> None:
     """Success without a reason, or failure for one of the reasons that there are."""
     for robot, info in seen.infos.items():
         outcome = info["outcome"]
-        if outcome is None:
+        if not outcome:
             expect(info["round"] == 0, f"{robot} is told no outcome in round {info['round']}")
             continue
-        known = (None,) if outcome["status"] == "success" else REASONS
+        known = ("",) if outcome["status"] == "success" else REASONS
         told = f"{outcome['status']!r}, {outcome['reason']!r}"
         expect(outcome["status"] in ("success", "failure") and outcome["reason"] in known, f"{robot}: {told}")
 
@@ -132,7 +132,7 @@ def outcomes_are_from_the_list(seen: Seen) -> None:
 def refused_robots_stay_as_they_are(seen: Seen) -> None:
     """Who is told that nothing was done still stands where it stood and holds what it held."""
     for robot, info in seen.infos.items():
-        reason = (info["outcome"] or {}).get("reason")
+        reason = info["outcome"].get("reason")
         if reason in ("invalid", "not_at_station", "station_occupied", "hands_full", "hands_empty"):
             stayed = seen.after.robots[robot] == seen.before.robots[robot]
             expect(stayed, f"{robot} was refused ({reason}) and yet is {seen.after.robots[robot]}")

@@ -51,7 +51,7 @@ def fingerprint(env: Any, *told: Any) -> str:
     ]
     digest = hashlib.sha256(repr(parts).encode())
     for info in told[1].values() if len(told) > 1 else ():
-        digest.update(repr(sorted((info["outcome"] or {}).items())).encode())
+        digest.update(repr(sorted(info["outcome"].items())).encode())
     digest.update(env.state().tobytes())
     positions = env._backend.positions()
     digest.update(b"" if positions is None else positions.tobytes())

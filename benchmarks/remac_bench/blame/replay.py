@@ -165,8 +165,8 @@ def _re_execute(env: Any, played: Sequence[Mapping[str, OutcomeEntry]]) -> tuple
         rounds.append(
             Round(joint=joint, before=before, after=env.world, expected=expected, table=table, outcomes=outcomes)
         )
-        now = {robot: info["outcome"] or {} for robot, info in infos.items()}
-        if any(now[r].get("status") != e.status or now[r].get("reason") != e.reason for r, e in outcomes.items()):
+        now = {robot: info["outcome"] for robot, info in infos.items()}
+        if any(now[r].get("status") != e.status or now[r].get("reason") != (e.reason or "") for r, e in outcomes.items()):
             return rounds, False
     return rounds, True
 
