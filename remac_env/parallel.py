@@ -66,6 +66,12 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         self._closed = False
         self._seeds = np.random.default_rng()
 
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        """A copy: the same episode and generators, with renderers of its own that are made when they are needed."""
+        self.__dict__.update(state)
+        if self._backend is not None:
+            self._backend.watch = self._film
+
     # -- the PettingZoo interface ------------------------------------------------------------------------------------
 
     def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Told, Told]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,10 @@ class Pictures:
         self._posed: Moment | None = None
         self._window: Window | None = None
         self._tape: Sampler[Moment] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy takes over: the moments kept. It makes renderers and a window of its own."""
+        return {**self.__dict__, "_shown": None, "_posed": None, "_window": None}
 
     def render(self, moment: Moment, *, human: bool) -> Picture | None:
         """The whole kitchen, uint8 (height, width, 3); with `human` a window shows it instead."""

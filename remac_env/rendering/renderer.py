@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from remac_env.errors import OptionError, RenderingError, check_choice
 from remac_env.kitchen.canvas import COARSE_GROUP, DRAWN_GROUP, FINE_GROUP
-from remac_env.rendering import gl
+from remac_env.rendering import contexts, gl
 from remac_env.rendering.rays import RayPainter
 from remac_env.rendering.sight import out_of_view
 
@@ -79,7 +78,8 @@ class Painter(Protocol):
 class Renderer:
     """Draws the cameras of one model. Close it, or use it in a `with` statement.
 
-    Colliders (group 3) and sites are not drawn. `backend` says afterwards which one draws: "gl" or "rays".
+    Colliders (group 3) and sites are not drawn. A process that was forked after OpenGL had been used draws by rays, with
+    what it inherited and with what it makes. Copies, pickled ones too, get a context of their own.
     """
 
     def __init__(
@@ -96,26 +96,33 @@ class Renderer:
         Raises:
             OptionError: if the size is not between 1 and 4096 pixels.
             UnknownNameError: if there is no such backend.
-            RenderingError: if backend="gl" and no OpenGL platform works, or if MUJOCO_GL names one that does not
-                work, unless backend="rays".
+            RenderingError: if backend="gl" and no OpenGL platform works or this process was forked after OpenGL had
+                been used, or if MUJOCO_GL names one that does not work, unless backend="rays".
         """
         check_choice("rendering backend", backend, BACKENDS)
         for side, pixels in (("width", width), ("height", height)):
             if not 1 <= pixels <= _LARGEST:
                 raise OptionError(f"{side} {pixels!r} is not valid; valid: 1 to {_LARGEST} pixels")
         self.model, self.width, self.height = model, width, height
+        self._asked: tuple[Quality, Backend] = quality, backend
         self._painter: Painter | None = self._choose(quality, backend)
-        self.backend: Literal["gl", "rays"] = "rays" if isinstance(self._painter, RayPainter) else "gl"
+
+    @property
+    def backend(self) -> Literal["gl", "rays"]:
+        """Which one draws."""
+        return "gl" if isinstance(self._painter, _GlPainter) else "rays"
 
     def render(self, data: mujoco.MjData, camera: str | int) -> NDArray[np.uint8]:
         """What a camera sees of `data`, whose positions must be computed: uint8 (height, width, 3).
 
         Raises:
             UnknownNameError: if the model has no such camera; the message lists them.
-            RenderingError: after close.
+            RenderingError: after close, and with backend="gl" in a process that was forked from the one that made it.
         """
         if self._painter is None:
             raise RenderingError("render() after close(): make a new Renderer")
+        if isinstance(self._painter, _GlPainter) and self._painter.lost:
+            self._painter = self._choose(*self._asked)
         return self._painter.render(data, self._camera(camera))
 
     def close(self) -> None:
@@ -123,6 +130,9 @@ class Renderer:
         if self._painter is not None:
             self._painter.close()
         self._painter = None
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _made_again, (self.model, self.width, self.height, *self._asked, self._painter is None)
 
     def __enter__(self) -> Renderer:
         """Nothing but itself."""
@@ -143,7 +153,10 @@ class Renderer:
         return camera
 
     def _choose(self, quality: Quality, backend: Backend) -> Painter:
-        name = None if backend == "rays" else gl.probe()
+        why = contexts.gone()
+        if why and backend == "gl":
+            raise RenderingError(f"no picture by OpenGL: {why}")
+        name = None if backend == "rays" or why else gl.probe()
         if name is not None:
             try:
                 return _GlPainter(self.model, self.width, self.height, quality, name)
@@ -156,6 +169,16 @@ class Renderer:
         elif backend == "gl":
             raise RenderingError(gl.advice())
         return RayPainter(self.model, self.width, self.height, groups=quality.groups)
+
+
+def _made_again(
+    model: mujoco.MjModel, width: int, height: int, quality: Quality, backend: Backend, closed: bool
+) -> Renderer:
+    """A copy of a renderer, with a context of its own."""
+    made = Renderer(model, width, height, quality=quality, backend=backend)
+    if closed:
+        made.close()
+    return made
 
 
 def _failures() -> tuple[type[Exception], ...]:
@@ -177,8 +200,7 @@ class _GlPainter:
             self._renderer: Any = mujoco.Renderer(
                 model, height * self._finer, width * self._finer, max_geom=2 * model.ngeom + 200
             )
-        # Contexts that are left to the interpreter's end are freed too late, and say so at length.
-        self._free = weakref.finalize(self, self._renderer.close)
+        contexts.hold(self._renderer)
         flags = self._renderer.scene.flags
         flags[mujoco.mjtRndFlag.mjRND_SHADOW] = quality.shadows
         flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = quality.mirrors
@@ -197,9 +219,15 @@ class _GlPainter:
 
         return cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
 
+    @property
+    def lost(self) -> bool:
+        """Whether the context is not this process's own."""
+        return contexts.lost(self._renderer)
+
     def close(self) -> None:
-        """Free the context."""
-        self._free()
+        """Free the context, unless it is another process's."""
+        if not self.lost:
+            self._renderer.close()
 
     @contextmanager
     def _culled(self, data: mujoco.MjData, camera: int) -> Iterator[None]:
