@@ -80,7 +80,8 @@ def play(task: str, robots: int, seed: int, rounds: int) -> list[Compared]:
         joint = _choose(env, seen, chance, errands)
         before = env.world
         _, _, _, _, infos = env.step({name: env.vocabulary.encode(subtask.text) for name, subtask in joint.items()})
-        outcomes = {name: Outcome(**info["outcome"] | {"reason": info["outcome"]["reason"] or None}) for name, info in infos.items()}
+        told = {name: info["outcome"] for name, info in infos.items()}
+        outcomes = {name: Outcome(**each | {"reason": each["reason"] or None}) for name, each in told.items()}
         number = infos[next(iter(infos))]["round"]
         for line in compare(env, before, joint, outcomes, round_=number):
             found.append(line)

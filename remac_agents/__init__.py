@@ -23,7 +23,8 @@ from remac_agents.memory import Memory, Run
 from remac_agents.methods import METHODS
 from remac_agents.plan import Plan, PlanError
 from remac_agents.roles import Roles, StopEpisode
-from remac_env.errors import OptionError, check_choice
+from remac_env.errors import OptionError, check_choice, whole_number
+from remac_env.values import python_value
 
 __all__ = [
     "Agent",
@@ -96,10 +97,13 @@ def make(
         UnknownNameError: for an unknown method, role or model; lists the valid ones.
         OptionError: for a value out of its range, or an object that does not fit its role.
     """
+    name, lead, helper = map(python_value, (name, lead, helper))
     check_choice("method", name, METHODS)
-    _check_bounds(retries=retries, max_adjustments=max_adjustments, max_rounds=max_rounds)
-    if iterations is not None:
-        _check_bounds(iterations=iterations)
+    retries = whole_number("retries", retries, 0)
+    max_adjustments = whole_number("max_adjustments", max_adjustments, 0)
+    max_rounds = whole_number("max_rounds", max_rounds, 0)
+    models = {option: python_value(value) for option, value in models.items()}
+    iterations = None if iterations is None else whole_number("iterations", iterations, 0)
     given = {
         "planner": planner,
         "checker": checker,
@@ -123,8 +127,3 @@ def _memory(given: object) -> Memory:
         raise OptionError(f"memory {given!r} is not valid; valid: a Memory, a path, or None")
     return Memory(given)
 
-
-def _check_bounds(**bounds: object) -> None:
-    for option, value in bounds.items():
-        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-            raise OptionError(f"{option} {value!r} is not valid; valid: a whole number from 0")

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from remac_agents.from_file import load_file
 from remac_agents.option_text import FORM, read_value, split_options
 from remac_env.errors import OptionError, UnknownNameError
+from remac_env.values import python_values
 
 if TYPE_CHECKING:
     from remac_agents.models import Models
@@ -91,6 +92,7 @@ def make_role(role: str, given: object, *, models: Models | None = None) -> Any:
         UnknownNameError: for a name that is not known or cannot be imported; lists the valid ones.
         OptionError: for options or objects that do not fit the role.
     """
+    given = python_values(given)
     if isinstance(given, str):
         given = read_role(given, models)
     if isinstance(given, Mapping):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from remac_agents.memory_file import MemoryFile
-from remac_env.errors import OptionError
+from remac_env.errors import whole_number
 
 MAX_LESSONS = 40
 MAX_CHARACTERS = 6000
@@ -60,9 +60,7 @@ class Memory:
         Raises:
             OptionError: if `keep` is not a whole number from 1.
         """
-        if keep is not None and (isinstance(keep, bool) or not isinstance(keep, int) or keep < 1):
-            raise OptionError(f"keep {keep!r} is not valid; valid: a whole number from 1, or None")
-        self._keep = keep
+        self._keep = None if keep is None else whole_number("keep", keep, 1)
         self._file = None if path is None else MemoryFile(Path(path))
         self._own: list[Run] = []
 

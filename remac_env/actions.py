@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from remac_env.errors import ActionError
+from remac_env.values import python_value
 
 
 def check_actions(actions: Mapping[str, Any], agents: Sequence[str]) -> dict[str, int]:
@@ -34,8 +33,7 @@ def check_token(value: Any, name: str) -> int:
     """
     if type(value) is int:
         return value
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value[()]
-    if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
+    token = python_value(value)
+    if isinstance(token, bool) or not isinstance(token, int):
         raise ActionError(f"action of {name} is {value!r} ({type(value).__name__}); valid: a whole number, a token")
-    return int(value)
+    return token

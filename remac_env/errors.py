@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from typing import Any
+
+from remac_env.values import python_value
 
 
 class RemacError(Exception):
@@ -53,7 +57,40 @@ class PhysicsError(RemacError, RuntimeError):
 
 def check_choice(kind: str, given: object, valid: Iterable[object]) -> None:
     """Raise UnknownNameError unless `given` is one of `valid`."""
-    choices = list(valid)
+    given, choices = python_value(given), list(valid)
     if not any(type(given) is type(choice) and given == choice for choice in choices):
         listed = ", ".join(str(choice) for choice in choices)
         raise UnknownNameError(f"unknown {kind} {given!r}; valid: {listed}")
+
+
+def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
+    """`value` as an int; booleans are no numbers.
+
+    Raises:
+        OptionError: if it is not a whole number in least..most, or from least.
+    """
+    number = python_value(value)
+    whole = isinstance(number, int) and not isinstance(number, bool)
+    if not whole or number < least or (most is not None and number > most):
+        raise OptionError(f"{name} {number!r} is not valid; valid: {_span(least, most)}")
+    return number
+
+
+def real_number(name: str, value: Any, least: float, most: float = math.inf) -> float:
+    """`value` as an int or a float, as it was given; booleans are no numbers, nor are nan and inf.
+
+    Raises:
+        OptionError: if it is not a finite number in least..most.
+    """
+    number = python_value(value)
+    numeric = isinstance(number, int | float) and not isinstance(number, bool)
+    if not numeric or not least <= number <= most or not math.isfinite(number):
+        span = f"numbers {least}..{most}" if most < math.inf else f"a number from {least}"
+        raise OptionError(f"{name} {number!r} is not valid; valid: {span}")
+    return float(number) if isinstance(number, float) else number
+
+
+def _span(least: int, most: int | None) -> str:
+    if most is None:
+        return f"a whole number from {least}"
+    return ", ".join(map(str, range(least, most + 1))) if most - least < 5 else f"whole numbers {least}..{most}"

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from remac_env.errors import OptionError, check_choice
+from remac_env.errors import OptionError, check_choice, real_number, whole_number
 from remac_env.kitchen.starts import NAMINGS, STARTS
 from remac_env.tasks.spec import WORDINGS
 from remac_env.text import FEEDBACKS, TEXTS
+from remac_env.values import python_fields
 
 BACKENDS = ("physics", "symbolic")
 OBSERVATIONS = ("state", "state+images")
@@ -46,6 +45,7 @@ class Options:
             UnknownNameError: for a name that is not among the valid ones.
             OptionError: for a number outside its range.
         """
+        python_fields(self)
         check_choice("backend", self.backend, BACKENDS)
         check_choice("starts", self.starts, STARTS)
         check_choice("obs", self.obs, OBSERVATIONS)
@@ -64,17 +64,10 @@ class Options:
             raise OptionError("failure_rate is for backend='symbolic'; in physics use perception_noise")
 
     def _check_whole(self, name: str, least: int, most: int) -> None:
-        value = getattr(self, name)
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-            few = most - least < 5
-            valid = ", ".join(map(str, range(least, most + 1))) if few else f"whole numbers {least}..{most}"
-            raise OptionError(f"{name} {value!r} is not valid; valid: {valid}")
-        object.__setattr__(self, name, int(value))
+        object.__setattr__(self, name, whole_number(name, getattr(self, name), least, most))
 
     def _check_real(self, name: str, least: float, most: float) -> None:
-        value = getattr(self, name)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
-            raise OptionError(f"{name} {value!r} is not valid; valid: numbers {least}..{most}")
+        object.__setattr__(self, name, real_number(name, getattr(self, name), least, most))
 
     @property
     def robot_names(self) -> tuple[str, ...]:

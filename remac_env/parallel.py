@@ -26,6 +26,7 @@ from remac_env.state import WorldState
 from remac_env.subtasks import WAIT, Outcome, Subtask, failure
 from remac_env.tasks.goals import Goal
 from remac_env.tasks.spec import TaskSpec
+from remac_env.values import python_value, python_values
 
 UNSEEDED_BELOW = 900_000
 """Seeds drawn for reset(seed=None) stay below this; the rest is kept for judging."""
@@ -87,13 +88,14 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
             OptionError: for a seed that is not a whole number from 0.
         """
         self._check_open()
+        seed = python_value(seed)
         if seed is None:
             seed = int(self._seeds.integers(UNSEEDED_BELOW))
         else:
             self._seeds = generator(seed, "seeds of further resets")
         if options is not None and not isinstance(options, Mapping):
             raise OptionError(f"options {options!r} is not valid; valid: a mapping, such as {{'style': 'modern_1'}}")
-        wanted = dict(options or {})
+        wanted = python_values(dict(options or {}))
         start, names = self.worlds.start(
             seed,
             style=wanted.get("style", self.options.style),

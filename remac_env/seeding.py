@@ -8,6 +8,7 @@ import json
 import numpy as np
 
 from remac_env.errors import OptionError
+from remac_env.values import python_value
 
 SEED_MAX = 2**63 - 1
 
@@ -22,11 +23,12 @@ def generator(seed: int, *names: object) -> np.random.Generator:
     Raises:
         OptionError: if the seed is not a whole number in range.
     """
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= int(seed) <= SEED_MAX:
+    seed = python_value(seed)
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= SEED_MAX:
         raise OptionError(f"seed {seed!r} is not valid; valid: a whole number in 0..2**63-1")
     label = json.dumps([str(name) for name in names]).encode()
     words = np.frombuffer(hashlib.sha256(label).digest(), dtype=np.uint32)
-    return np.random.default_rng(np.random.SeedSequence([int(seed), *words.tolist()]))
+    return np.random.default_rng(np.random.SeedSequence([seed, *words.tolist()]))
 
 
 def digest(value: object) -> str:

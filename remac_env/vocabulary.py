@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from remac_env.errors import KitchenFileError, OptionError, UnknownNameError
 from remac_env.state import Scene
 from remac_env.subtasks import SKILLS, Subtask
+from remac_env.values import python_fields, python_value
 
 _USES = tuple(name for name, skill in SKILLS.items() if skill.target not in ("none", "any"))
 _BARE = ("wait", "done", "navigate aside")
@@ -29,6 +30,10 @@ class Noun:
     name: str
     kind: Literal["fixture", "object"]
     uses: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Take values of NumPy as Python's."""
+        python_fields(self)
 
 
 class Vocabulary:
@@ -82,7 +87,8 @@ class Vocabulary:
         Raises:
             UnknownNameError: if the token is outside 0..len-1.
         """
-        whole = isinstance(token, int | np.integer) and not isinstance(token, bool)
+        token = python_value(token)
+        whole = isinstance(token, int) and not isinstance(token, bool)
         if not whole or not 0 <= token < len(self):
             raise UnknownNameError(f"unknown token {token!r}; valid: 0..{len(self) - 1}")
         return self._subtasks[token]

@@ -12,6 +12,7 @@ from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_env.options import Options
 from remac_env.seeding import SEED_MAX, digest
+from remac_env.values import python_values
 
 NOT_IN_KEY = ("render_mode",)
 """Options of the kitchen that cannot change what happens in it."""
@@ -134,7 +135,8 @@ def make_jobs(
     Raises:
         UnknownNameError, OptionError: for names and numbers that are not valid, of any of the jobs.
     """
-    given = agents.changed_options(agent)
+    given = agents.changed_options(python_values(dict(agent)))
+    tasks, methods, seeds = python_values([tasks, methods, list(seeds)])
     jobs: dict[str, Job] = {}
     access = access or Access()
     for task in tasks:

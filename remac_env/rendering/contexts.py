@@ -1,7 +1,7 @@
 """OpenGL contexts have an owner: the process that made them, until it ends.
 
-A forked child inherits contexts that it can neither use nor free: it would wait for ever for the driver's threads, which
-were not forked. And at the interpreter's end contexts must go before their display does.
+A forked child inherits contexts that it can neither use nor free: it would wait for ever for the driver's threads,
+which were not forked. And at the interpreter's end contexts must go before their display does.
 """
 
 from __future__ import annotations

@@ -78,8 +78,8 @@ class Painter(Protocol):
 class Renderer:
     """Draws the cameras of one model. Close it, or use it in a `with` statement.
 
-    Colliders (group 3) and sites are not drawn. A process that was forked after OpenGL had been used draws by rays, with
-    what it inherited and with what it makes. Copies, pickled ones too, get a context of their own.
+    Colliders (group 3) and sites are not drawn. A process that was forked after OpenGL had been used draws by rays,
+    with what it inherited and with what it makes. Copies, pickled ones too, get a context of their own.
     """
 
     def __init__(

@@ -10,6 +10,7 @@ from remac_env.tasks.open_microwave_pnp import SPEC as _MICROWAVE
 from remac_env.tasks.seasoned_microwave import SPEC as _SEASONED
 from remac_env.tasks.spec import TaskSpec
 from remac_env.tasks.wash_pnp_heat import SPEC as _WASH
+from remac_env.values import python_value
 
 _SPECS: dict[str, TaskSpec] = {spec.name: spec for spec in (_CABINET, _MICROWAVE, _DEFROST, _HEAT, _WASH, _SEASONED)}
 
@@ -21,6 +22,7 @@ def names() -> tuple[str, ...]:
 
 def get(name: str) -> TaskSpec:
     """The task of that name; UnknownNameError lists the names."""
+    name = python_value(name)
     check_choice("task", name, _SPECS)
     return _SPECS[name]
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from remac_env.errors import OptionError
 from remac_env.tasks.goals import Goal
+from remac_env.values import python_fields
 
 if TYPE_CHECKING:
     from remac_env.vocabulary import Noun
@@ -28,6 +29,10 @@ class Role:
     nouns: tuple[str, ...]
     at: str = "counter"
     needs: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Take values of NumPy as Python's."""
+        python_fields(self)
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,10 @@ class TaskSpec:
     nouns: tuple[Noun, ...] = ()
     categories: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
     layout_files: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Take values of NumPy as Python's."""
+        python_fields(self)
 
     def sentence(self, wording: int, nouns: Mapping[str, str]) -> str:
         """The goal sentence in wording 1, 2 or 3, with the noun of each role.

@@ -35,8 +35,9 @@ def check_spaces(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int
     """Play whole random legal episodes and look at all that comes back.
 
     Observations lie in their spaces with the same keys, dtypes and shapes; the dicts hold exactly the robots that were
-    alive before the step; infos have all fields, each always of one type; rewards are finite floats and flags bools; robots end together;
-    spaces stay the same objects; arrays once returned are not written to again; the world is whole.
+    alive before the step; infos have all fields, each always of one type; rewards are finite floats and
+    flags bools; robots end together; spaces stay the same objects; arrays once returned are not written to again; the
+    world is whole.
 
     Raises:
         ContractError: with the seed, the round and the robot at fault.

@@ -49,6 +49,8 @@ RANKS = {
     "remac_env.seeding": 0,
     "remac_env.frozen": 0,
     "remac_env.errors": 0,
+    "remac_env.values": 0,
+    "remac_env.files": 0,
 }
 PARTS = {"remac_env": 0, "remac_agents": 1, "remac_bench": 2}
 

@@ -165,8 +165,8 @@ def _re_execute(env: Any, played: Sequence[Mapping[str, OutcomeEntry]]) -> tuple
         rounds.append(
             Round(joint=joint, before=before, after=env.world, expected=expected, table=table, outcomes=outcomes)
         )
-        now = {robot: info["outcome"] for robot, info in infos.items()}
-        if any(now[r].get("status") != e.status or now[r].get("reason") != (e.reason or "") for r, e in outcomes.items()):
+        now = {r: (i["outcome"].get("status"), i["outcome"].get("reason")) for r, i in infos.items()}
+        if any(now[robot] != (entry.status, entry.reason or "") for robot, entry in outcomes.items()):
             return rounds, False
     return rounds, True
 
