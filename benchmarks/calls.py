@@ -14,6 +14,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Annotated, Any
 
 import typer
+from remac_bench.command import real, run_script, whole
 
 from remac_agents.llm import ChatClient, ChatReply, Limiter
 
@@ -71,9 +72,9 @@ def measure(*, calls: int, waves: int, latency: float) -> float:
 
 
 def main(
-    calls: Annotated[int, typer.Option(help="At the same time.")] = 32,
-    waves: Annotated[int, typer.Option(help="How many times so many.")] = 3,
-    latency: Annotated[float, typer.Option(help="Of the server, seconds.")] = 2.0,
+    calls: Annotated[int, typer.Option(help="At the same time.", **whole(1))] = 32,
+    waves: Annotated[int, typer.Option(help="How many times so many.", **whole(1))] = 3,
+    latency: Annotated[float, typer.Option(help="Of the server, seconds.", **real())] = 2.0,
 ) -> None:
     """Print the wall time against the ideal."""
     seconds, ideal = measure(calls=calls, waves=waves, latency=latency), waves * latency
@@ -84,4 +85,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

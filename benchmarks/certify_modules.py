@@ -16,6 +16,7 @@ import numpy as np
 import typer
 from module_record import Touch
 from module_trials import STATION, Found, any_layout, colliders_hash, makes, origin, run, tables, trials
+from remac_bench.command import run_script, whole
 from remac_bench.console import console as make_console
 from rich.table import Table
 
@@ -60,9 +61,9 @@ def certificate(kind: str, make: str, found: Iterable[Found]) -> Certificate:
 
 def main(
     only: Annotated[str, typer.Option(help="Prove these again, kinds or kind.make, by commas; empty for all.")] = "",
-    rounds: Annotated[int, typer.Option(help="How often each trial is run, each time from another seed.")] = 2,
-    check: Annotated[int, typer.Option(help="Prove so many trials again and compare; nothing is written.")] = 0,
-    first_seed: Annotated[int, typer.Option(help="Seed of a make's first trial, and of --check's choice.")] = 44000,
+    rounds: Annotated[int, typer.Option(help="Runs of each trial, each from another seed.", **whole(1))] = 2,
+    check: Annotated[int, typer.Option(help="Prove so many trials again and compare; writes nothing.", **whole())] = 0,
+    first_seed: Annotated[int, typer.Option(help="Of a make's first trial and --check's choice.", **whole())] = 44000,
 ) -> None:
     """Print a table of every make and skill, and every failure."""
     console = make_console()
@@ -194,4 +195,4 @@ def _list(values: Iterable[float]) -> str:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

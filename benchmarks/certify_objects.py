@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from typing import Annotated
 
 import typer
-from rich.console import Console
+from remac_bench.command import run_script, whole
+from remac_bench.console import console as make_console
 from rich.table import Table
 
 from remac_env.backends.physics.backend import PhysicsBackend
@@ -73,12 +74,12 @@ def trial(category: str, seed: int) -> str:
 
 
 def main(
-    trials: Annotated[int, typer.Option(help="Seeds of each category.")] = 3,
-    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...")] = 0,
+    trials: Annotated[int, typer.Option(help="Seeds of each category.", **whole(1))] = 3,
+    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...", **whole())] = 0,
     only: Annotated[str, typer.Option(help="Categories, separated by commas; empty for all.")] = "",
 ) -> None:
     """Print a table of categories and every failure."""
-    console = Console()
+    console = make_console()
     names = [name.strip() for name in only.split(",") if name.strip()] or list(catalogue.load())
     failures: dict[str, list[str]] = defaultdict(list)
     for name in names:
@@ -94,4 +95,4 @@ def main(
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

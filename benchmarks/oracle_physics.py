@@ -16,6 +16,7 @@ from time import process_time
 from typing import Annotated
 
 import typer
+from remac_bench.command import run_script, whole
 from remac_bench.console import console as make_console
 from remac_bench.jobs import parse_names, parse_seeds
 from rich.table import Table
@@ -76,8 +77,8 @@ def main(
     ] = None,
     by: Annotated[str, typer.Option(help="A row for each task, layout or style, and number of robots.")] = "task",
     starts: Annotated[str, typer.Option(help="paper or mixed")] = "paper",
-    replans: Annotated[int, typer.Option(help="Plans anew after a failed round, at most this often.")] = 2,
-    processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
+    replans: Annotated[int, typer.Option(help="Plans anew after a failed round, at most this often.", **whole())] = 2,
+    processes: Annotated[int, typer.Option(help="Worker processes.", **whole(1))] = 2,
 ) -> None:
     """Print a table a task and number of robots, and every failed subtask."""
     names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
@@ -117,4 +118,4 @@ def _row(group: list[Played]) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

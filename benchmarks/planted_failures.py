@@ -7,11 +7,12 @@ from typing import Annotated, Any
 
 import typer
 from remac_bench.blame.labels import LABELS, blame
+from remac_bench.command import run_script, whole
+from remac_bench.console import console as make_console
 from remac_bench.jobs import Job, make_jobs
 from remac_bench.records import Record
 from remac_bench.worker import Work, play_job
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.table import Table
 
 from remac_agents.planners.oracle import OraclePlanner
@@ -23,8 +24,8 @@ KINDS = ("planner", "checker", "skill", "budget")
 
 
 def main(
-    seeds: Annotated[int, typer.Option(min=1, help="How many seeds.")] = 20,
-    first_seed: Annotated[int, typer.Option(min=0)] = 0,
+    seeds: Annotated[int, typer.Option(help="How many seeds.", **whole(1))] = 20,
+    first_seed: Annotated[int, typer.Option(**whole())] = 0,
     physics: Annotated[bool, typer.Option("--physics", help="In physics, which takes minutes.")] = False,
 ) -> None:
     """Plant failures, label them, and print how often the label is what was planted."""
@@ -34,7 +35,7 @@ def main(
         labels = [blame(record, rescuing=False).label for record in records]
         right = f"{labels.count(kind) / len(labels):.1%}" if labels else "-"
         table.add_row(kind, str(len(labels)), right, *(str(labels.count(label)) for label in LABELS))
-    Console().print(table)
+    make_console().print(table)
 
 
 class Wrong(OraclePlanner):
@@ -147,4 +148,4 @@ def planted(kind: str, seeds: range) -> list[Record]:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

@@ -20,6 +20,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from remac_bench.command import run_script, whole
 from remac_bench.console import console as make_console
 from remac_bench.judging.statistics import wilson
 from rich.table import Table
@@ -94,15 +95,15 @@ def run_chain(
 
 
 def main(
-    trials: Annotated[int, typer.Option(help="Runs of each chain.")] = 100,
-    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...")] = 0,
+    trials: Annotated[int, typer.Option(help="Runs of each chain.", **whole(1))] = 100,
+    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...", **whole())] = 0,
     only: Annotated[str, typer.Option(help="Run only chains whose name contains this.")] = "",
     perception_noise: Annotated[
         str, typer.Option(help="m, of the poses that controllers see; several with commas between them.")
     ] = "0",
     style: Annotated[str | None, typer.Option(help="A style's name; by default each seed picks.")] = None,
     layout: Annotated[str | None, typer.Option(help="A layout's name; by default each seed picks.")] = None,
-    processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
+    processes: Annotated[int, typer.Option(help="Worker processes.", **whole(1))] = 2,
 ) -> None:
     """Print a table of first-try success for every skill."""
     chains = [chain for chain in tomllib.loads(CHAINS.read_text("utf-8"))["chain"] if only in chain["name"]]
@@ -218,4 +219,4 @@ def _row(label: str, outcomes: list[Outcome]) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

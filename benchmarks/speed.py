@@ -22,12 +22,14 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from rich.console import Console
+from remac_bench.command import run_script
+from remac_bench.console import console as make_console
 from rich.table import Table
 
 import remac_env
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.simulation import SUBSTEPS
+from remac_env.files import prepare_file
 from remac_env.oracle import solve
 from remac_env.rounds import transition
 from remac_env.start import Start
@@ -56,11 +58,13 @@ def main(
     chosen = [group for name, group in GROUPS.items() if only in name]
     if not chosen:
         raise typer.BadParameter(f"no group has {only!r} in its name; choose from {', '.join(GROUPS)}")
+    if json_file is not None:
+        prepare_file(json_file, "--json")
     figures = [figure for group in chosen for figure in group()]
     table = Table("figure", "median", "unit", "aim", title="Speed, CPU time of one core")
     for figure in figures:
         table.add_row(figure.name, f"{figure.value:,.4g}", figure.unit, figure.aim)
-    Console().print(table)
+    make_console().print(table)
     if json_file is not None:
         Path(json_file).write_text(json.dumps([asdict(figure) for figure in figures], indent=1) + "\n", "utf-8")
 
@@ -264,4 +268,4 @@ GROUPS: dict[str, Callable[[], Iterator[Figure]]] = {
 }
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

@@ -22,12 +22,14 @@ from typing import Annotated
 
 import numpy as np
 import typer
+from remac_bench.command import run_script, whole
 from remac_bench.console import console as make_console
 from remac_bench.jobs import parse_names, parse_seeds
 from rich.table import Table
 
 import remac_env
 from remac_env.backends.symbolic import SymbolicBackend
+from remac_env.files import prepare_file
 from remac_env.oracle import search_plan
 from remac_env.parallel import KitchenParallelEnv
 from remac_env.rounds import transition
@@ -216,11 +218,13 @@ def _job(job: tuple[str, int, int, int]) -> list[Compared]:
 def main(
     seeds: Annotated[str, typer.Option(help="first:end")] = "70000:70020",
     tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
-    rounds: Annotated[int, typer.Option(help="Rounds of an episode at most.")] = 30,
-    processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
+    rounds: Annotated[int, typer.Option(help="Rounds of an episode at most.", **whole(1))] = 30,
+    processes: Annotated[int, typer.Option(help="Worker processes.", **whole(1))] = 2,
     out: Annotated[Path | None, typer.Option("--json", help="Also write every comparison to this file.")] = None,
 ) -> None:
     """Print every disagreement and slip, and a table a skill and reason."""
+    if out is not None:
+        prepare_file(out, "--json")
     names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
     cells = [(*cell, rounds) for cell in product(names, (1, 2), parse_seeds(seeds))]
     console, found = make_console(), list[Compared]()
@@ -256,4 +260,4 @@ def _add(shown: Table, name: tuple[str, str], lines: Sequence[Compared]) -> None
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

@@ -24,6 +24,7 @@ from remac_agents.methods import METHODS
 from remac_agents.plan import Plan, PlanError
 from remac_agents.roles import Roles, StopEpisode
 from remac_env.errors import OptionError, check_choice, whole_number
+from remac_env.files import prepare_file
 from remac_env.values import python_value
 
 __all__ = [
@@ -95,7 +96,8 @@ def make(
 
     Raises:
         UnknownNameError: for an unknown method, role or model; lists the valid ones.
-        OptionError: for a value out of its range, or an object that does not fit its role.
+        OptionError: for a value out of its range, an object that does not fit its role, or a memory that cannot be
+            written.
     """
     name, lead, helper = map(python_value, (name, lead, helper))
     check_choice("method", name, METHODS)
@@ -125,5 +127,7 @@ def _memory(given: object) -> Memory:
         return given
     if given is not None and not isinstance(given, str | Path):
         raise OptionError(f"memory {given!r} is not valid; valid: a Memory, a path, or None")
+    if given is not None:
+        prepare_file(given, "memory")
     return Memory(given)
 

@@ -9,10 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
-try:
-    import fcntl
-except ImportError:  # no such locks on this platform: one process at a time then
-    fcntl = None  # type: ignore[assignment]
+from remac_env.files import unmarked
+from remac_env.locks import lock
 
 
 class MemoryFile:
@@ -66,8 +64,7 @@ class MemoryFile:
         """The file, opened to be read and appended to, and nobody else's until it is closed."""
         while True:
             with self._path.open("ab+") as file:
-                if fcntl is not None:
-                    fcntl.flock(file.fileno(), fcntl.LOCK_EX)
+                lock(file, self._path, wait=True)
                 # While we waited, another process may have put a new file in its place.
                 if os.path.exists(self._path) and os.path.samestat(os.fstat(file.fileno()), os.stat(self._path)):
                     yield file
@@ -83,7 +80,7 @@ def _ends_torn(file: BinaryIO) -> bool:
 
 def _parse(line: bytes) -> dict[str, Any] | None:
     try:
-        entry = json.loads(line.decode(errors="replace"))
+        entry = json.loads(unmarked(line.decode(errors="replace")))
     except (ValueError, RecursionError):
         return None
     return entry if isinstance(entry, dict) else None

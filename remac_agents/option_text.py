@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from remac_env.errors import OptionError
+from remac_env.values import python_value
 
 FORM = "name,option=value,option=value; a comma in a name or value is written \\,"
 
@@ -76,6 +77,7 @@ def check_number(option: str, value: object, least: float, most: float, *, whole
     Raises:
         OptionError: naming the option, the value and the range.
     """
+    value = python_value(value)
     kind = int if whole else (int, float)
     fits = isinstance(value, kind) and not isinstance(value, bool)
     if not fits or not math.isfinite(value) or not least <= value <= most:  # type: ignore[arg-type, operator]

@@ -85,7 +85,7 @@ def real_number(name: str, value: Any, least: float, most: float = math.inf) -> 
     number = python_value(value)
     numeric = isinstance(number, int | float) and not isinstance(number, bool)
     if not numeric or not least <= number <= most or not math.isfinite(number):
-        span = f"numbers {least}..{most}" if most < math.inf else f"a number from {least}"
+        span = f"numbers {least}..{most}" if most < math.inf else f"a number from {least:g}"
         raise OptionError(f"{name} {number!r} is not valid; valid: {span}")
     return float(number) if isinstance(number, float) else number
 

@@ -196,6 +196,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
 
         Raises:
             LifecycleError: without start_recording and reset before.
+            OptionError: if the path does not end in .webm or cannot be written.
             RenderingError: if no picture can be made with the settings at hand.
         """
         return self._pictures.save(path)

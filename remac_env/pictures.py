@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.worlds import TaskWorlds
-from remac_env.rendering.video import MAX_FRAMES, Sampler, spread
+from remac_env.rendering.video import MAX_FRAMES, Sampler, prepare, spread
 from remac_env.simulator import load_mujoco
 from remac_env.start import Start
 from remac_env.state import WorldState
@@ -84,6 +84,7 @@ class Pictures:
         """Draw the kept moments as a video; returns the number of frames."""
         if self._tape is None or not self._tape.frames:
             raise LifecycleError("nothing was recorded: call start_recording(), then reset()")
+        prepare(path)
         load_mujoco()
         from remac_env.rendering import video
         from remac_env.rendering.renderer import VIDEO

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import typer
 
+from remac_bench.command import Command
 from remac_bench.commands import bench, demo, doctor, experiment, memory, oracle, plan, tasks
+from remac_bench.console import speak_plainly, tame_columns
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -12,18 +14,20 @@ app = typer.Typer(
     pretty_exceptions_show_locals=False,  # locals may hold keys
     help="REMAC Kitchen: robot-kitchen tasks in real physics for planners of all kinds.",
 )
-app.command()(demo.demo)
-app.command()(oracle.oracle)
-app.command()(plan.plan)
-app.command()(experiment.experiment)
-app.command()(tasks.tasks)
-app.command()(doctor.doctor)
+app.command(cls=Command)(demo.demo)
+app.command(cls=Command)(oracle.oracle)
+app.command(cls=Command)(plan.plan)
+app.command(cls=Command)(experiment.experiment)
+app.command(cls=Command)(tasks.tasks)
+app.command(cls=Command)(doctor.doctor)
 app.add_typer(bench.app, name="bench")
 app.add_typer(memory.app, name="memory")
 
 
 def main() -> None:
     """Entry point of the console script."""
+    tame_columns()
+    speak_plainly()
     app()
 
 

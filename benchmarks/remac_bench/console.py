@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import functools
+import io
 import os
 import sys
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import ParamSpec, TextIO, TypeVar
 
 import typer
 from rich.console import Console
@@ -25,13 +26,42 @@ MARKS = {True: "[green]ok[/green]", False: "[red]problem[/red]", None: "[dim]-[/
 
 _USAGE_ERRORS = (UsageError, UnknownNameError, OptionError, KitchenFileError, RecordFileError)
 _WIDTH = 120
+"""Columns where nobody says how many there are."""
+
+_LEAST, _MOST = 60, 1000
+"""Columns between which tables can be laid out; a narrower terminal breaks the lines itself."""
+
+_HEIGHT = 40  # given together with the width, or rich believes terminals that say nothing sensible
 
 
 def console(*, stderr: bool = False) -> Console:
-    """A console that keeps tables whole where there is no terminal to say how wide it is."""
-    stream = sys.stderr if stderr else sys.stdout
-    width = None if stream.isatty() or "COLUMNS" in os.environ else _WIDTH
-    return Console(stderr=stderr, width=width, highlight=False)
+    """A console that keeps tables whole, whatever the terminal says of itself."""
+    return Console(stderr=stderr, width=_width(sys.stderr if stderr else sys.stdout), height=_HEIGHT, highlight=False)
+
+
+def _width(stream: TextIO) -> int:
+    """Columns: what COLUMNS says, else the terminal, within bounds; _WIDTH where neither says a number from 1."""
+    said = os.environ.get("COLUMNS", "").strip()
+    columns = int(said) if said.isascii() and said.isdigit() and len(said) < 10 else 0
+    if not columns and stream.isatty():
+        try:
+            columns = os.get_terminal_size(stream.fileno()).columns
+        except (OSError, ValueError):
+            columns = 0  # it calls itself a terminal and is none
+    return min(max(columns, _LEAST), _MOST) if columns else _WIDTH
+
+
+def tame_columns() -> None:
+    """Give the help texts, which others print, a width that they can take, where COLUMNS says one that they cannot."""
+    if "COLUMNS" in os.environ:
+        os.environ["COLUMNS"] = str(_width(sys.stdout))
+
+
+def speak_plainly() -> None:
+    """Let a stream that cannot write a letter escape it, rather than end the command."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def clean_errors(command: Callable[P, R]) -> Callable[P, R]:
@@ -39,6 +69,7 @@ def clean_errors(command: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(command)
     def wrapped(*args: P.args, **kwargs: P.kwargs) -> R:
+        speak_plainly()
         try:
             return command(*args, **kwargs)
         except _USAGE_ERRORS as error:

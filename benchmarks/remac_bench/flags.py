@@ -8,22 +8,25 @@ from typing import Annotated, Any
 
 import typer
 
+from remac_agents.option_text import MOST_SPENT
 from remac_bench import agents
-from remac_env.options import Options
+from remac_bench.command import real, whole
+from remac_env.options import MAX_ROBOTS, Options
+from remac_env.seeding import SEED_MAX
 
 _KITCHEN, _AGENT, _RUN = "The kitchen", "The agent", "The run"
 
 
-def _kitchen(text: str) -> Any:
-    return typer.Option(help=text, rich_help_panel=_KITCHEN)
+def _kitchen(text: str, **more: Any) -> Any:
+    return typer.Option(help=text, rich_help_panel=_KITCHEN, **more)
 
 
-def _agent(text: str) -> Any:
-    return typer.Option(help=text, rich_help_panel=_AGENT)
+def _agent(text: str, **more: Any) -> Any:
+    return typer.Option(help=text, rich_help_panel=_AGENT, **more)
 
 
-def _run(text: str, *names: str) -> Any:
-    return typer.Option(*names, help=text, rich_help_panel=_RUN)
+def _run(text: str, *names: str, **more: Any) -> Any:
+    return typer.Option(*names, help=text, rich_help_panel=_RUN, **more)
 
 
 Backend = Annotated[str, _kitchen("physics (MuJoCo decides) or symbolic (the skill table).")]
@@ -33,15 +36,15 @@ Starts = Annotated[str, _kitchen("paper (doors closed, all off) or mixed.")]
 Observations = Annotated[str, _kitchen("state or state+images; with pictures where a role looks at them.")]
 Text = Annotated[str, _kitchen("What planners are told: plain (names) or states.")]
 Feedback = Annotated[str, _kitchen("What planners hear of a failure: status or reason.")]
-Wording = Annotated[int, _kitchen("Goal sentence 1, 2 or 3 (the simplest).")]
+Wording = Annotated[int, _kitchen("Goal sentence 1, 2 or 3 (the simplest).", **whole(1, 3))]
 Naming = Annotated[str, _kitchen("How objects are called: role.")]
-PerceptionNoise = Annotated[float, _kitchen("Error of the poses that controllers see, m (physics).")]
-FailureRate = Annotated[float, _kitchen("Probability that a subtask slips (symbolic).")]
-ImageSize = Annotated[int, _kitchen("Pixels of a side of observation images; 512 where a role looks at them.")]
+PerceptionNoise = Annotated[float, _kitchen("Error of the poses that controllers see, m (physics).", **real(0.0, 0.1))]
+FailureRate = Annotated[float, _kitchen("Probability that a subtask slips (symbolic).", **real(0.0, 1.0))]
+ImageSize = Annotated[int, _kitchen("Pixels of a side of observation images; 512 where a role looks at them.", **whole(16, 1024))]
 RenderMode = Annotated[str | None, _kitchen("human: watch the episodes; rgb_array.")]
-MaxRounds = Annotated[int, _kitchen("Rounds after which an episode is truncated.")]
+MaxRounds = Annotated[int, _kitchen("Rounds after which an episode is truncated.", **whole(1, 100_000))]
 Reward = Annotated[str, _kitchen("sparse or progress.")]
-Robots = Annotated[int | None, _kitchen("1 or 2; by default the method's own: REMAC 2, others 1.")]
+Robots = Annotated[int | None, _kitchen("1 or 2; by default the method's own: REMAC 2, others 1.", **whole(1, 2))]
 
 Planner = Annotated[
     str | None, _agent(
@@ -55,20 +58,21 @@ Adjuster = Annotated[str | None, _agent("Who mends a plan.")]
 Reflector = Annotated[str | None, _agent("Who says what was learnt.")]
 Handover = Annotated[str | None, _agent("How a second robot is given work.")]
 Summariser = Annotated[str | None, _agent("Who tells what happened and why it failed (REFLECT).")]
-Retries = Annotated[int | None, _agent("How often a subtask whose post-conditions fail is tried again.")]
-MaxAdjustments = Annotated[int | None, _agent("How often a plan is changed at most.")]
-AgentMaxRounds = Annotated[int | None, _agent("Rounds after which a method stops by itself.")]
+Retries = Annotated[int | None, _agent("How often a subtask whose post-conditions fail is tried again.", **whole())]
+MaxAdjustments = Annotated[int | None, _agent("How often a plan is changed at most.", **whole())]
+AgentMaxRounds = Annotated[int | None, _agent("Rounds after which a method stops by itself.", **whole())]
 Lead = Annotated[str | None, _agent("The robot that works alone or leads; by default the first by name.")]
 Helper = Annotated[str | None, _agent("The second robot of a team.")]
 Iterations = Annotated[
-    int | None, _agent("Number of the last iteration: 2 plays 0, 1, 2 (methods that learn, and best-of controls).")
+    int | None,
+    _agent("Number of the last iteration: 2 plays 0, 1, 2 (methods that learn, and best-of controls).", **whole()),
 ]
 
 _MODELS = "Language models"
 
 
-def _models(text: str, *names: str) -> Any:
-    return typer.Option(*names, help=text, rich_help_panel=_MODELS)
+def _models(text: str, *names: str, **more: Any) -> Any:
+    return typer.Option(*names, help=text, rich_help_panel=_MODELS, **more)
 
 
 Models = Annotated[
@@ -90,21 +94,29 @@ Preflight = Annotated[
     bool,
     _models("Ask each model one tiny question first, and say what the run may cost.", "--preflight/--no-preflight"),
 ]
-MaxCalls = Annotated[int | None, _models("Requests of a job at most.")]
-MaxTokens = Annotated[int | None, _models("Tokens of a job at most.")]
-MaxMoney = Annotated[float | None, _models("US dollars of a job at most.")]
-MaxSeconds = Annotated[float | None, _models("Seconds of a job in requests at most.")]
+MaxCalls = Annotated[int | None, _models("Requests of a job at most.", **whole(0, int(MOST_SPENT)))]
+MaxTokens = Annotated[int | None, _models("Tokens of a job at most.", **whole(0, int(MOST_SPENT)))]
+MaxMoney = Annotated[float | None, _models("US dollars of a job at most.", **real(0.0, MOST_SPENT))]
+MaxSeconds = Annotated[float | None, _models("Seconds of a job in requests at most.", **real(0.0, MOST_SPENT))]
 
 Out = Annotated[
     str | None, _run("Folder for records and videos; what it holds is not run again. Default: results/SUITE.")
 ]
+Tasks = Annotated[
+    list[str] | None, _run("Names with commas between them; may be repeated. By default all.", "--tasks")
+]
+Methods = Annotated[list[str] | None, _run("Names with commas between them; may be repeated.", "--methods")]
+Seeds = Annotated[list[str] | None, _run("0:10 (0 to 9), 3, or 0,4,7; may be repeated.", "--seeds")]
+Seed = Annotated[int, typer.Option(help="The episode's seed.", **whole(0, SEED_MAX))]
+Crew = Annotated[int, typer.Option(help="1 or 2.", **whole(1, MAX_ROBOTS))]
 Suite = Annotated[str | None, _run("A frozen list of jobs and agents: a name, or a FILE.toml.")]
 EngineName = Annotated[
     str, _run("auto (threads where models are asked, else processes), processes, threads or ray.", "--engine")
 ]
 Address = Annotated[str | None, _run("Of a Ray cluster; by default one on this machine.")]
 Jobs = Annotated[
-    int | None, _run("Jobs at the same time; 0: one by one, here. Default: one a core, 16 threads.", "--jobs", "-j")
+    int | None,
+    _run("Jobs at the same time; 0: one by one, here. Default: one a core, 16 threads.", "--jobs", "-j", **whole()),
 ]
 Video = Annotated[str, _run("none, failed, all, or first: the first seed's scored episode.")]
 Optimum = Annotated[bool, _run("Also search each episode's shortest plan.", "--optimum/--no-optimum")]

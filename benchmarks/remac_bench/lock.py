@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import socket
@@ -11,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from remac_bench.errors import LockedError, StorageError
+from remac_env.locks import lock
 
 FILE = "runner.lock"
 
@@ -24,7 +24,8 @@ def locked(folder: Path) -> Iterator[None]:
 
     Raises:
         LockedError: if another process holds it; the message names process and host.
-        StorageError: if the disk is full.
+        StorageError: if the disk is full, or the lock cannot be taken for another reason. A file system that has no
+            locks is no reason: that is logged.
     """
     path = folder / FILE
     handle = _acquire(path)
@@ -49,13 +50,16 @@ def _acquire(path: Path) -> int:
     while True:
         handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
+            lock(handle, path, wait=False)
+        except BlockingIOError as error:
             holder = _holder(handle)
             os.close(handle)
             raise LockedError(
                 f"{path.parent} is in use by another runner ({holder}); wait for it or stop it"
             ) from error
+        except OSError as error:
+            os.close(handle)
+            raise StorageError(f"{path}: {error.strerror or error}; give another --out") from error
         if _still_there(handle, path):
             return handle
         os.close(handle)  # its holder removed it between our opening and locking it

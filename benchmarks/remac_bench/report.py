@@ -22,6 +22,7 @@ from remac_bench.judging.results import results_sheets
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.records import Record
 from remac_bench.store import FILE, Store
+from remac_env.files import prepare_file, prepare_folder
 
 COMPACT = (
     *("task", "agent", "n", "problems", "tsr", "interval", "scr", "seconds", "ipl", "fpl"),
@@ -108,17 +109,25 @@ def board_markdown(board: Board, *, everything: bool = False) -> str:
     return "\n".join([*lines, *([LEGEND, ""] if _has_results(board) else [])])
 
 
+def prepare_csv(target: str | Path) -> None:
+    """See that `write_csv` can write there, before anything is computed; OptionError where it cannot."""
+    if Path(target).suffix == ".csv":
+        prepare_file(target, "--csv")
+    else:
+        prepare_folder(target, "--csv")
+
+
 def write_csv(board: Board, target: str | Path) -> list[Path]:
     """Write one file a sheet into a folder, or, for a name that ends in .csv, the results of all settings into it.
 
     A cell with an interval has two more columns, `_low` and `_high`; rates are fractions.
     """
     path = Path(target)
+    prepare_csv(path)
     if path.suffix == ".csv":
         sheets = [sheet for sheet in board.sheets if sheet.key.startswith("results")]
         files = {path: csv_text(sheets)}
     else:
-        path.mkdir(parents=True, exist_ok=True)
         files = {path / f"{sheet.key}.csv": csv_text([sheet]) for sheet in board.sheets}
     for file, text in files.items():
         file.write_text(text, "utf-8", newline="")

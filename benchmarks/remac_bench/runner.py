@@ -18,6 +18,7 @@ from remac_bench.store import Store, finished_jobs
 from remac_bench.watch import Watch, job_seconds
 from remac_bench.worker import Work
 from remac_env.errors import check_choice
+from remac_env.files import prepare_file, prepare_folder
 
 
 class Listener:
@@ -106,11 +107,13 @@ def run_jobs(
         RecordFileError: if its records cannot be read.
         StorageError: if they cannot be written.
         UsageError: if the folder holds the records of another suite.
+        OptionError: if nothing can be written into the folder.
     """
     listener = listener or Listener()
     load_extensions(settings.extensions)
     store = Store(folder)
-    store.folder.mkdir(parents=True, exist_ok=True)
+    prepare_folder(store.folder, "--out")
+    prepare_file(store.path, "--out")
     with locked(store.folder):
         if settings.fresh:
             store.clear()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from codecs import BOM_UTF8
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -13,6 +14,7 @@ from pydantic import ValidationError
 
 from remac_bench.errors import RecordFileError, StorageError, UsageError
 from remac_bench.records import SCHEMA, Record
+from remac_env.files import read_text
 
 FILE = "records.jsonl"
 VIDEOS = "videos"
@@ -118,7 +120,7 @@ class Store:
 
 def _read_claim(path: Path) -> dict[str, Any]:
     try:
-        return dict(json.loads(path.read_text("utf-8")))
+        return dict(json.loads(read_text(path)))
     except ValueError as error:
         raise RecordFileError(f"{path}: names no suite ({error}); give another --out, or remove the file") from error
 
@@ -142,7 +144,7 @@ def finished_jobs(records: Iterable[Record]) -> set[str]:
 
 def _split(data: bytes) -> tuple[list[bytes], bytes]:
     """The lines that have their end, and what comes after the last of them."""
-    *whole, torn = data.split(b"\n")
+    *whole, torn = data.removeprefix(BOM_UTF8).split(b"\n")
     return whole, torn
 
 

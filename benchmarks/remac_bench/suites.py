@@ -13,6 +13,7 @@ from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_bench.jobs import Job, SuiteMark, check_jobs, make_jobs, parse_seeds
 from remac_env.errors import RemacError
+from remac_env.files import read_text
 from remac_env.options import Options
 from remac_env.seeding import digest
 
@@ -134,7 +135,7 @@ def load(given: str) -> Suite:
             "(reflection, wording) are made by `remac experiment`"
         )
     try:
-        return _read(path.name, tomllib.loads(path.read_text("utf-8")))
+        return _read(path.name, tomllib.loads(read_text(path)))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise UsageError(f"suite {given!r} cannot be read: {error}") from error
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remac_agents.checkers.truth import TruthChecker
-from remac_agents.option_text import check_number
 from remac_agents.roles import Verdict, View
 from remac_env.conditions import Condition
+from remac_env.errors import real_number
 from remac_env.seeding import generator
 
 
@@ -22,9 +22,8 @@ class NoisyChecker:
     needs_truth = True
 
     def __init__(self, *, false_alarm: float = 0.1, miss: float = 0.1) -> None:
-        for name, value in (("false_alarm", false_alarm), ("miss", miss)):
-            check_number(name, value, 0, 1)
-        self.false_alarm, self.miss = false_alarm, miss
+        self.false_alarm = real_number("false_alarm", false_alarm, 0.0, 1.0)
+        self.miss = real_number("miss", miss, 0.0, 1.0)
         self._truth = TruthChecker()
         self._chance = generator(0, "noisy checker")
 

@@ -9,6 +9,7 @@ from remac_agents.handovers.reflections import ReflectionHandover
 from remac_agents.plan import Plan
 from remac_agents.planners.oracle import for_robots
 from remac_agents.roles import HandoverRequest
+from remac_env.errors import whole_number
 from remac_env.oracle import search_plan
 from remac_env.rounds import transition
 from remac_env.state import FixtureState, Place, Scene, WorldState
@@ -29,7 +30,7 @@ class SearchHandover:
 
     def __init__(self, *, max_states: int = MAX_STATES) -> None:
         """Args: max_states: where to give up."""
-        self._max_states = max_states
+        self._max_states = whole_number("max_states", max_states, 1)
         self._fallback = ReflectionHandover()
 
     def share(self, request: HandoverRequest) -> Plan | None:

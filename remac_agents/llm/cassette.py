@@ -18,6 +18,8 @@ from remac_agents.llm.outcomes import KINDS, Bill, ChatError, ChatReply
 from remac_agents.llm.redaction import plain
 from remac_agents.llm.request import digest
 from remac_env.errors import OptionError, check_choice
+from remac_env.files import unmarked
+from remac_env.locks import lock, unlock
 
 VERSION = 1
 Mode = Literal["record", "replay", "fill"]
@@ -153,7 +155,7 @@ def _check(entry: Mapping[str, Any]) -> str:
 def _entry(line: bytes) -> dict[str, Any] | None:
     """A line that is whole and unchanged, or None."""
     try:
-        entry = json.loads(line)
+        entry = json.loads(unmarked(line.decode()))
         whole = isinstance(entry, dict) and entry.get("version") == VERSION and entry.get("check") == _check(entry)
         return entry if whole and entry["key"] == digest(entry["request"]) else None
     except (ValueError, RecursionError, KeyError):
@@ -185,13 +187,9 @@ def _ends_torn(file: IO[bytes]) -> bool:
 @contextlib.contextmanager
 def _alone(file: IO[bytes]) -> Iterator[None]:
     """Keep other processes from writing meanwhile, where the system can."""
-    try:
-        import fcntl
-    except ImportError:  # Windows: one process a cassette
-        yield
-        return
-    fcntl.flock(file, fcntl.LOCK_EX)
+    locked = lock(file, file.name, wait=True)
     try:
         yield
     finally:
-        fcntl.flock(file, fcntl.LOCK_UN)
+        if locked:
+            unlock(file)

@@ -12,6 +12,7 @@ from typing import Any
 
 from remac_agents.llm.providers import Catalogue, Model, Provider
 from remac_env.errors import OptionError
+from remac_env.files import read_text
 
 FILE = Path(__file__).with_name("providers.toml")
 
@@ -49,7 +50,7 @@ def digest(file: Path | str) -> str:
 
 def _text(file: Path | str) -> str:
     try:
-        return Path(file).read_text("utf-8-sig")
+        return read_text(file)
     except (OSError, ValueError) as error:
         raise OptionError(f"providers {str(file)!r} cannot be read: {error}") from error
 

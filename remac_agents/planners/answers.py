@@ -14,6 +14,7 @@ from typing import Any
 from remac_agents.plan import PlanError
 from remac_agents.roles import PlanRequest
 from remac_env.errors import OptionError
+from remac_env.files import read_text
 
 MAX_BYTES = 50_000_000
 
@@ -55,7 +56,7 @@ def _read(path: Path) -> dict[str, Any]:
     try:
         if path.stat().st_size > MAX_BYTES:
             raise OptionError(f"answers {str(path)!r} has more than {MAX_BYTES} bytes")
-        answers = json.loads(path.read_text("utf-8"))
+        answers = json.loads(read_text(path))
     except (OSError, ValueError, RecursionError) as error:
         if isinstance(error, OptionError):
             raise

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import math
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from urllib.parse import urlsplit
@@ -15,7 +14,7 @@ from urllib.parse import urlsplit
 from remac_agents.plan import PlanError
 from remac_agents.request_json import as_json
 from remac_agents.roles import PlanRequest
-from remac_env.errors import OptionError
+from remac_env.errors import OptionError, real_number
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
@@ -39,8 +38,8 @@ class HttpPlanner:
         if address.scheme not in ("http", "https") or not address.hostname:
             raise OptionError(f"address {url!r} is not valid; valid: http://HOST:PORT/PATH")
         for name, value in (("seconds", seconds), ("most_bytes", most_bytes)):
-            if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < math.inf:
-                raise OptionError(f"{name} {value!r} is not valid; valid: a positive number")
+            if not real_number(name, value, 0.0):
+                raise OptionError(f"{name} {value!r} is not valid; valid: a number above 0")
         self._url, self._seconds, self._most = url, float(seconds), int(most_bytes)
         self._shown = f"{address.scheme}://{address.hostname}{address.path}"
         self._loopback, self._secure = address.hostname in LOOPBACK, address.scheme == "https"

@@ -16,6 +16,7 @@ from typing import Any
 from remac_agents import wording
 from remac_agents.plan import MAX_STEPS, Commands, Plan, PlanError
 from remac_agents.roles import PlanRequest
+from remac_env.files import unmarked
 from remac_env.subtasks import Subtask
 
 LINES_MAX = 1000
@@ -50,7 +51,7 @@ def _ask_row(robot: str, commands: Commands, *, single: bool) -> tuple[list[Subt
         if len(row) == (1 if single else MAX_STEPS):
             return row, False
         try:
-            line = input(f"{robot} {len(row) + 1}> ").strip()
+            line = unmarked(input(f"{robot} {len(row) + 1}> ")).strip()
         except EOFError:
             return row, True
         step = commands.parse(line)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from remac_agents.plan import Commands, Plan
+from remac_agents.plan import MAX_STEPS, Commands, Plan
 from remac_agents.roles import PlanRequest
+from remac_env.errors import whole_number
 from remac_env.seeding import generator
 
 
@@ -11,13 +12,13 @@ class RandomPlanner:
     """Draws commands at random.
 
     Args:
-        steps: how many subtasks a robot gets.
+        steps: how many subtasks a robot gets, 0..200.
     """
 
     needs_truth = False
 
     def __init__(self, *, steps: int = 12) -> None:
-        self.steps = steps
+        self.steps = whole_number("steps", steps, 0, MAX_STEPS)
         self._seed, self._iteration = 0, 0
 
     def begin_episode(self, seed: int, iteration: int) -> None:

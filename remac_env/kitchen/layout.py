@@ -14,6 +14,7 @@ from math import hypot, pi
 from pathlib import Path
 
 from remac_env.errors import KitchenFileError, check_choice
+from remac_env.files import read_text, unmarked
 from remac_env.kitchen.fixtures import KINDS, Fixture, Room, Slot
 from remac_env.kitchen.fixtures import models as fixture_models
 from remac_env.kitchen.fixtures.base import Point
@@ -141,7 +142,7 @@ def load(name: str, models: Models = NO_MODELS) -> Layout:
 def read(path: Path, models: Models = NO_MODELS) -> Layout:
     """Read a layout file from anywhere; the layout is named like the file. Raises KitchenFileError."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path)
     except (OSError, UnicodeDecodeError) as error:
         raise KitchenFileError(path.name, "file", f"cannot be read ({error})") from error
     return parse(text, name=path.stem, file=path.name, models=models)
@@ -156,7 +157,7 @@ def parse(text: str, *, name: str, file: str, models: Models = NO_MODELS, certif
     from remac_env.kitchen.layout_checks import check
 
     try:
-        table = Table(tomllib.loads(text), file=file)
+        table = Table(tomllib.loads(unmarked(text)), file=file)
     except (ValueError, RecursionError) as error:  # not TOML, too many digits, too deep
         raise KitchenFileError(file, "file", f"not valid TOML ({error})") from error
     version, room = table.whole("version"), Room.parse(table.table("room"))

@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import Any
 
 from remac_env.errors import KitchenFileError, check_choice
+from remac_env.files import read_text
 from remac_env.kitchen.fixtures import models
 from remac_env.kitchen.textures import PATTERNS, Color
 from remac_env.state import FrozenMap
@@ -134,7 +135,7 @@ def _common() -> Mapping[str, Finish]:
 
 def _table(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(read_text(path))
     except OSError as error:
         raise KitchenFileError(path, "file", f"cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:  # not TOML, not UTF-8, too many digits, too deep

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.errors import OptionError, RenderingError
+from remac_env.files import prepare_file
 
 Picture = NDArray[np.uint8]
 Moment = TypeVar("Moment")
@@ -73,12 +74,11 @@ def write(path: str | os.PathLike[str], frames: Iterable[Picture], *, fps: float
     Returns the number of frames written. The file appears whole or not at all.
 
     Raises:
-        OptionError: if the path does not end in .webm, there are no frames, or they differ in size or type.
+        OptionError: if the path does not end in .webm or cannot be written, there are no frames, or they differ in
+            size or type.
         RenderingError: if OpenCV cannot write the file.
     """
-    target = Path(path)
-    if target.suffix.lower() != ".webm":
-        raise OptionError(f"{target.name!r} is not a valid video file name; valid: names that end in .webm")
+    target = prepare(path)
     pictures = list(frames)
     _check(pictures)
     chosen = [pictures[i] for i in spread(len(pictures))]
@@ -92,6 +92,18 @@ def write(path: str | os.PathLike[str], frames: Iterable[Picture], *, fps: float
         Path(draft).unlink(missing_ok=True)
         raise
     return len(chosen)
+
+
+def prepare(path: str | os.PathLike[str]) -> Path:
+    """See that a video can be written there, before its pictures are drawn; its folder is made.
+
+    Raises:
+        OptionError: if it cannot, or the path does not end in .webm.
+    """
+    target = Path(path)
+    if target.suffix.lower() != ".webm":
+        raise OptionError(f"{target.name!r} is not a valid video file name; valid: names that end in .webm")
+    return prepare_file(target, "video")
 
 
 def _check(pictures: list[Picture]) -> None:

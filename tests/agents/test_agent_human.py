@@ -27,6 +27,12 @@ def test_a_typed_plan_is_played(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert "nearest: 'open cabinet door'" in said and "navigate aside" in said and "robot_0 1>" in said
 
 
+def test_a_stream_may_begin_with_a_byte_order_mark(monkeypatch: pytest.MonkeyPatch) -> None:
+    typed(monkeypatch, "\ufeff" + PLAN[0], *PLAN[1:], "")
+    report = play(suite_kitchen(TASK, robots=1), remac_agents.make("BASE", planner="human"))
+    assert report.success and report.initial_plan["robot_0"] == PLAN
+
+
 def test_one_step_at_a_time_with_the_cause_of_a_refusal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

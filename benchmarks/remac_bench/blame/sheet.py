@@ -11,6 +11,7 @@ from remac_bench.blame.labels import LABELS, Blame
 from remac_bench.board import Column, Sheet
 from remac_bench.errors import RecordFileError
 from remac_bench.judging.cells import Cells, count, only_known, word
+from remac_env.files import read_text
 
 FILE = "blame.jsonl"
 
@@ -46,7 +47,7 @@ def read_blames(folder: str | Path) -> list[Blame]:
     if not path.exists():
         return []
     try:
-        return [Blame.model_validate_json(line) for line in path.read_text("utf-8").split("\n") if line]
+        return [Blame.model_validate_json(line) for line in read_text(path).split("\n") if line]
     except (ValidationError, UnicodeDecodeError) as error:
         raise RecordFileError(f"{path} holds no labels; `remac bench blame {folder}` writes it anew") from error
 

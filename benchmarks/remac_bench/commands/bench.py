@@ -7,20 +7,22 @@ from typing import Annotated
 import typer
 
 from remac_bench import flags
+from remac_bench.command import Command, whole
 from remac_bench.commands import judge
 from remac_bench.console import clean_errors
+from remac_env.seeding import SEED_MAX
 
 app = typer.Typer(no_args_is_help=True, help="Run agents in the kitchens and print their table.")
 
 
-@app.command()
+@app.command(cls=Command)
 @clean_errors
 def run(
     context: typer.Context,
     out: flags.Out = None,
-    tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
-    methods: Annotated[str, typer.Option(help="Names with commas between them.")] = "BASE,CC,RE,REMAC",
-    seeds: Annotated[str, typer.Option(help="0:10 (0 to 9), 3, or 0,4,7.")] = "0:10",
+    tasks: flags.Tasks = None,
+    methods: flags.Methods = ["BASE,CC,RE,REMAC"],  # noqa: B006 - typer reads it, nobody writes to it
+    seeds: flags.Seeds = ["0:10"],  # noqa: B006
     suite: flags.Suite = None,
     models: flags.Models = None,
     base_url: flags.BaseUrl = None,
@@ -76,12 +78,12 @@ def run(
     run_command(context)
 
 
-@app.command()
+@app.command(cls=Command)
 @clean_errors
 def verify(
     folder: Annotated[str, typer.Argument(help="The --out of a run.")],
-    sample: Annotated[int | None, typer.Option(min=1, help="How many jobs; by default all.")] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Which sample.")] = 0,
+    sample: Annotated[int | None, typer.Option(help="How many jobs; by default all.", **whole(1))] = None,
+    seed: Annotated[int, typer.Option(help="Which sample.", **whole(0, SEED_MAX))] = 0,
     extensions: flags.Extensions = None,
 ) -> None:
     """Play recorded jobs again and compare: re-execution is the proof. Exit code 1 where a record is contradicted."""
@@ -90,5 +92,5 @@ def verify(
     verify_command(folder, sample=sample, seed=seed, extensions=tuple(extensions or ()))
 
 
-app.command()(judge.report)
-app.command()(judge.blame)
+app.command(cls=Command)(judge.report)
+app.command(cls=Command)(judge.blame)

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from remac_bench.command import joined
 from remac_bench.console import clean_errors, console
-from remac_bench.flags import Backend
+from remac_bench.flags import Backend, Jobs, Seeds
 
 if TYPE_CHECKING:
     from remac_bench.jobs import Job
@@ -18,11 +19,9 @@ METHODS = ("BASE", "CC", "RE", "REMAC")
 @clean_errors
 def demo(
     out: Annotated[str, typer.Option(help="Folder for records and videos.")] = "demo_output",
-    seeds: Annotated[str, typer.Option(help="Seeds, as for bench run.")] = "0:3",
+    seeds: Seeds = ["0:3"],  # noqa: B006 - typer reads it, nobody writes to it
     backend: Backend = "physics",
-    jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", help="Worker processes; by default one a core.")
-    ] = None,
+    jobs: Jobs = None,
     video: Annotated[bool, typer.Option(help="One video of a REMAC episode a task.")] = True,
     resume: Annotated[
         bool, typer.Option(help="Go on with an earlier demo instead of starting anew.")
@@ -32,14 +31,16 @@ def demo(
     from remac_bench.commands.progress import run_and_report
     from remac_bench.jobs import parse_seeds
     from remac_bench.runner import Settings
+    from remac_env.files import prepare_folder
 
+    prepare_folder(out, "--out")
     settings = Settings(
         workers=jobs,
         video="first" if video else "none",
         video_methods=("REMAC",),
         fresh=not resume,
     )
-    run_and_report(demo_jobs(parse_seeds(seeds), backend), out, settings)
+    run_and_report(demo_jobs(parse_seeds(joined(seeds, "seeds") or "0:3"), backend), out, settings)
     _name_videos(out)
 
 

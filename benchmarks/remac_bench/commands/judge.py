@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -26,8 +27,10 @@ def report(
     pages: Annotated[bool, typer.Option(help="Also write FOLDER/leaderboard.html with a page an episode.")] = True,
 ) -> None:
     """Print the tables of a folder's records, and write them as pages: FOLDER/leaderboard.html."""
-    from remac_bench.report import board_markdown, board_tables, read_board, write_csv
+    from remac_bench.report import board_markdown, board_tables, prepare_csv, read_board, write_csv
 
+    if csv is not None:
+        prepare_csv(csv)
     board = read_board(folder)
     if pages:
         from remac_bench.pages import write_pages
@@ -59,14 +62,16 @@ def blame(
 
     from remac_bench.blame.labels import blame as label
     from remac_bench.blame.labels import failed
-    from remac_bench.blame.sheet import blame_sheets, write_blames
+    from remac_bench.blame.sheet import FILE, blame_sheets, write_blames
     from remac_bench.board import Board
     from remac_bench.extensions import find_local_modules, load_extensions
     from remac_bench.report import board_markdown, board_tables, read_records
+    from remac_env.files import prepare_file
 
     find_local_modules()
     load_extensions(extensions or ())
     records = failed(read_records(folder))
+    prepare_file(Path(folder) / FILE, "the file of labels")
     screen = console(stderr=True)
     blames = [label(record, rescuing=rescue) for record in track(records, "playing again", console=screen)]
     path = write_blames(folder, blames)

@@ -9,8 +9,10 @@ from typing import Annotated
 import typer
 
 from remac_agents.memory import MAX_CHARACTERS, MAX_LESSONS, Memory, Run, prune_file
+from remac_bench.command import Command, whole
 from remac_bench.console import clean_errors, plain
 from remac_bench.errors import UsageError
+from remac_env.files import prepare_file
 
 app = typer.Typer(no_args_is_help=True, help="Look into memory files: what runs taught.")
 
@@ -18,7 +20,7 @@ File = Annotated[Path, typer.Argument(help="A memory file (JSON lines).")]
 Task = Annotated[str | None, typer.Option(help="Only this task.")]
 
 
-@app.command("list")
+@app.command("list", cls=Command)
 @clean_errors
 def list_runs(file: File, task: Task = None) -> None:
     """One line a run: number, task, success, whether the plan was adjusted, lessons, length of the first plan."""
@@ -29,14 +31,16 @@ def list_runs(file: File, task: Task = None) -> None:
         _say(f"{number}  {run.task_description}  {result}  {adjusted}  {len(run.reflection)} lessons  {length} rounds")
 
 
-@app.command()
+@app.command(cls=Command)
 @clean_errors
 def show(
     file: File,
-    number: Annotated[int | None, typer.Argument(help="Of a run, as `list` says; without it, the lessons.")] = None,
+    number: Annotated[
+        int | None, typer.Argument(help="Of a run, as `list` says; without it, the lessons.", **whole())
+    ] = None,
     task: Task = None,
-    most: Annotated[int, typer.Option(min=1, help="Lessons at most.")] = MAX_LESSONS,
-    characters: Annotated[int, typer.Option(min=1, help="Characters of lessons at most.")] = MAX_CHARACTERS,
+    most: Annotated[int, typer.Option(help="Lessons at most.", **whole(1))] = MAX_LESSONS,
+    characters: Annotated[int, typer.Option(help="Characters of lessons at most.", **whole(1))] = MAX_CHARACTERS,
 ) -> None:
     """Print one run with its eight fields as JSON, or the lessons that a prompt would get, by task."""
     chosen = dict(_chosen(file, task))
@@ -52,7 +56,7 @@ def show(
             _say(f"  - {plain(lesson)}")
 
 
-@app.command()
+@app.command(cls=Command)
 @clean_errors
 def diff(first: File, second: File, task: Task = None) -> None:
     """What the second file's prompts have (+) and lack (-) against the first's, by task."""
@@ -66,14 +70,15 @@ def diff(first: File, second: File, task: Task = None) -> None:
             _say("\n".join([name, *lines]), lines=True)
 
 
-@app.command()
+@app.command(cls=Command)
 @clean_errors
 def prune(
     file: File,
-    keep: Annotated[int, typer.Option(min=0, help="Newest runs a task that stay.")],
+    keep: Annotated[int, typer.Option(help="Newest runs a task that stay.", **whole())],
     task: Task = None,
 ) -> None:
     """Forget all but the newest runs of each task; the file is replaced in one step."""
+    prepare_file(_there(file), "memory file")
     gone = prune_file(_there(file), keep=keep, task=task)
     _say(f"{gone} runs forgotten")
 

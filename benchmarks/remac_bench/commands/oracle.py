@@ -7,19 +7,20 @@ from typing import Annotated
 
 import typer
 
+from remac_bench.command import whole
 from remac_bench.console import clean_errors
-from remac_bench.flags import Extensions, Layout, Starts, Style
+from remac_bench.flags import Crew, Extensions, Layout, Seed, Starts, Style
 
 
 @clean_errors
 def oracle(
     task: Annotated[str, typer.Option(help="Name of a task.")],
-    robots: Annotated[int, typer.Option(help="1 or 2.")] = 1,
-    seed: Annotated[int, typer.Option(help="The episode's seed.")] = 0,
+    robots: Crew = 1,
+    seed: Seed = 0,
     starts: Starts = "paper",
     style: Style = None,
     layout: Layout = None,
-    max_rounds: Annotated[int, typer.Option(help="Where the search gives up.")] = 30,
+    max_rounds: Annotated[int, typer.Option(help="Where the search gives up.", **whole(1, 100_000))] = 30,
     extensions: Extensions = None,
 ) -> None:
     """Print the shortest plan of an episode as JSON, and how far it is proven.

@@ -10,12 +10,14 @@ import typer
 from remac_bench.console import clean_errors
 from remac_bench.flags import (
     BaseUrl,
+    Crew,
     Extensions,
     Layout,
     Naming,
     Planner,
     Preflight,
     Providers,
+    Seed,
     Starts,
     Style,
     Via,
@@ -27,8 +29,8 @@ from remac_bench.flags import (
 def plan(
     task: Annotated[str, typer.Option(help="Name of a task.")],
     planner: Planner = None,
-    robots: Annotated[int, typer.Option(help="1 or 2.")] = 1,
-    seed: Annotated[int, typer.Option(help="The episode's seed.")] = 0,
+    robots: Crew = 1,
+    seed: Seed = 0,
     starts: Starts = "paper",
     wording: Wording = 3,
     style: Style = None,

@@ -8,12 +8,14 @@ import typer
 
 from remac_bench import agents, flags
 from remac_bench.agents import Access
+from remac_bench.command import joined
 from remac_bench.commands.progress import run_and_report
 from remac_bench.console import FAILED, console, plain
 from remac_bench.errors import UsageError
 from remac_bench.extensions import find_local_modules, load_extensions
 from remac_bench.jobs import Job, make_jobs, parse_names, parse_seeds
 from remac_bench.runner import Settings
+from remac_env.files import prepare_folder
 
 SHOWN = 20
 """Contradictions that are printed; all are counted."""
@@ -36,6 +38,7 @@ def run_command(context: typer.Context) -> None:
     entries = _entries(context)
     if given["suite"] is None:
         jobs = [job for entry in entries for job in _jobs(context, entry, access)]
+        prepare_folder(given["out"], "--out")
         run_and_report(jobs, given["out"], _settings(given))
         return
     from remac_bench.suites import load
@@ -43,7 +46,9 @@ def run_command(context: typer.Context) -> None:
     suite = load(given["suite"])
     _check_frozen(context, suite.name)
     jobs = suite.jobs(entries, backend=_explicit(context, "backend"), access=access)
-    run_and_report(jobs, given["out"] or f"results/{suite.name}", _settings(given))
+    folder = given["out"] or f"results/{suite.name}"
+    prepare_folder(folder, "--out")
+    run_and_report(jobs, folder, _settings(given))
 
 
 def verify_command(folder: str, *, sample: int | None, seed: int, extensions: tuple[str, ...]) -> None:
@@ -98,9 +103,9 @@ def _jobs(context: typer.Context, entry: dict[str, Any], access: Access) -> list
 
     given = context.params
     return make_jobs(
-        tasks=remac_env.tasks() if given["tasks"] is None else parse_names(given["tasks"], "tasks"),
-        methods=parse_names(given["methods"], "methods"),
-        seeds=parse_seeds(given["seeds"]),
+        tasks=parse_names(tasks, "tasks") if (tasks := joined(given["tasks"], "tasks")) else remac_env.tasks(),
+        methods=parse_names(joined(given["methods"], "methods") or "", "methods"),
+        seeds=parse_seeds(joined(given["seeds"], "seeds") or ""),
         kitchen=_kitchen(context),
         agent=entry,
         robots=given["robots"],

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any, Literal, TypeGuard, get_args
 
 from remac_env.errors import KitchenFileError, check_choice
+from remac_env.files import read_text
 from remac_env.kitchen.fixtures import KINDS
 from remac_env.kitchen.objects.forms import FORMS, OPTIONAL_MEASURES, VECTORS, Body
 from remac_env.kitchen.style import hex_color
@@ -150,7 +151,7 @@ def _load() -> Mapping[str, Category]:
 def read(file: Path) -> dict[str, Category]:
     """The categories of a file by name. Raises KitchenFileError for a malformed file."""
     try:
-        tables = tomllib.loads(file.read_text(encoding="utf-8"))
+        tables = tomllib.loads(read_text(file))
     except (OSError, ValueError, RecursionError) as error:  # not TOML, not UTF-8, too many digits, too deep
         raise KitchenFileError(file, "file", f"cannot be read: {error}") from error
     return {name: parse(name, table, source=file) for name, table in tables.items()}

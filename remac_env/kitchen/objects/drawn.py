@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from remac_env.errors import KitchenFileError
+from remac_env.files import read_text
 from remac_env.kitchen.meshes import (
     Mesh,
     leaf,
@@ -48,7 +49,7 @@ def tables() -> Mapping[str, tuple[Path, Sequence[Mapping[str, Any]]]]:
     found: dict[str, tuple[Path, Sequence[Mapping[str, Any]]]] = {}
     for file in sorted(FOLDER.glob("*.toml")):
         try:
-            shapes = tomllib.loads(file.read_text("utf-8"))
+            shapes = tomllib.loads(read_text(file))
         except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
             raise KitchenFileError(file, "file", f"cannot be read: {error}") from error
         found.update({name: (file, parts) for name, parts in shapes.items()})
