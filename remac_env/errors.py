@@ -85,12 +85,12 @@ def real_number(name: str, value: Any, least: float, most: float = math.inf) -> 
     number = python_value(value)
     numeric = isinstance(number, int | float) and not isinstance(number, bool)
     if not numeric or not least <= number <= most or not math.isfinite(number):
-        span = f"numbers {least}..{most}" if most < math.inf else f"a number from {least:g}"
+        span = f"a number from {least:g} to {most:g}" if most < math.inf else f"a number, {least:g} or more"
         raise OptionError(f"{name} {number!r} is not valid; valid: {span}")
     return float(number) if isinstance(number, float) else number
 
 
 def _span(least: int, most: int | None) -> str:
     if most is None:
-        return f"a whole number from {least}"
+        return f"a whole number, {least} or more"
     return ", ".join(map(str, range(least, most + 1))) if most - least < 5 else f"whole numbers {least}..{most}"

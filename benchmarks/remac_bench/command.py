@@ -38,11 +38,14 @@ class Command(TyperCommand):
             _refuse(f"{error.format_message()} (--help lists the options)")
 
 
-def whole(least: int = 0, most: int | None = None) -> dict[str, Any]:
-    """Keywords of typer.Option for a whole number in least..most."""
+def whole(least: int = 0, most: int | None = None, *, valid: str = "") -> dict[str, Any]:
+    """Keywords of typer.Option for a whole number in least..most; `valid` says it in other words."""
 
     def read(text: object) -> int:
-        return whole_number("", _number(text, int), least, most)
+        try:
+            return whole_number("", _number(text, int), least, most)
+        except OptionError as error:
+            raise OptionError(f"{str(error).partition('valid: ')[0]}valid: {valid}" if valid else str(error)) from error
 
     return {"parser": _reader(read), "metavar": "INTEGER"}
 

@@ -116,7 +116,8 @@ EngineName = Annotated[
 Address = Annotated[str | None, _run("Of a Ray cluster; by default one on this machine.")]
 Jobs = Annotated[
     int | None,
-    _run("Jobs at the same time; 0: one by one, here. Default: one a core, 16 threads.", "--jobs", "-j", **whole()),
+    _run("Jobs at the same time; 0: one by one, here. Default: one a core, 16 threads.", "--jobs", "-j",
+         **whole(valid="a whole number, 0 (in this process) or more")),
 ]
 Video = Annotated[str, _run("none, failed, all, or first: the first seed's scored episode.")]
 Optimum = Annotated[bool, _run("Also search each episode's shortest plan.", "--optimum/--no-optimum")]
