@@ -123,7 +123,10 @@ Video = Annotated[str, _run("none, failed, all, or first: the first seed's score
 Optimum = Annotated[bool, _run("Also search each episode's shortest plan.", "--optimum/--no-optimum")]
 JobSeconds = Annotated[
     float | None,
-    _run("Wall time of a job at most; then it has failed. Default: 3600, or 86400 where models or people are asked."),
+    _run(
+        "Wall time of a job at most; then it has failed. Default: 3600, or 86400 where models or people are asked.",
+        **real(0.001, 1e9),
+    ),
 ]
 Extensions = Annotated[
     list[str] | None, _run("Module or file.py that registers tasks; may be repeated.", "--import")
