@@ -40,7 +40,9 @@ Wording = Annotated[int, _kitchen("Goal sentence 1, 2 or 3 (the simplest).", **w
 Naming = Annotated[str, _kitchen("How objects are called: role.")]
 PerceptionNoise = Annotated[float, _kitchen("Error of the poses that controllers see, m (physics).", **real(0.0, 0.1))]
 FailureRate = Annotated[float, _kitchen("Probability that a subtask slips (symbolic).", **real(0.0, 1.0))]
-ImageSize = Annotated[int, _kitchen("Pixels of a side of observation images; 512 where a role looks at them.", **whole(16, 1024))]
+ImageSize = Annotated[
+    int, _kitchen("Pixels of a side of observation images; 512 where a role looks at them.", **whole(16, 1024))
+]
 RenderMode = Annotated[str | None, _kitchen("human: watch the episodes; rgb_array.")]
 MaxRounds = Annotated[int, _kitchen("Rounds after which an episode is truncated.", **whole(1, 100_000))]
 Reward = Annotated[str, _kitchen("sparse or progress.")]
