@@ -156,6 +156,21 @@ def is_model(text: str, providers: str | None = None) -> bool:
     return known(text, file=providers)
 
 
+def check_reach(*, via: str | None, providers: str | None) -> None:
+    """Refuse a provider, or a file of providers, that is not valid, also where no model is asked.
+
+    Raises:
+        UnknownNameError, OptionError: naming what is valid.
+    """
+    if via is None and providers is None:
+        return
+    from remac_agents.llm.providers import load
+
+    catalogue = load(providers)
+    if via is not None:
+        catalogue.check_via(via)
+
+
 def by_route(text: str, *, via: str | None, providers: str | None = None) -> str:
     """A role, or a model, with options: one that names a model of the paper gets the route by which it is reached.
 

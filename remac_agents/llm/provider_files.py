@@ -36,6 +36,8 @@ def read_catalogue(file: Path | str | None = None) -> Catalogue:
     Raises:
         OptionError: naming file, provider and key of what is wrong in it.
     """
+    if file is not None and not isinstance(file, str | Path):
+        raise OptionError(f"providers {file!r} is not valid; valid: a path, or None")
     return _catalogue(_text(FILE), "" if file is None else _text(file), str(FILE if file is None else file))
 
 

@@ -112,6 +112,14 @@ class Catalogue:
                 return routes
         return (name,)
 
+    def check_via(self, via: object) -> None:
+        """Refuse what is neither a provider nor "auto".
+
+        Raises:
+            UnknownNameError: listing the valid ones.
+        """
+        check_choice("via", via, (AUTO, *self.providers))
+
     def ready(self, full: str, environ: Mapping[str, str] | None = None) -> bool:
         """Whether the key for `provider:model` is set, or none is needed."""
         provider = self.providers.get(full.partition(":")[0])
@@ -175,7 +183,7 @@ def route(
     routes = catalogue.routes(name)
     if via is None:
         return name if name in routes else routes[0]
-    check_choice("via", via, (AUTO, *catalogue.providers))
+    catalogue.check_via(via)
     if via == AUTO:
         ready = [each for each in routes if catalogue.ready(each, environ)]
         if ready or len(routes) == 1:

@@ -240,6 +240,7 @@ def test_the_doctor_asks(server: ChaosServer) -> None:
     result = CliRunner().invoke(app, ask_for)
     assert result.exit_code == 0, result.output
     assert "no pictures here" in result.output.replace("\n", " ") and "2 questions" in result.output
+    assert "BASE unknown, CC unknown" in result.output
     server.plays(refuses(404, "no model m"))
     result = CliRunner().invoke(app, [*ask_for, "--json"])
     assert result.exit_code == 1
@@ -247,6 +248,14 @@ def test_the_doctor_asks(server: ChaosServer) -> None:
     assert (probe["check"], probe["ok"], probe["fatal"]) == ("model", False, True)
     result = CliRunner().invoke(app, ["doctor", "--model", "o3", "--via", "xai"])
     assert result.exit_code == 2 and "valid: openai:o3, openrouter:openai/o3" in result.stderr
+    assert "go with --model" in CliRunner().invoke(app, ["doctor", "--via", "xai"]).stderr
+
+
+@pytest.mark.parametrize("command", [["plan", "--task", "HeatOnStove"], ["bench", "run", "--out", "never"]])
+def test_a_wrong_provider_is_refused_where_no_model_is_asked_too(command: list[str], tmp_path: Path) -> None:
+    for flag, told in ((["--via", "opnai"], "unknown via 'opnai'"), (["--providers", str(tmp_path / "no")], "read")):
+        result = CliRunner().invoke(app, [*command, *flag])
+        assert result.exit_code == 2 and told in result.stderr, result.output
 
 
 def test_plans_and_experiments_ask_first_too(server: ChaosServer, tmp_path: Path) -> None:

@@ -71,6 +71,9 @@ def test_an_agent_of_one_route(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     file = write(tmp_path, MINE + "any_model = true\n")
     agent = remac_agents.make("BASE", planner="mine:thinker", providers=file)
     assert "mine:thinker" in repr(agent.roles.planner)
+    for wrong in ({"providers": 3}, {"via": 3}):
+        with pytest.raises((OptionError, UnknownNameError), match="valid: "):
+            remac_agents.make("BASE", model="o3", **wrong)
     with pytest.raises(UnknownNameError, match="mine:thinker"):
         remac_agents.make("BASE", planner="mine:thinker")
 

@@ -13,6 +13,7 @@ from rich.table import Table
 
 from remac_bench import flags
 from remac_bench.console import FAILED, MARKS, clean_errors, console
+from remac_bench.errors import UsageError
 
 
 @clean_errors
@@ -30,6 +31,8 @@ def doctor(
     if models:
         _ask_models(models, base_url=base_url, providers=providers, via=via, as_json=as_json)
         return
+    if base_url is not None or via is not None:
+        raise UsageError("--base-url and --via go with --model NAME")
     from remac_bench.machine import examine
     from remac_bench.routes import examine_models
 

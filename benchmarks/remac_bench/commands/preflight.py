@@ -15,7 +15,7 @@ from remac_bench.console import MARKS, USAGE, console, plain
 from remac_bench.jobs import Job
 from remac_bench.preflight.estimates import measured
 from remac_bench.preflight.probes import Preflight, ask_all
-from remac_bench.preflight.run import bill, by_kind, clients_of, distinct, to_ask
+from remac_bench.preflight.run import bill, by_kind, clients_of, distinct, episodes_told, to_ask
 from remac_bench.prices import dollars
 
 
@@ -55,10 +55,12 @@ def ask_and_show(clients: Sequence[ChatClient]) -> list[Preflight]:
     table = Table(box=box.SIMPLE_HEAD)
     for name in ("", "Model", "What", "Found"):
         table.add_column(name, overflow="fold")
-    for preflight in found:
+    for client, preflight in zip(clients, found, strict=True):
         for number, probe in enumerate(preflight.probes):
             name = escape(probe.model) if not number else ""
             table.add_row(MARKS[probe.ok], name, probe.check, escape(plain(probe.told)))
+        if not preflight.fatal:
+            table.add_row(MARKS[None], "", "cost", episodes_told(client.endpoint.model, measured()))
         table.add_row("", "", "asked", _asked(preflight))
         table.add_section()
     console().print(table)

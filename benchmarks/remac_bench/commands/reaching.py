@@ -18,6 +18,14 @@ class Reach:
     via: str | None = None
     preflight: bool = True
 
+    def __post_init__(self) -> None:
+        """Refuse a provider, or a file of providers, that is not valid.
+
+        Raises:
+            UnknownNameError, OptionError: naming what is valid.
+        """
+        agents.check_reach(via=self.via, providers=self.providers)
+
     def routed(self, text: str) -> str:
         """A role's text, in which a model of the paper goes by its route.
 

@@ -85,6 +85,7 @@ def _entries(context: typer.Context) -> list[dict[str, Any]]:
     """An entry for each --model, or one without; each with the agent's flags. Models go by their routes; the same model
     with other options is another entry."""
     given = context.params
+    agents.check_reach(via=given["via"], providers=given["providers"])
 
     def routed(text: str) -> str:
         return agents.by_route(text, via=given["via"], providers=given["providers"])

@@ -14,6 +14,8 @@ from remac_bench.jobs import Job
 from remac_bench.preflight.estimates import Costs, Need
 from remac_bench.prices import UNKNOWN, dollars
 
+PAPER_METHODS = ("BASE", "CC", "RE", "REMAC")
+
 Filled = Mapping[str, ChatClient]
 """Role -> the client of the model that fills it."""
 
@@ -100,6 +102,17 @@ def bill(jobs: Sequence[Job], kinds: Mapping[tuple[str, str], Filled], costs: Co
     return Bill(
         len(asking), _sum(estimates), _sum([most for most, _ in bounds]), " or ".join(words) if words else "no budget"
     )
+
+
+def episodes_told(model: Model, costs: Costs) -> str:
+    """What an episode of each of the paper's methods costs with a model, a mean over tasks."""
+    told = []
+    for method in PAPER_METHODS:
+        needs = [costs.whole(method, task, images=model.images) for task in costs.needs.get(method, {})]
+        whole = sum((need for need in needs if need is not None), Need())
+        money = whole.times(1 / len(needs)).money(model) if needs else None
+        told.append(f"{method} {dollars(money)}")
+    return f"about {', '.join(told)} an episode, by measured tokens"
 
 
 def _estimate(job: Job, filled: Filled, costs: Costs) -> float | None:
