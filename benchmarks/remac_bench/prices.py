@@ -24,9 +24,11 @@ def dollars(money: float | None, unpriced: int = 0) -> str:
 
 def digits(money: float) -> str:
     """An amount with cents; small ones keep two digits that count."""
-    if not money or money >= 0.995:
-        return f"{money:.2f}" if money else "0"
-    return f"{money:.2f}" if money >= 0.1 else f"{money:.2g}" if money >= 1e-4 else f"{money:.1e}"
+    if not money:
+        return "0"
+    if money >= 0.1:
+        return f"{money:.2f}"
+    return f"{money:.2g}" if money >= 1e-4 else f"{money:.7f}".rstrip("0") if money >= 1e-7 else "under 0.0000001"
 
 
 def list_price(model: Model) -> str:

@@ -54,7 +54,7 @@ def test_tables_and_csv(usage: dict[str, float], shown: str, money: float | None
 
 def test_words() -> None:
     assert [dollars(None), dollars(0.0, 3), dollars(0.0), dollars(2.0, 1)] == ["unknown", "unknown", "$0", "$2.00+"]
-    assert [digits(x) for x in (0.25, 0.0123, 12.3456, 0.00001)] == ["0.25", "0.012", "12.35", "1.0e-05"]
+    assert [digits(x) for x in (0.25, 0.0123, 12.3456, 0.00001)] == ["0.25", "0.012", "12.35", "0.00001"]
     openrouter = load().providers["openrouter"]
     assert list_price(openrouter.default) == "price unknown"
     assert "free" in list_price(load().providers["ollama"].default)

@@ -14,6 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from remac_bench.console import FAILED, INTERRUPTED, console, plain
 from remac_bench.interrupts import SIGNALS, stoppable
 from remac_bench.jobs import Job
+from remac_bench.prices import dollars
 from remac_bench.records import Record
 from remac_bench.report import read_rows, tables
 from remac_bench.runner import Listener, Settings, pending, run_jobs
@@ -131,6 +132,6 @@ class Tally:
         """As text: "3 failed, 1 broken, 12.5/s, $0.42"; what is not there is not told."""
         rate = f"{self.episodes / seconds:.1f}/s" if seconds > 0 else ""
         unknown = self.unpriced and not self.money
-        money = "cost unknown" if unknown else f"${self.money:.2f}{'+' * bool(self.unpriced)}" if self.money else ""
+        money = "cost unknown" if unknown else dollars(self.money, self.unpriced) if self.money else ""
         broken = f"{self.broken} broken" if self.broken else ""
         return ", ".join(part for part in (f"{self.failed} failed", broken, rate, money) if part)

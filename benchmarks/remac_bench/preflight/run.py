@@ -41,7 +41,7 @@ class Bill:
         """One line."""
         most = "not bounded by a known price" if self.most is None else f"{dollars(self.most)} at most"
         about = UNKNOWN if self.estimate is None else f"about {dollars(self.estimate)}"
-        return f"{self.jobs} jobs: {about} by measured tokens, {most} ({self.bound})"
+        return f"{self.jobs} job{'s' * (self.jobs != 1)}: {about} by measured tokens, {most} ({self.bound})"
 
 
 def filled_by_models(job: Job) -> Filled:
