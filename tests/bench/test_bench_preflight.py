@@ -140,6 +140,17 @@ def test_a_refused_form_is_named(server: ChaosServer) -> None:
     assert probes["JSON"].ok is False and "response_format=none" in probes["JSON"].told
 
 
+def test_what_the_endpoint_wants_otherwise_is_told(server: ChaosServer) -> None:
+    def act(connection: socket.socket, asked: Asked) -> None:
+        old = "Unsupported parameter: 'max_tokens' is not supported with this model. Use 'max_completion_tokens' instead."
+        (refuses(400, old, param="max_tokens") if "max_tokens" in asked.body else says(SEES))(connection, asked)
+
+    server.plays(act)
+    preflight = ask(client(server.url))
+    assert "max_tokens -> max_completion_tokens" in found(preflight)["options"].told
+    assert preflight.questions == len(server.asked) == 2 and not preflight.warnings
+
+
 @pytest.mark.parametrize(
     ("act", "check", "ok"),
     [

@@ -142,6 +142,7 @@ def _findings(client: ChatClient, put: Callable[..., Any], *, images: bool, form
         Probe(name, "stream", client.streams or None, "in pieces" if client.streams else "in one piece"),
         _pictures(client, outcome, refused, claimed=images, asked=asked_images),
         _json(client, outcome, refused if asked_images == images else "", claimed=form, asked=asked_form),
+        *_adapted(name, outcome),
         _tokens(name, outcome),
         _price(client, outcome),
     ]
@@ -202,6 +203,12 @@ def _json(client: ChatClient, reply: ChatReply, refused: str, *, claimed: bool, 
         return Probe(name, "JSON", False, told)
     how = "by its form" if claimed and asked else "by the prompt alone"
     return Probe(name, "JSON", found, how if found else f"not in the answer {plain(reply.text)[:80]!r}")
+
+
+def _adapted(name: str, reply: ChatReply) -> list[Probe]:
+    """What the endpoint wants otherwise; runs find it out by themselves, once."""
+    told = [each for each in reply.adaptations if each != "response_format left out"]
+    return [Probe(name, "options", None, f"the endpoint wants {'; '.join(told)}")] if told else []
 
 
 def _tokens(name: str, reply: ChatReply) -> Probe:
