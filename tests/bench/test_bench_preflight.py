@@ -142,7 +142,7 @@ def test_a_refused_form_is_named(server: ChaosServer) -> None:
 
 def test_what_the_endpoint_wants_otherwise_is_told(server: ChaosServer) -> None:
     def act(connection: socket.socket, asked: Asked) -> None:
-        old = "Unsupported parameter: 'max_tokens' is not supported with this model. Use 'max_completion_tokens' instead."
+        old = "Unsupported parameter: 'max_tokens' is not supported. Use 'max_completion_tokens' instead."
         (refuses(400, old, param="max_tokens") if "max_tokens" in asked.body else says(SEES))(connection, asked)
 
     server.plays(act)
