@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -13,6 +13,9 @@ from remac_agents.llm import BadAnswer, ChatReply, Picture, read_json
 from remac_agents.llm.settings import read_settings
 from remac_agents.models import Models
 from remac_agents.prompt import Message, load
+
+MOST_PROBLEMS = 12
+"""Problems of the shape of one answer that are told."""
 
 LONGEST = 8000
 """Characters of a refused answer that are sent back, its end, where plans and JSON stand."""
@@ -123,18 +126,39 @@ def sent_back(messages: Sequence[Message], answer: str, problems: Sequence[str])
     return [*messages, {"role": "assistant", "content": cut or "(no answer)"}, again]
 
 
-def reads(shape: type[Shape]) -> Callable[[str], Shape | BadAnswer]:
-    """A reader of JSON objects of this shape; fields beyond it are passed over."""
+def reads(
+    shape: type[Shape], also: Callable[[Mapping[str, Any]], Iterable[str]] | None = None
+) -> Callable[[str], Shape | BadAnswer]:
+    """A reader of JSON objects of this shape; fields beyond it are passed over.
+
+    Args:
+        also: further problems of an object, whose fields may be of any type or missing; told along with those of its
+            shape, so that all are mended at once.
+    """
 
     def read(text: str) -> Shape | BadAnswer:
         answer = read_json(text)
         if isinstance(answer, BadAnswer):
             return answer
+        found: Shape | None = None
+        problems: list[str] = []
         try:
-            return shape.model_validate(answer.value, strict=True)
+            found = shape.model_validate(answer.value, strict=True)
         except ValidationError as error:
-            found = error.errors(include_url=False, include_input=False, include_context=False)
-            told = "; ".join(f"{'.'.join(map(str, each['loc'])) or 'the answer'}: {each['msg']}" for each in found[:12])
-            return BadAnswer(f"{told}; valid: a JSON object with {', '.join(shape.model_fields)}")
+            problems = [_told(each["loc"], each["msg"]) for each in error.errors(include_url=False)[:MOST_PROBLEMS]]
+            problems.append(f"valid: a JSON object with {', '.join(shape.model_fields)}")
+        if also is not None and isinstance(answer.value, Mapping):
+            problems = [*also(answer.value), *problems]
+        return BadAnswer("; ".join(problems)) if found is None or problems else found
 
     return read
+
+
+def texts_in(value: Mapping[str, Any], name: str) -> list[str]:
+    """The texts of a list that an object may have under this name."""
+    given = value.get(name)
+    return [text for text in given if isinstance(text, str)] if isinstance(given, list) else []
+
+
+def _told(where: Sequence[int | str], what: str) -> str:
+    return f"{'.'.join(map(str, where)) or 'the answer'}: {what}"

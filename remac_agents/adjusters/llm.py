@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from pydantic import BaseModel, Field
 
 from remac_agents import wording
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import ModelRole, reads
+from remac_agents.model_role import ModelRole, reads, texts_in
 from remac_agents.plan import Commands, Plan, PlanError, read_plan
 from remac_agents.roles import AdjustRequest, Advice
 from remac_env.subtasks import Subtask
@@ -80,15 +83,15 @@ def _adjustment(request: AdjustRequest, reason: str, steps: tuple[Subtask, ...])
 
 
 def _reader(commands: Commands):  # type: ignore[no-untyped-def]
+    def unknown(value: Mapping[str, Any]) -> list[str]:
+        steps = dict.fromkeys(texts_in(value, "next_steps")[:MOST])
+        return [commands.unknown(text) for text in steps if commands.parse(text) is None]
+
     def read(text: str) -> tuple[str, tuple[Subtask, ...]] | BadAnswer:
-        answer = reads(_Answer)(text)
+        answer = reads(_Answer, unknown)(text)
         if isinstance(answer, BadAnswer):
             return answer
-        steps = [commands.parse(step) for step in answer.next_steps]
-        if None in steps:
-            wrong = [text for text, step in zip(answer.next_steps, steps, strict=True) if step is None]
-            return BadAnswer("; ".join(commands.unknown(text) for text in dict.fromkeys(wrong)))
-        return wording.one_line(answer.reason), tuple(step for step in steps if step is not None)
+        return wording.one_line(answer.reason), tuple(commands[step] for step in answer.next_steps)
 
     return read
 

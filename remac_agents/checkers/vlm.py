@@ -100,14 +100,15 @@ class VlmChecker(ModelRole):
         if prompt == "checker_seen":
             fields["reports"] = "; ".join(f"{robot}: {_status(view.reports.get(robot))}" for robot in robots)
 
-        def read(text: str) -> _Answer | BadAnswer:
-            answer = reads(_Answer)(text)
-            if isinstance(answer, BadAnswer) or len(answer.verdicts) == len(conditions):
-                return answer
-            return BadAnswer(f"{len(answer.verdicts)} verdicts for {len(conditions)} sentences")
+        def miscounted(value: Mapping[str, Any]) -> list[str]:
+            verdicts = value.get("verdicts")
+            count = len(verdicts) if isinstance(verdicts, list) else len(conditions)
+            return [] if count == len(conditions) else [f"{count} verdicts for {len(conditions)} sentences"]
 
         images = [Picture.of(picture) for picture in shown.values()]
-        answer = self.ask(prompt, fields, read, about=f"{len(conditions)} conditions", images=images)
+        answer = self.ask(
+            prompt, fields, reads(_Answer, miscounted), about=f"{len(conditions)} conditions", images=images
+        )
         if isinstance(answer, BadAnswer):
             return {condition: Verdict(condition, None, f"not judged: {answer.problem}") for condition in conditions}
         reasons = [wording.one_line(reason or "") for reason in answer.reasons] + [""] * len(conditions)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from pydantic import BaseModel
 
@@ -34,15 +35,13 @@ class LlmSummariser(ModelRole):
         if not steps:
             return log
 
-        def read(text: str) -> _Retold | BadAnswer:
-            answer = reads(_Retold)(text)
-            if isinstance(answer, BadAnswer):
-                return answer
-            wanted, given = (len(log.events), len(log.subgoals)), (len(answer.events), len(answer.subgoals))
-            return answer if given == wanted else BadAnswer(f"{given} events and subgoals; valid: {wanted}")
+        def miscounted(value: Mapping[str, Any]) -> list[str]:
+            wanted = {"events": len(log.events), "subgoals": len(log.subgoals)}
+            given = {name: len(value[name]) for name in wanted if isinstance(value.get(name), list)}
+            return [f"{n} {name}; valid: {wanted[name]}" for name, n in given.items() if n != wanted[name]]
 
         lines = {"events": wording.numbered(log.events), "subgoals": wording.numbered(log.subgoals)}
-        answer = self.ask("summary", {"goal": goal, **lines}, read, about=f"{len(steps)} steps")
+        answer = self.ask("summary", {"goal": goal, **lines}, reads(_Retold, miscounted), about=f"{len(steps)} steps")
         if isinstance(answer, BadAnswer):
             return log
         return Summary(tuple(map(wording.one_line, answer.events)), tuple(map(wording.one_line, answer.subgoals)))

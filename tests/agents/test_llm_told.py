@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from agent_kitchens import play
 from chaos_server import Asked, refuses
+from pydantic import BaseModel
 from remac_bench.plans.ask import Cell, judged, teach_by
 from scripted_model import NAIVE, RIGHT, TASK, ScriptedModel, agent_of, run, scripted
 
@@ -19,6 +20,8 @@ from remac_agents import wording
 from remac_agents.accounts import PreviousTry, Ran
 from remac_agents.catalogue import make_role
 from remac_agents.free_text import FreeText
+from remac_agents.llm import BadAnswer
+from remac_agents.model_role import reads, texts_in
 from remac_agents.request_json import as_json
 from remac_agents.roles import AdjustRequest, Advice, PlanRequest, StopEpisode
 
@@ -220,9 +223,23 @@ def test_a_refused_answer_in_json_is_shown_with_everything_that_is_wrong() -> No
         report = run(model, "CC", max_adjustments=1)
         asked = [a.body["messages"] for a in model.server.asked if "something that must be true" in text_of(a)]
         assert [len(body) for body in asked] == [2, 4, 6] and not report.success
-        assert "reason" in asked[1][3]["content"]
+        assert "reason" in asked[1][3]["content"] and "'fly'" in asked[1][3]["content"]
         assert "'fly'" in asked[2][5]["content"] and "'wash up'" in asked[2][5]["content"]
         assert any("reason" in error and "next_steps" in error for error in report.errors)
+
+
+def test_shape_and_content_are_told_together() -> None:
+    class Shape(BaseModel):
+        why: str
+        steps: list[str]
+
+    read = reads(Shape, lambda value: [f"{text} is odd" for text in texts_in(value, "steps") if text == "fly"])
+    told = read('{"why": 3, "steps": ["fly", 7, "go"]}')
+    assert isinstance(told, BadAnswer)
+    assert told.problem.startswith("fly is odd; why: ") and "steps.1: " in told.problem and "why, steps" in told.problem
+    assert isinstance(read('{"why": "x", "steps": ["fly"]}'), BadAnswer)
+    assert read('{"why": "x", "steps": ["go"], "more": 1}') == Shape(why="x", steps=["go"])
+    assert isinstance(read("[]"), BadAnswer) and isinstance(read('{"steps": 3}'), BadAnswer)
 
 
 @pytest.mark.parametrize("method", ["BASE", "CAPE"])
