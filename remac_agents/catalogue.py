@@ -15,6 +15,7 @@ from __future__ import annotations
 import importlib
 import inspect
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from remac_agents.from_file import load_file
@@ -118,12 +119,12 @@ def read_role(text: str, models: Models | None = None) -> dict[str, Any]:
     Raises:
         OptionError: for an option without a value, or one that is given twice.
     """
-    model = _is_model(text.partition(",")[0].strip(), models)
+    model = _is_model(text.partition(",")[0].strip(), _providers(models))
     name, options = split_options(text, commas=not model)
     return {"name": name, **(options if model else {option: read_value(value) for option, value in options.items()})}
 
 
-def looks_at_pictures(role: str, given: object, *, providers: Any = None) -> bool:
+def looks_at_pictures(role: str, given: object, *, providers: Path | str | None = None) -> bool:
     """Whether who is given for a role must be shown pictures (`needs_images`); nobody is made.
 
     Args:
@@ -157,7 +158,7 @@ class FunctionRole:
 
 
 def _construct(role: str, name: str, options: Mapping[str, Any], models: Models | None) -> Any:
-    if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name, models):
+    if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name, _providers(models)):
         return _make(_load(role, MODEL_ROLES[role]), role, name, {"model": name, "models": models, **options})
     if role == "planner" and name.startswith(("http://", "https://")):
         from remac_agents.planners.http import HttpPlanner
@@ -175,10 +176,14 @@ def _construct(role: str, name: str, options: Mapping[str, Any], models: Models 
     return found
 
 
-def _is_model(name: str, models: Models | None) -> bool:
+def _is_model(name: str, providers: Path | str | None) -> bool:
     from remac_agents.llm.providers import is_model  # only here: no offline role needs the client
 
-    return is_model(name, file=None if models is None else models.providers)
+    return is_model(name, file=providers)
+
+
+def _providers(models: Models | None) -> Path | str | None:
+    return None if models is None else models.providers
 
 
 def _find(role: str, name: str) -> Any:

@@ -245,6 +245,25 @@ def test_a_run_goes_on_and_counts_the_question_apart(server: ChaosServer, tmp_pa
     assert run(tmp_path, url=server.url).exit_code == 0 and len(server.asked) == 3  # nothing left to play
 
 
+def test_a_run_by_a_route_of_ones_own(server: ChaosServer, tmp_path: Path) -> None:
+    file = tmp_path / "p.toml"
+    mine = f'[providers.mine]\ntitle="M"\nbase_url="{server.url}"\nkey="MINE_KEY"\nany_model=true\nimages=false\n'
+    file.write_text(mine + "[paper]\no3 = ['openai:o3', 'mine:thinker']\n", "utf-8")
+    server.plays(says(PLAIN), says("Plan: [turn on stove]"))
+    arguments = ["bench", "run", "--out", str(tmp_path / "out"), "--tasks", "HeatOnStove", "--methods", "BASE,CC"]
+    more = ["--seeds", "0", "--backend", "symbolic", "--jobs", "0", "--providers", str(file)]
+    reach = ["--model", "o3", "--via", "auto", "--adjuster", "rule", "--conditions", "rule"]
+    result = CliRunner().invoke(app, [*arguments, *more, *reach], env={"MINE_KEY": "k", "OPENAI_API_KEY": ""})
+    assert result.exit_code == 0, result.output
+    for record in read(tmp_path / "out"):
+        assert record.options["agent"]["model"] == "mine:thinker"
+        assert record.options["access"]["providers"].startswith("p.toml ")
+        assert record.usage.unpriced == record.usage.calls > 0
+    assert {asked.body["model"] for asked in server.asked} == {"thinker"}
+    assert "unknown" in result.stdout or "USD" not in result.stdout
+    assert CliRunner().invoke(app, ["bench", "verify", str(tmp_path / "out")]).exit_code == 0
+
+
 def test_the_doctor_asks(server: ChaosServer) -> None:
     server.plays(refuses(400, "no pictures here"), says(PLAIN))
     ask_for = ["doctor", "--model", "custom:m", "--base-url", server.url]
