@@ -1,7 +1,7 @@
 """A floor: a planner that reads the goal sentence with common sense, plans once, and looks at nothing.
 
 It knows what anybody knows who was never in this kitchen: what has a door is opened before anything goes in, and shut
-before it runs; what is heated on a stove lies in a pan. It reads the goal, the commands and what the verb implies, and
+before it runs; what is heated lies in a vessel. It reads the goal, the commands and what the verb implies, and
 no state. A task that it solves asks no planner to check, to search or to learn.
 """
 
