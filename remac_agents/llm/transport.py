@@ -207,9 +207,9 @@ class _Pulse:
     def told(self, now: float) -> str:
         """What there was until the deadline."""
         if not self.beats:
-            return f"silent for {now - self.begun:.0f} s, until the deadline (option seconds)"
-        since = f"{self.beats} signs of life, the last {now - self.last:.0f} s before"
-        return f"no whole answer in {now - self.begun:.0f} s ({since}), until the deadline (option seconds)"
+            return f"silent for {now - self.begun:.3g} s, until the deadline (option seconds)"
+        since = f"{self.beats} signs of life, the last {now - self.last:.3g} s before"
+        return f"no whole answer in {now - self.begun:.3g} s ({since}), until the deadline (option seconds)"
 
 
 class _Watchdog:

@@ -69,7 +69,7 @@ class HttpPlanner:
             return PlanError(f"{self._shown} answered with status {status}; valid: 200")
         if content is None:
             return PlanError(f"the answer from {self._shown} has more than {self._most} bytes")
-        text = content.decode("utf-8", errors="replace")
+        text = content.decode("utf-8-sig", errors="replace")
         try:
             value = json.loads(text)
         except (ValueError, RecursionError):
