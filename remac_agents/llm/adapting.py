@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from remac_agents.llm.outcomes import ChatError
 from remac_agents.llm.providers import Endpoint
-from remac_agents.llm.refusals import TOO_LONG
+from remac_agents.llm.refusals import is_too_long
 from remac_agents.llm.request import ChatRequest
 from remac_agents.llm.wire import IN_STREAM
 from remac_agents.llm.wordings import (
@@ -34,6 +34,9 @@ SLACK = 1.05
 
 DEAF = (401, 402, 407, 408, 409, 425, 429)
 """Statuses that are never about a field of the request."""
+
+TELLING = ("temperature", "response_format", "stream_options")
+"""Fields whose names mean nothing else: a refusal that names one is about it, in whatever words."""
 
 SET = "options say what is sent: max_tokens, max_tokens_field, temperature, response_format, stream, seed, extra.NAME"
 
@@ -142,8 +145,8 @@ def respond(error: ChatError, asked: ChatRequest, sent: ChatRequest, manner: Man
     text = error.detail.casefold().removeprefix(IN_STREAM)
     if error.status is None or error.status < 400 or error.status in DEAF:
         return error
-    too_long = any(word in text for word in TOO_LONG)
-    if error.kind == "context_too_long" or too_long or is_about_size(text):
+    failing = error.status >= 500  # such an endpoint may speak of many things
+    if error.kind == "context_too_long" or (not failing and (is_too_long(text) or is_about_size(text))):
         found = _shorter(error, text, asked, sent, manner, halved)
         if found is not None:
             return found
@@ -197,7 +200,7 @@ def _shorter(
         return _too_long(error, f"of {told.context} tokens the prompt takes {told.prompt}")
     if told.bound is not None:
         return Change(replace(manner, longest=told.bound))
-    if not any(word in text for word in TOO_LONG) and error.kind != "context_too_long":
+    if error.kind != "context_too_long" and not is_too_long(text):
         return None
     if halved < HALVINGS and sent.max_tokens > FAIR_TOKENS // 2:
         learnt = manner if told.context is None else replace(manner, context=told.context)
@@ -224,8 +227,6 @@ def _renamed(text: str, sent: ChatRequest, manner: Manner) -> Manner | None:
 
 def _without(error: ChatError, text: str, sent: ChatRequest, manner: Manner) -> Manner | None:
     """The manner without the field that a refusal names first; None where it names none that was sent."""
-    if not refuses(text):
-        return None
     model = sent.endpoint.model
     if sent.images and first_named(text, ("images", "temperature", "seed", "response_format")) == "images":
         return None
@@ -241,7 +242,11 @@ def _without(error: ChatError, text: str, sent: ChatRequest, manner: Manner) -> 
     named = first_named(text, [field for field, here in there.items() if here])
     if named is None and "roles must alternate" in text and there["system"]:
         named = "system"
-    if named is None or (error.status or 0) >= 500 and named in ("stream", "system", "seed"):
+    if named is None and "requested parameters" in text:  # of which there is no telling: the rarest go first
+        named = next((field for field in ("response_format", "seed", "temperature") if there[field]), None)
+    if named is None or not (refuses(text) or (named in TELLING and error.status in (400, 422))):
+        return None
+    if (error.status or 0) >= 500 and named in ("stream", "system", "seed"):
         return None  # a failing endpoint may speak of many things
     if named == "stream":
         return replace(manner, stream=not sent.stream) if manner.stream is None else None

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
+
 from remac_agents.llm.outcomes import ChatError
 
-TOO_LONG = (
-    *("context_length", "context length", "context window", "context size", "maximum context", "max_model_len"),
-    *("context limit", "prompt is too long", "input is too long", "prompt too long", "too many tokens", "n_ctx"),
-    *("exceed_context", "input length", "input token count", "maximum prompt length", "maximum number of tokens"),
-    *("token limit", "got -", "inputs` tokens"),
+_CONTEXT = re.compile(r"context[_ ](?:length|window|size|limit)|maximum context|max_model_len|n_ctx|exceed_context")
+_TOO_LONG = re.compile(
+    r"maximum (?:model length|prompt length|number of tokens)|too many tokens|token limit|input length|got -\d"
+    r"|inputs?`? tokens \+|(?:prompt|input|messages?)\b[^.;]{0,60}?(?:exceed|too long|too large|longer than)"
 )
-_NO_MODEL = ("model_not_found", "model not found", "unknown model", "no such model")
+_NO_MODEL = re.compile(r"model_not_found|(?:unknown|no such) model|model\b.{0,80}?(?:not found|does not exist)")
+_NO_KEY = re.compile(r"api[ _-]?key.{0,20}(?:invalid|not valid|incorrect)|(?:invalid|incorrect) api[ _-]?key")
 _NO_MONEY = ("insufficient_quota", "exceeded your current quota", "billing", "insufficient balance", "credit balance")
 
 
@@ -23,16 +25,21 @@ def refusal(status: int, detail: str, retry_after: float | None) -> ChatError:
     return error
 
 
+def is_too_long(text: str) -> bool:
+    """Whether a text, in small letters, is about a prompt that is too long, alone or with the answer asked for."""
+    return _CONTEXT.search(text) is not None or _TOO_LONG.search(text) is not None
+
+
 def _kind(status: int, text: str) -> str:
     if status == 402 or (status == 429 and any(word in text for word in _NO_MONEY)):
         return "quota"
     if status == 429:
         return "rate_limited"
-    if status in (401, 403):
+    if status in (401, 403) or (status == 400 and _NO_KEY.search(text)):
         return "unauthorised"
-    if status == 404 or (status == 400 and any(word in text for word in _NO_MODEL)):
+    if status == 404 or (status == 400 and _NO_MODEL.search(text)):
         return "unknown_model"
-    if status == 413 or (status in (400, 422, 500) and any(word in text for word in TOO_LONG)):
+    if status == 413 or (status in (400, 422) and is_too_long(text)) or (status == 500 and _CONTEXT.search(text)):
         return "context_too_long"
     if status in (408, 409, 425) or (status >= 500 and status not in (501, 505)):
         return "server_error"

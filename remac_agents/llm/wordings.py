@@ -13,7 +13,10 @@ from dataclasses import dataclass
 TOKEN_FIELDS = ("max_tokens", "max_completion_tokens", "max_output_tokens", "max_new_tokens")
 
 FIELDS: dict[str, str] = {
-    "images": r"images?|image_url|image_urls|pictures?|vision|visual|multi-?modal|mmproj",
+    "images": (
+        r"images?|image_url|image_urls|pictures?|vision|visual|multi-?modal|mmproj|content.{0,20} must be a string"
+        r"|invalid type: sequence"
+    ),
     "stream_options": r"stream[_ ]options|include_usage",
     "response_format": (
         r"response[_ ]?format|json[_ ]?(?:object|schema|mode|output)|structured[_ ]outputs?|guided\w*|grammar"
@@ -21,7 +24,9 @@ FIELDS: dict[str, str] = {
     "temperature": r"temperature",
     "seed": r"seed",
     "stream": r"stream|streaming|streamed",
-    "system": r"system[_ ](?:role|message|prompt|instruction)s?|role[^a-z]{1,3}system|['\"`]system['\"`]",
+    "system": (
+        r"system[_ ](?:role|message|prompt|instruction)s?|role[^a-z]{1,3}system|['\"`]system['\"`]|developer instruction"
+    ),
 }
 """Field of a request -> how endpoints speak of it."""
 
@@ -30,7 +35,7 @@ _REFUSING = re.compile(
     r"|extra (?:inputs|fields)|extra_forbidden|invalid|not valid|unavailable|not available|accept|only the default|must"
     r"|should|cannot|can't|can not|not a |isn't|not enabled|disabled|not implemented|deprecated|incompatible|compatible"
     r"|removed|failed to|expected|reject|illegal|no endpoints found|do(?:es)? not exist|additional propert|not be used"
-    r"|not used|ignored|limited to|restricted|verified"
+    r"|not used|ignored|at most|limited to|restricted|verified"
 )
 _SIZE = re.compile(
     r"too (?:large|big|high|many|long)|at most|maximum|exceed|range|less than|smaller than|<=|\u2264|limit|greater than"
@@ -41,7 +46,8 @@ _NUMBER = r"(\d{1,3}(?:[,_]\d{3})+|\d+)"
 _CONTEXT = (
     rf"(?:context(?: length| window| size| limit)?|max_model_len|sequence length)[^\d.;]{{0,40}}?{_NUMBER}",
     rf"n_ctx\W{{1,3}}{_NUMBER}",
-    rf"maximum (?:prompt length is|number of tokens allowed|input tokens\W)\W{{0,3}}{_NUMBER}",
+    rf"maximum (?:model length of|allowed length|prompt length is|number of tokens allowed|input tokens\W)"
+    rf"\W{{0,3}}{_NUMBER}",
     rf"{_NUMBER} maximum context",
     rf"{_NUMBER}[- ]tokens? (?:context|window)",
     rf"(?:limit|maximum)(?: of| is)? {_NUMBER} tokens",
@@ -50,7 +56,8 @@ _PROMPT = (
     rf"n_prompt_tokens\W{{1,3}}{_NUMBER}",
     rf"{_NUMBER} `?(?:input|prompt)s?`? tokens",
     rf"(?:requested tokens|request|input token count)(?: contains)? \(?{_NUMBER}",
-    rf"{_NUMBER} (?:tokens )?in (?:the|your) (?:messages|prompt|input)",
+    rf"{_NUMBER} (?:tokens )?(?:in|from) (?:the|your) (?:messages|prompt|input)",
+    rf"(?:input|prompt|messages) \((?:length )?{_NUMBER}",
     rf"(?:messages resulted in|(?:prompt|input)(?: tokens)?(?: \w+){{0,3}}? (?:contains|has|is|of|with)(?: at least)?"
     rf"|(?:prompt|input) (?:is too long|too long|tokens|length)\W{{1,3}})\s*{_NUMBER}",
 )
@@ -99,7 +106,7 @@ def first_named(text: str, fields: Iterable[str]) -> str | None:
 def is_about_size(text: str) -> bool:
     """Whether a text is about the number of tokens."""
     named = any(speaks_of(text, field) is not None for field in TOKEN_FIELDS)
-    named = named or re.search(r"(?:completion|output|generated|new) tokens", text) is not None
+    named = named or re.search(r"(?:completion|output|generated|new|max|maximum) tokens", text) is not None
     return named and _SIZE.search(text) is not None
 
 

@@ -14,6 +14,9 @@ from endpoints import BOUNDS, CONTEXT, FULL, REFUSALS, Picky, llamacpp, openai
 from llm_kit import ASK, Kit, open_kit
 
 from remac_agents.llm import KINDS, Budget, Cassette, ChatError, ChatReply, Manners, Picture
+from remac_agents.llm.adapting import Manner, respond
+from remac_agents.llm.refusals import refusal
+from remac_agents.llm.request import ChatRequest
 from remac_agents.llm.wordings import tokens_told
 
 EVERYTHING: dict[str, Any] = {"max_tokens": 8192, "seed": 3, "response_format": {"type": "json_object"}}
@@ -124,6 +127,50 @@ def test_an_answer_is_bounded_as_the_endpoint_says(words: str, kit: Kit) -> None
 def test_numbers_of_tokens_are_read(text: str, context: int, prompt: int) -> None:
     told = tokens_told(text, 8192)
     assert (told.context, told.prompt) == (context, prompt)
+
+
+@pytest.mark.parametrize(
+    ("status", "text", "found"),
+    [
+        (400, "`max_tokens` is not supported here; please use `max_completion_tokens`", "max_completion_tokens"),
+        (400, "max_tokens: Extra inputs are not permitted", "max_completion_tokens"),
+        (400, "Invalid value for max_tokens: 8192. Must be <= 4096", 4096),
+        (400, "max_tokens must be between 1 and 4096", 4096),
+        (400, "The maximum tokens you requested exceeds the model limit of 4096. Try a value lower than 4096.", 4096),
+        (416, "max_completion_tokens is limited to 4096 for this model", 4096),
+        (400, "Requested max_tokens (8192) + prompt tokens (708) > max context (8192)", 7484),
+        (400, "The input (708 tokens) plus max_tokens (8192) is longer than the context length (8192 tokens).", 7484),
+        (400, "Input length 9000 exceeds the maximum allowed length 8192", "context_too_long"),
+        (400, "The decoder prompt (length 9000) is longer than the maximum model length of 8192.", "context_too_long"),
+        (400, "Your input exceeds the context window of this model.", 4096),
+        (400, "`temperature` must be strictly positive", "temperature"),
+        (400, "temperature: range (0, 2], got 0", "temperature"),
+        (400, "'messages' must contain the word 'json' in some form, to use 'response_format'", "response_format"),
+        (400, "Model does not support JSON mode", "response_format"),
+        (400, "JSON mode cannot be combined with streaming", "response_format"),
+        (404, "No endpoints found that can handle the requested parameters.", "response_format"),
+        (400, "Streaming responses are not available for this model", "stream"),
+        (400, 'Invalid JSON payload received. Unknown name "seed": Cannot find field.', "seed"),
+        (400, "Unsupported value: 'effort' does not support 'high' with this model.", "effort"),
+        (400, "Conversation roles must alternate user/assistant/user/assistant/...", "system"),
+        (400, "Developer instruction is not enabled for this model", "system"),
+        (500, "context deadline exceeded while reading the message", "server_error"),
+        (500, "the stream ended: seed not accepted", "server_error"),
+        (400, "The model `m` does not exist", "unknown_model"),
+        (400, "API key not valid. Please pass a valid API key.", "unauthorised"),
+        (403, "This key is not permitted to use the system", "unauthorised"),
+    ],
+)
+def test_further_wordings(status: int, text: str, found: str | int, kit: Kit) -> None:
+    client = kit.client(options={"extra.effort": "high"})
+    asked = ChatRequest(client.endpoint, (("system", "s"), ("user", "u")), stream=True, **EVERYTHING)
+    change = respond(refusal(status, text, None), asked, asked, Manner(), 0)
+    if isinstance(change, ChatError):
+        assert change.kind == found
+        return
+    manner = change.manner
+    told = {change.room, manner.field, manner.longest, "stream" if manner.stream is False else None, *manner.left_out}
+    assert told - {None} == {found}
 
 
 def test_the_bound_gets_a_second_name_and_then_none(kit: Kit) -> None:
