@@ -25,7 +25,8 @@ FIELDS: dict[str, str] = {
     "seed": r"seed",
     "stream": r"stream|streaming|streamed",
     "system": (
-        r"system[_ ](?:role|message|prompt|instruction)s?|role[^a-z]{1,3}system|['\"`]system['\"`]|developer instruction"
+        r"system[_ ](?:role|message|prompt|instruction)s?|role[^a-z]{1,3}system|['\"`]system['\"`]"
+        r"|developer instruction"
     ),
 }
 """Field of a request -> how endpoints speak of it."""
