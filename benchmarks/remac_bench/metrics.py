@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from remac_bench.judging.checkers import checkers_of
 from remac_bench.judging.episodes import cap_rounds, cap_seconds, cell, distinct, idle_share, problem, setting
 from remac_bench.judging.statistics import mean, wilson
 from remac_bench.records import Record
@@ -26,6 +27,7 @@ class Row:
 
     Attributes:
         setting, task, agent, method, robots: what was played, and by whom.
+        checker: who judged its conditions; "" where nobody is asked.
         tries: episodes that a job has, the scored one included: the agent's budget.
         tasks, cells, problems: how many different ones there are among the scored episodes.
         n, successes: scored episodes, and those in which the goal held at the end.
@@ -53,6 +55,7 @@ class Row:
     task: str
     agent: str
     method: str
+    checker: str
     robots: int
     tries: int
     tasks: int
@@ -133,6 +136,7 @@ def _row(key: tuple[str, str, str], group: Sequence[Record], single: dict[Spot, 
         task=task,
         agent=agent,
         method=group[0].method,
+        checker=checkers_of(group)[agent],
         robots=max(record.robots for record in group),
         tries=1 + max(record.iteration for record in group),
         tasks=len({record.task for record in scored}),

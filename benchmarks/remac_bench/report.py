@@ -18,6 +18,7 @@ from remac_bench.blame.sheet import read_blames
 from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.console import plain
 from remac_bench.errors import UsageError
+from remac_bench.judging.checkers import with_checkers
 from remac_bench.judging.results import results_sheets
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.records import Record
@@ -25,7 +26,7 @@ from remac_bench.store import FILE, Store
 from remac_env.files import prepare_file, prepare_folder
 
 COMPACT = (
-    *("task", "agent", "n", "problems", "tsr", "interval", "scr", "seconds", "ipl", "fpl"),
+    *("task", "agent", "checker", "n", "problems", "tsr", "interval", "scr", "seconds", "ipl", "fpl"),
     *("crashed", "infrastructure"),
 )
 """Columns of the results that stand in the main table; the others come with `--all`."""
@@ -81,7 +82,7 @@ def read_board(folder: str | Path) -> Board:
 
 def tables(rows: Sequence[Row]) -> list[RenderableType]:
     """The main table: one rich table for each setting, and the legend."""
-    sheets = results_sheets(rows, (), folder="DIR")
+    sheets = with_checkers(results_sheets(rows, (), folder="DIR"), {row.agent: row.checker for row in rows})
     return [*(_table(sheet, _loud(sheet, compact(sheet))) for sheet in sheets), f"[dim]{LEGEND}[/dim]"]
 
 

@@ -67,7 +67,7 @@ def checked_by(record: Record) -> str:
     from remac_agents.filling import DEFAULTS
 
     agent = record.options.get("agent", {})
-    if not checks(record.method):
+    if not (checks(record.method) or record.pre_checks or record.post_checks):
         return ""
     if "checker" in agent or "model" not in agent or "checker" in record.truth_readers:
         return str(agent.get("checker", DEFAULTS["checker"]))

@@ -111,10 +111,11 @@ def test_the_table_is_that_of_the_calm_run(tmp_path: Path, seeds: str, kills: in
     assert all(record.exchanges[0].reply for record in read(stormy) if record.scored)
 
 
-def test_a_model_in_every_role_is_an_entry_of_a_suite_and_is_replayed_without_a_network(tmp_path: Path) -> None:
+def test_a_model_in_every_role_but_the_checker_is_an_entry_of_a_suite_and_is_replayed(tmp_path: Path) -> None:
     cassette = str(tmp_path / "cassette.jsonl")
     with ChaosServer([answer]) as server:
-        model = ("--model", "custom:m", "--base-url", server.url, "--max-calls", "40", "--cassette", cassette)
+        model = ("--model", "custom:m", "--base-url", server.url, "--checker", "truth", "--max-calls", "40")
+        model += ("--cassette", cassette)
         arguments = ("bench", "run", "--suite", "smoke", "--no-preflight", *model)
         first = start(*arguments, "--out", str(tmp_path / "asked"))
         _, told = first.communicate(timeout=120)
@@ -127,7 +128,7 @@ def test_a_model_in_every_role_is_an_entry_of_a_suite_and_is_replayed_without_a_
     assert read_rows(tmp_path / "replayed") == read_rows(tmp_path / "asked")
     assert comparable(tmp_path / "replayed") == comparable(tmp_path / "asked")
     records = read(tmp_path / "asked")
-    assert {record.agent.partition(" ")[2] for record in records} >= {"(max_calls=40, model=custom:m)"}
+    assert {record.agent.partition(" ")[2] for record in records} >= {"(checker=truth, max_calls=40, model=custom:m)"}
     assert sum(record.usage.calls for record in records) == asked
     records = [record for record in records if "model=" in record.agent]  # the suite's floors are there too
     assert all(record.exchanges for record in records)

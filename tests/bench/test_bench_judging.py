@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from bench_helpers import record
-from remac_bench import judging
+from remac_bench import judging, report
 from remac_bench.board import Board, Sheet
 from remac_bench.judging.alarms import derailments, detour_tokens, detours, tally
 from remac_bench.judging.episodes import idle_share, setting
@@ -15,6 +15,7 @@ from remac_bench.judging.published import published
 from remac_bench.judging.ranking import compare, ranks
 from remac_bench.metrics import overall, summarise
 from remac_bench.records import CheckEntry, ErrorEntry, ExchangeEntry, OutcomeEntry, Record, UsageEntry
+from remac_bench.sight import checked_by
 
 CRASH = ErrorEntry(kind="agent", type="KeyError", message="x")
 BROKEN = ErrorEntry(kind="infrastructure", type="OSError", message="x")
@@ -271,6 +272,73 @@ def test_records_without_a_problem_count_as_one_a_task_on_paper_starts() -> None
     assert compare([*ours, *theirs])[0].problems == 1
     mixed = [entry.model_copy(update={"starts": "mixed"}) for entry in (*ours, *theirs)]
     assert compare(mixed)[0].problems == 8
+
+
+# -- who checks ----------------------------------------
+
+
+def checked(method: str, won: str, checker: str = "", **agent: Any) -> list[Record]:
+    """Records of an entry with this checker; "" for the default."""
+    options = {**agent, **({"checker": checker} if checker else {})}
+    label = f"{method} ({checker})" if checker else method
+    change = {"agent": label, "options": {"agent": options}}
+    return [r.model_copy(update={**change, "job": label + r.job}) for r in entry(method, won)]
+
+
+def test_entries_with_different_checkers_are_never_ranked_together() -> None:
+    records = [
+        *checked("BASE", "----"),
+        *checked("CC", "++++"),
+        *checked("CC", "+++-", "noisy"),
+        *checked("RE", "++--", "noisy"),
+    ]
+    compared = {(pair.checker, frozenset((pair.first, pair.second))) for pair in compare(records)}
+    assert compared == {
+        ("truth", frozenset(("CC", "BASE"))),
+        ("noisy", frozenset(("CC (noisy)", "BASE"))),
+        ("noisy", frozenset(("RE (noisy)", "BASE"))),
+        ("noisy", frozenset(("CC (noisy)", "RE (noisy)"))),
+    }
+    board = judging.board(records)
+    ranked = {each.title: set(texts(each, "agent")) for each in board.sheets if each.key.startswith("ranking")}
+    where = "symbolic, paper starts"
+    assert ranked == {
+        f"Ranking: {where}, checked by noisy": {("BASE",), ("CC (noisy)",), ("RE (noisy)",)},
+        f"Ranking: {where}, checked by truth": {("BASE",), ("CC",)},
+    }
+
+
+def test_every_table_says_who_checks_where_that_is_not_the_truth_for_all() -> None:
+    mixed = [*checked("BASE", "----"), *checked("CC", "++++"), *checked("CC", "+++-", "noisy")]
+    board = judging.board(mixed)
+    for each in board.sheets:
+        if "agent" in [column.key for column in each.columns]:
+            said = {row["agent"].text: row["checker"].text for row in each.rows if "checker" in row}
+            assert said.get("CC", "truth") == "truth" and said.get("CC (noisy)", "noisy").startswith("noisy")
+            assert any("checker" in row for row in each.rows), each.key
+    text = report.board_markdown(board)
+    assert "| Method | Checked by |" in text and "| CC (noisy) | noisy |" in text and "| BASE | - |" in text
+    assert report.csv_text([sheet(board, "results")]).startswith("setting,task,agent,checker,n,")
+    told = "\n".join(str(column.header) for table in report.tables(summarise(mixed))[:1] for column in table.columns)
+    assert "Checked by" in told
+    plain = judging.board([*checked("BASE", "----"), *checked("CC", "++++")])
+    assert "Checked by" not in report.board_markdown(plain, everything=True)
+
+
+@pytest.mark.parametrize(
+    ("method", "agent", "truth_readers", "named"),
+    [
+        ("CC", {}, ["checker"], "truth"),
+        ("CC", {"checker": "noisy,miss=0.2"}, ["checker"], "noisy,miss=0.2"),
+        ("CC", {"model": "openai:o3"}, [], "openai:o3"),
+        ("CC", {"model": "openai:o3", "checker": "truth"}, ["checker"], "truth"),
+        ("CC", {"model": "deepseek:deepseek-reasoner"}, ["checker"], "truth"),  # an older record, which does not say
+        ("BASE", {"model": "openai:o3"}, [], ""),
+    ],
+)
+def test_records_say_who_checked(method: str, agent: dict[str, Any], truth_readers: list[str], named: str) -> None:
+    made = record(method=method, agent=method, options={"agent": agent}, truth_readers=truth_readers)
+    assert checked_by(made) == named
 
 
 # -- evolution, audit ----------------------------------------

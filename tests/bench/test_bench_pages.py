@@ -176,6 +176,7 @@ def test_what_a_checker_cannot_tell_is_neither_right_nor_wrong_on_a_page(tmp_pat
     root = parse(page(hostile(), folder=tmp_path))
     told = [row.text for row in root.all("tr") if "cannot tell" in row.text]
     assert len(told) == 1 and "(in other words)" in told[0]
+    assert "; checked by " in root.text
     assert root.all("td", class_="is-false") == []
 
 

@@ -11,11 +11,9 @@ from remac_bench.judging.cells import Cells, count, number, only_known, rate, wo
 from remac_bench.judging.episodes import cap_rounds, setting, shared_key
 from remac_bench.judging.statistics import mean
 from remac_bench.records import CheckEntry, Record
+from remac_bench.sight import checked_by
 from remac_env.conditions import Condition
 from remac_env.sentences import predicate_of
-
-DEFAULT_CHECKER = "truth"
-"""What `remac_agents.make` fills the role with."""
 
 BUDGETS = ("max_calls", "max_tokens", "max_money", "max_seconds")
 """Options of an agent that say nothing of what it is."""
@@ -173,7 +171,7 @@ def _doses(where: str, records: Sequence[Record], *, key: str, folder: str) -> l
     families: dict[str, dict[str, list[Record]]] = {}
     for record in records:
         chosen = dict(record.options.get("agent", {}))
-        checker = str(chosen.pop("checker", DEFAULT_CHECKER))
+        checker = str(chosen.pop("checker", checked_by(record)))
         others = ", ".join(f"{name}={value}" for name, value in sorted(chosen.items()) if name not in BUDGETS)
         family = f"{record.method} ({others})" if others else record.method
         families.setdefault(family, {}).setdefault(checker, []).append(record)

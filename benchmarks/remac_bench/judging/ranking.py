@@ -9,9 +9,11 @@ from dataclasses import dataclass, replace
 from remac_bench import agents
 from remac_bench.board import Column, Sheet
 from remac_bench.judging.cells import DASH, Cells, count, only_known, probability, rate, signed_interval, word
+from remac_bench.judging.checkers import need_naming
 from remac_bench.judging.episodes import problem, setting, shared_key
 from remac_bench.judging.statistics import ALPHA, cluster_bootstrap, holm, problems_to_separate, sign_flip
 from remac_bench.records import Record
+from remac_bench.sight import checked_by
 
 Spot = tuple[object, ...]
 
@@ -30,6 +32,7 @@ class Comparison:
         more: further problems that would separate the two, at 80% power and the level of the whole family shared out
             evenly; None where no difference was seen, 0 where they are separated.
         equal_budget: a method that learns against a control with as many tries.
+        checker: who judged the conditions of both, or of the one that is checked; "" where neither is.
     """
 
     setting: str
@@ -48,6 +51,7 @@ class Comparison:
     adjusted: float = 1.0
     more: int | None = None
     equal_budget: bool = False
+    checker: str = ""
 
     @property
     def difference(self) -> float:
@@ -61,15 +65,32 @@ class Comparison:
 
 
 def compare(records: Sequence[Record]) -> list[Comparison]:
-    """All pairs of entries of each setting that share episodes, from distinct records in any order."""
-    settings: dict[str, dict[str, list[Record]]] = {}
+    """All pairs of entries of each setting that share episodes, from distinct records in any order.
+
+    Entries whose conditions were judged by different checkers are not compared; those that nobody checks are, with the
+    entries of each checker.
+    """
+    found: list[Comparison] = []
+    for (where, checker), group in rivals(records).items():
+        entries: dict[str, list[Record]] = {}
+        for record in group:
+            entries.setdefault(record.agent, []).append(record)
+        pairs = [_pair(where, entries, *names) for names in itertools.combinations(sorted(entries), 2)]
+        found += _corrected([replace(pair, checker=checker) for pair in pairs if pair is not None])
+    return found
+
+
+def rivals(records: Sequence[Record]) -> dict[tuple[str, str], list[Record]]:
+    """(Setting, checker) -> the scored records that are ranked together: its own, and those that nobody checked."""
+    groups: dict[str, dict[str, list[Record]]] = {}
     for record in sorted(records, key=lambda r: (r.job, r.iteration)):
         if record.scored:
-            settings.setdefault(setting(record), {}).setdefault(record.agent, []).append(record)
-    found: list[Comparison] = []
-    for where, entries in sorted(settings.items()):
-        pairs = [_pair(where, entries, *names) for names in itertools.combinations(sorted(entries), 2)]
-        found += _corrected([pair for pair in pairs if pair is not None])
+            groups.setdefault(setting(record), {}).setdefault(checked_by(record), []).append(record)
+    found: dict[tuple[str, str], list[Record]] = {}
+    for where, by_checker in sorted(groups.items()):
+        unchecked = by_checker.pop("", [])
+        for checker, group in sorted(by_checker.items()) or [("", [])]:
+            found[where, checker] = [*unchecked, *group]
     return found
 
 
@@ -162,24 +183,26 @@ PAIR_COLUMNS = (
 )
 RANK_CAPTION = (
     "An entry is significantly better than another where, on the episodes that both have played, Holm's p of the exact "
-    "sign-flip test over problems is below 0.05 and the 95% interval of the bootstrap over problems lies above 0."
+    "sign-flip test over problems is below 0.05 and the 95% interval of the bootstrap over problems lies above 0. "
+    "Entries with different checkers are not ranked together."
 )
 
 
 def ranking_sheets(records: Sequence[Record], *, folder: str) -> list[Sheet]:
-    """For each setting with two entries or more: the ranks, and the comparisons behind them."""
-    compared = compare(records)
-    settings = sorted({pair.setting for pair in compared})
+    """For each setting and checker with two entries or more: the ranks, and the comparisons behind them."""
+    compared, groups = compare(records), rivals(records)
+    spots = sorted({(pair.setting, pair.checker) for pair in compared})
     sheets: list[Sheet] = []
-    for index, where in enumerate(settings, start=1):
-        pairs = [pair for pair in compared if pair.setting == where]
-        tail = "" if len(settings) == 1 else f"-{index}"
-        scored = [record for record in records if record.scored and setting(record) == where]
-        sheets.append(_rank_sheet(where, scored, pairs, key=f"ranking{tail}", folder=folder))
+    for index, (where, checker) in enumerate(spots, start=1):
+        pairs = [pair for pair in compared if (pair.setting, pair.checker) == (where, checker)]
+        tail = "" if len(spots) == 1 else f"-{index}"
+        title = f"{where}, checked by {checker}" if need_naming(name for _, name in groups) and checker else where
+        ranked = _rank_sheet(where, groups[where, checker], pairs, key=f"ranking{tail}", folder=folder)
+        sheets.append(replace(ranked, title=f"Ranking: {title}"))
         sheets.append(
             Sheet(
                 key=f"pairs{tail}",
-                title=f"Paired comparisons: {where}",
+                title=f"Paired comparisons: {title}",
                 caption="Shared episodes: the same task, style, layout, starts and seed.",
                 command=f"remac bench report {folder} --all",
                 columns=PAIR_COLUMNS,

@@ -14,6 +14,7 @@ from remac_bench.pages.gantt import Gantt, draw
 from remac_bench.pages.rendering import TEXT_MAX, render
 from remac_bench.pages.text import slug
 from remac_bench.records import CheckEntry, ExchangeEntry, OutcomeEntry, Record
+from remac_bench.sight import checked_by
 from remac_bench.store import PICTURES, VIDEOS
 
 PAGE_MAX = 9_000_000
@@ -83,6 +84,11 @@ class View:
     siblings: tuple[tuple[int, str], ...]
     blame: Blame | None
     options: str
+
+    @property
+    def checker(self) -> str:
+        """Who judged the conditions; "" where nobody did."""
+        return checked_by(self.record)
 
     @property
     def tokens(self) -> int:
