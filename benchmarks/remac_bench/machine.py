@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 
+from remac_bench.code import code_digest
 from remac_env.errors import RenderingError
 from remac_env.simulator import load_mujoco
 
@@ -47,11 +48,12 @@ def _versions() -> tuple[tuple[str, str], ...]:
     import remac_env
 
     packages = [(name, _version(name) or "missing") for name in ("mujoco", "numpy")]
-    return (("remac", remac_env.__version__), ("python", platform.python_version()), *packages)
+    code = ("code", code_digest())
+    return (("remac", remac_env.__version__), code, ("python", platform.python_version()), *packages)
 
 
 def versions() -> dict[str, str]:
-    """The versions on which an episode depends: remac, python, mujoco, numpy."""
+    """The versions on which an episode depends: remac, its code by digest, python, mujoco, numpy."""
     return dict(_versions())
 
 

@@ -55,7 +55,13 @@ class Store:
     def read(self) -> list[Record]:
         """The records that count: of each job and iteration the last one written, in the order of writing.
 
-        A last line without its end, torn by a crash, is left out.
+        Raises:
+            RecordFileError: see `lines`.
+        """
+        return latest(self.lines())
+
+    def lines(self) -> list[Record]:
+        """Every record, in the order of writing; a last line without its end, torn by a crash, is left out.
 
         Raises:
             RecordFileError: for any other line that is no record, and for records of a later version.
@@ -64,9 +70,7 @@ class Store:
             return []
         whole, torn = _split(self.path.read_bytes())
         lines = [*whole, torn] if _is_record(torn) else whole
-        return latest(
-            _parse(line, f"{self.path}, line {number}") for number, line in enumerate(lines, start=1)
-        )
+        return [_parse(line, f"{self.path}, line {number}") for number, line in enumerate(lines, start=1)]
 
     def repair(self) -> int:
         """Cut off a torn last line; returns the bytes cut. A record that only lacks its end gets it."""

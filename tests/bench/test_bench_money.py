@@ -18,9 +18,9 @@ from remac_bench.metrics import summarise
 from remac_bench.pages.leaderboard import leaderboard
 from remac_bench.pages.plots import scatter
 from remac_bench.prices import digits, dollars, list_price
+from remac_bench.proof.again import read_job
 from remac_bench.records import Record
 from remac_bench.report import csv_text
-from remac_bench.verify import read_job
 from typer.testing import CliRunner
 
 from remac_agents.llm import load

@@ -1,4 +1,4 @@
-"""`remac bench run`, `verify`, `report` and `blame`."""
+"""`remac bench run`, `verify`, `report`, `blame`, `submit`, `accept` and `board`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import typer
 
 from remac_bench import flags
 from remac_bench.command import Command, whole
-from remac_bench.commands import judge
+from remac_bench.commands import judge, submitting
 from remac_bench.console import clean_errors
 from remac_env.seeding import SEED_MAX
 
@@ -84,13 +84,19 @@ def verify(
     folder: Annotated[str, typer.Argument(help="The --out of a run.")],
     sample: Annotated[int | None, typer.Option(help="How many jobs; by default all.", **whole(1))] = None,
     seed: Annotated[int, typer.Option(help="Which sample.", **whole(0, SEED_MAX))] = 0,
+    cassette: flags.Cassette = None,
+    providers: flags.Providers = None,
     extensions: flags.Extensions = None,
 ) -> None:
     """Play recorded jobs again and compare: re-execution is the proof. Exit code 1 where a record is contradicted."""
     from remac_bench.commands.running import verify_command
 
-    verify_command(folder, sample=sample, seed=seed, extensions=tuple(extensions or ()))
+    files = {"cassette": cassette, "providers": providers}
+    verify_command(folder, sample=sample, seed=seed, extensions=tuple(extensions or ()), **files)
 
 
 app.command(cls=Command)(judge.report)
 app.command(cls=Command)(judge.blame)
+app.command(cls=Command)(submitting.submit)
+app.command(cls=Command)(submitting.accept)
+app.command(cls=Command)(submitting.board)

@@ -51,25 +51,33 @@ def run_command(context: typer.Context) -> None:
     run_and_report(jobs, folder, _settings(given))
 
 
-def verify_command(folder: str, *, sample: int | None, seed: int, extensions: tuple[str, ...]) -> None:
+def verify_command(
+    folder: str,
+    *,
+    sample: int | None,
+    seed: int,
+    extensions: tuple[str, ...],
+    cassette: str | None = None,
+    providers: str | None = None,
+) -> None:
     """Print what re-execution found.
 
     Raises:
         typer.Exit: 1 where a record is contradicted.
         UsageError: where there is nothing to verify.
     """
-    from remac_bench.verify import verify
+    from remac_bench.proof.verify import verify
 
     find_local_modules()
     load_extensions(extensions)
-    verdict = verify(folder, sample=sample, seed=seed)
+    verdict = verify(folder, sample=sample, seed=seed, cassette=cassette, providers=providers)
     if not verdict.jobs:
         raise UsageError(f"no finished jobs in {folder!r}; give the --out of a `remac bench run`")
     screen = console()
     for strange in verdict.strange:
         screen.print(f"made with {strange}: differences in physics then prove nothing", markup=False)
     for finding in verdict.findings[:SHOWN]:
-        screen.print(plain(f"job {finding.job}: {finding.told}"), markup=False)
+        screen.print(plain(f"job {finding.job or '-'}: {finding.told}"), markup=False)
     wrong = len({finding.job for finding in verdict.findings})
     replayed = f", {verdict.replayed} of them by their subtasks alone" if verdict.replayed else ""
     screen.print(

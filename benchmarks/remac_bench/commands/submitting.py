@@ -1,0 +1,73 @@
+"""`remac bench submit`, `accept` and `board`: from a run to a place on a board that nobody has to take on trust."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from remac_bench import flags
+from remac_bench.console import FAILED, clean_errors, console, plain
+
+SHOWN = 20
+"""Reasons that are printed; all are counted."""
+
+
+@clean_errors
+def submit(
+    folder: Annotated[str, typer.Argument(help="The --out of a run of a suite.")],
+    out: Annotated[str, typer.Option(help="A new folder for the submission.")],
+    name: Annotated[str, typer.Option(help="Under which name it stands on boards.")],
+    contact: Annotated[str, typer.Option(help="Where to ask.")] = "",
+    kind: Annotated[str, typer.Option(help="standard, or custom: with roles or code of one's own.")] = "standard",
+    cassette: flags.Cassette = None,
+    providers: flags.Providers = None,
+) -> None:
+    """Pack records, the cassette that plays them again, and entry.toml into a folder that others can accept."""
+    from remac_bench.proof.submission import pack
+
+    pack(folder, out, name=name, contact=contact, kind=kind, cassette=cassette, providers=providers)
+    typer.echo(f"packed: {plain(out)}; try it yourself: remac bench accept {plain(out)}")
+
+
+@clean_errors
+def accept(
+    folder: Annotated[str, typer.Argument(help="A submission.")],
+    reask: Annotated[int, typer.Option(min=0, help="Jobs whose models are asked again, with your keys.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Which jobs are asked again.")] = 0,
+) -> None:
+    """Play a whole submission again; print its rows, or the reasons why it is not accepted (exit code 1)."""
+    from remac_bench.proof.acceptance import accept as judge
+    from remac_bench.report import tables
+
+    found = judge(folder, reask=reask, seed=seed)
+    screen = console()
+    if found.reasons:
+        for reason in found.reasons[:SHOWN]:
+            screen.print(plain(reason), markup=False)
+        screen.print(f"not accepted: {len(found.reasons)} reasons", markup=False)
+        raise typer.Exit(FAILED)
+    for part in tables(found.rows):
+        screen.print(part, crop=False)
+    again = "" if found.reasked is None else (
+        f"; {found.reasked.jobs} jobs asked again: {found.reasked.before} successes then, {found.reasked.now} now"
+    )
+    screen.print(f"accepted: {plain(found.entry.name)}, {found.tier}{again}", markup=False)
+
+
+@clean_errors
+def board(
+    folders: Annotated[list[str], typer.Argument(help="Accepted submissions of one suite.")],
+    out: Annotated[str, typer.Option(help="A new folder for the pages.")],
+) -> None:
+    """Make the tables and pages of accepted submissions: OUT/leaderboard.html."""
+    from remac_bench.pages import write_pages
+    from remac_bench.proof.standings import gather
+    from remac_bench.report import board_tables, read_board
+
+    gather(folders, out)
+    whole = read_board(out)
+    screen = console()
+    for part in board_tables(whole):
+        screen.print(part, crop=False)
+    typer.echo(f"pages: {write_pages(out, whole)}", err=True)

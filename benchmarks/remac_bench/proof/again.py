@@ -1,0 +1,235 @@
+"""One job played again: every field of its records that the code decides is compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, fields, replace
+from typing import Any
+
+from remac_bench import agents
+from remac_bench.agents import Access, Lines
+from remac_bench.episode import read_outcomes
+from remac_bench.jobs import Job, SuiteMark
+from remac_bench.records import Record
+from remac_bench.worker import Work, play_job
+from remac_bench.worlds import as_values, fallen
+from remac_env.errors import RemacError
+from remac_env.options import Options
+
+NOT_PROVEN = ("wall_seconds", "video", "versions", "schema_version")
+"""Fields of a record that another run of the same job need not repeat; `versions` are compared by themselves."""
+
+NOT_PROVEN_INSIDE: Mapping[str, tuple[str, ...]] = {
+    "usage": ("seconds", "requests"),
+    "exchanges": ("seconds",),
+    "error": ("where",),
+    "options": ("access",),
+}
+"""The same for parts of fields: times on the wall, lines of code in an error, and where a cassette lay."""
+
+PLAYED: tuple[str, ...] = (
+    *("style", "layout", "digest", "success", "end", "progress", "phases", "rounds", "outcomes", "worlds"),
+    *("sim_seconds", "robot_contacts", "near_misses", "physics_steps", "littered", "goal"),
+)
+"""Fields that come out the same when the recorded subtasks are played again, whoever chose them."""
+
+
+def read_job(record: Record) -> Job:
+    """The job that a record belongs to, by the options that the record holds.
+
+    Raises:
+        RemacError, TypeError, KeyError: for options that no version knows.
+    """
+    known = {f.name for f in fields(Options)}
+    kitchen = {name: value for name, value in record.options["kitchen"].items() if name in known}
+    told = record.options.get("access", {})
+    job = Job(
+        method=record.method,
+        task=record.task,
+        seed=record.seed,
+        options=Options(**kitchen),
+        agent=dict(record.options["agent"]),
+        iterations=int(record.options["iterations"]),
+        access=Access.recorded(told),
+    )
+    return job if record.suite is None else replace(job, suite=_mark(record, job))
+
+
+def _mark(record: Record, job: Job) -> SuiteMark:
+    """The suite as the record names it; what it gives comes from the suite itself, where it is there."""
+    from remac_bench.suites import load, names
+
+    given: Mapping[str, Any] = {}
+    if record.suite in names():
+        suite = load(str(record.suite))
+        floor = job.agent == {"planner": job.agent.get("planner")} and job.agent["planner"] in suite.floors
+        given = {} if floor else suite.given(job.agent)
+    return SuiteMark(
+        name=str(record.suite),
+        version=record.suite_version or 0,
+        digest=record.suite_digest or "",
+        given=given,
+    )
+
+
+def repeatable(record: Record) -> bool:
+    """Whether the agent answers the same when it is asked again: all of its roles are our own offline ones."""
+    from remac_agents.catalogue import ROLES
+
+    agent: Mapping[str, Any] = record.options.get("agent", {})
+    names = {role: str(agent[role]).partition(",")[0] for role in agents.ROLES if role in agent}
+    own = all(name in ROLES[role] and name != "human" for role, name in names.items())
+    return own and not agents.asked_models(agent)
+
+
+def asks_only_models(record: Record) -> bool:
+    """Whether everyone whom the agent asks is our own or a language model, so that a cassette can play it again."""
+    from remac_agents.catalogue import ROLES
+
+    agent: Mapping[str, Any] = record.options.get("agent", {})
+    names = [(role, str(agent[role]).partition(",")[0]) for role in agents.ROLES if role in agent]
+    return all((name in ROLES[role] and name != "human") or agents.is_model(name) for role, name in names)
+
+
+def check_job(
+    rows: Sequence[Record],
+    *,
+    cassette: str | None = None,
+    providers: str | None = None,
+    lines: Lines | None = None,
+) -> Iterator[str]:
+    """Play the whole job again, models from the cassette, and compare every field that the code decides."""
+    try:
+        job = read_job(rows[0])
+    except (RemacError, TypeError, KeyError, ValueError) as error:
+        yield f"its options make no job: {error}"
+        return
+    yield from _check_key(rows[0], job)
+    if cassette is not None:
+        job = replace(job, access=replace(job.access, cassette=cassette, providers=providers, replay=True))
+    work = Work(job=job, folder="", video="none", optimum=any(row.optimum_proof is not None for row in rows))
+    again = {record.iteration: record for record in play_job(work, lines)}
+    if set(again) != {row.iteration for row in rows}:
+        yield f"iterations: recorded {sorted(row.iteration for row in rows)}, played again {sorted(again)}"
+    for row in rows:
+        if row.iteration in again:
+            yield from differences(row, again[row.iteration])
+
+
+def check_rounds(rows: Sequence[Record]) -> Iterator[str]:
+    """Play the recorded subtasks again; who chose them is taken as told, and what is told of it must add up."""
+    import remac_env
+
+    for row in rows:
+        if row.infrastructure_error or row.digest is None:
+            continue
+        try:
+            job = read_job(row)
+            yield from _check_key(row, job)
+            yield from _check_sums(row, job)
+            env = remac_env.parallel_env(row.task, **asdict(job.options))
+        except (RemacError, TypeError, KeyError, ValueError) as error:
+            yield f"its options make no job: {error}"
+            return
+        try:
+            yield from _compare(row.iteration, row.model_dump(), _replay(env, row), PLAYED)
+        except (RemacError, KeyError, ValueError) as error:
+            yield f"iteration {row.iteration}: its subtasks cannot be played: {error}"
+        finally:
+            env.close()
+
+
+def differences(row: Record, again: Record) -> Iterator[str]:
+    """Every field in which a record differs from the same episode played again."""
+    recorded, played = _provable(row), _provable(again)
+    yield from _compare(row.iteration, recorded, played, [name for name in recorded if name in played])
+
+
+def _provable(record: Record) -> dict[str, Any]:
+    values = record.model_dump(exclude=set(NOT_PROVEN))
+    for name, parts in NOT_PROVEN_INSIDE.items():
+        for part in values[name] if isinstance(values[name], list) else [values[name]]:
+            for key in parts if part else ():
+                part.pop(key, None)
+    return values
+
+
+def _check_sums(row: Record, job: Job) -> Iterator[str]:
+    """What follows from a record's own other fields, where the agent itself cannot be asked again."""
+    expected = {
+        "agent": job.label,
+        "backend": job.options.backend,
+        "starts": job.options.starts,
+        "robots": job.options.robots,
+        "scored": row.iteration == job.iterations and not row.infrastructure_error,
+        "rounds": len(row.outcomes),
+    }
+    if row.error is None:
+        expected["success"] = row.end == "success"
+    if len(row.exchanges) == row.usage.calls:
+        tokens = sum(exchange.tokens for exchange in row.exchanges)
+        told = row.usage.prompt_tokens + row.usage.completion_tokens
+        expected |= {} if tokens == told else {"usage": f"{tokens} tokens in its exchanges"}
+    yield from _compare(row.iteration, row.model_dump(), expected, list(expected))
+    if row.final_plan_length is not None and not 0 <= row.subtasks_done <= row.final_plan_length:
+        yield f"iteration {row.iteration}, subtasks_done: {row.subtasks_done} of {row.final_plan_length}"
+    if row.initial_plan_length is not None and row.initial_plan:
+        longest = max(len(steps) for steps in row.initial_plan.values())
+        if row.initial_plan_length > longest:
+            yield f"iteration {row.iteration}, initial_plan_length: {row.initial_plan_length}, its plan has {longest}"
+
+
+def _replay(env: Any, row: Record) -> dict[str, Any]:
+    """The fields PLAYED, from the recorded subtasks."""
+    _, infos = env.reset(seed=row.seed)
+    outcomes: list[dict[str, Any]] = []
+    worlds = [as_values(env.world)]
+    for entry in row.outcomes:
+        if not env.agents:
+            raise ValueError(f"{len(row.outcomes)} rounds recorded, the episode ended after {len(outcomes)}")
+        tokens = {robot: _token(env, outcome.subtask) for robot, outcome in entry.items()}
+        _, _, _, _, infos = env.step(tokens)
+        outcomes.append({n: each.model_dump() for n, each in read_outcomes(env, tokens, infos).items()})
+        worlds.append(as_values(env.world))
+    shared = next(iter(infos.values()))
+    episode = shared["episode"]
+    return {
+        "style": episode["style"],
+        "layout": episode["layout"],
+        "digest": episode["digest"],
+        "goal": shared["goal"],
+        "success": shared["end"] == "success" and row.error is None,
+        "end": shared["end"],
+        "progress": round(env.progress, 6),
+        "phases": dict(shared["phases"]),
+        "rounds": len(outcomes),
+        "outcomes": outcomes,
+        "worlds": worlds,
+        "littered": fallen(worlds),
+        "sim_seconds": round(float(shared["seconds"]), 6),
+        **{name: int(shared[name]) for name in ("robot_contacts", "near_misses", "physics_steps")},
+    }
+
+
+def _token(env: Any, text: str) -> int:
+    """The token of a subtask as the records have it: its text, or "token N" for one that names nothing."""
+    word, _, number = text.partition(" ")
+    return int(number) if word == "token" and number.lstrip("-").isdigit() else int(env.vocabulary.encode(text))
+
+
+def _check_key(row: Record, job: Job) -> Iterator[str]:
+    if job.key != row.job:
+        yield f"job: its options make job {job.key}, it says {row.job}"
+
+
+def _compare(
+    iteration: int, recorded: Mapping[str, Any], again: Mapping[str, Any], names: Sequence[str]
+) -> Iterator[str]:
+    for name in names:
+        if recorded[name] != again[name]:
+            yield f"iteration {iteration}, {name}: recorded {_short(recorded[name])}, again {_short(again[name])}"
+
+
+def _short(value: object) -> str:
+    text = str(value)
+    return text if len(text) <= 120 else f"{text[:117]}..."

@@ -1,0 +1,192 @@
+"""A submission: a folder with records, the cassettes and provider files that play them again, and entry.toml."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from remac_bench import agents
+from remac_bench.code import code_digest
+from remac_bench.errors import StorageError, UsageError
+from remac_bench.machine import versions
+from remac_bench.records import Record
+from remac_bench.store import FILE, Store
+
+ENTRY = "entry.toml"
+FORMAT = 1
+CASSETTE = "cassette.jsonl"
+PROVIDERS = "providers.toml"
+FILES = (FILE, CASSETTE, PROVIDERS)
+"""What a submission may hold beside entry.toml."""
+
+CANARY = "REMAC Kitchen benchmark record. Not for training: remac-kitchen-canary-6b1f9c52-0d3e-4a77-9d0e-8c5a2f41e7b3"
+"""Stands in every submission, so that those who train models can leave it out, and others can find out who did not."""
+
+Kind = Literal["standard", "custom"]
+KINDS: tuple[str, ...] = Kind.__args__  # type: ignore[attr-defined]
+"""standard: methods of this project as they are; custom: with roles or code of one's own."""
+
+NAME_MAX = 60
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """What entry.toml says.
+
+    Attributes:
+        name, contact, kind: who enters, where to ask, and one of KINDS.
+        code: digest of the code that played it. `suite`: its name, version and digest, joined; "" for none.
+        models: the language models that were asked.
+        files: file name -> SHA-256.
+    """
+
+    name: str
+    contact: str
+    kind: str
+    code: str
+    suite: str
+    models: tuple[str, ...]
+    files: Mapping[str, str]
+
+
+def pack(
+    folder: str | Path,
+    out: str | Path,
+    *,
+    name: str,
+    contact: str = "",
+    kind: str = "standard",
+    cassette: str | Path | None = None,
+    providers: str | Path | None = None,
+) -> Entry:
+    """Copy a run and what plays it again into a new folder.
+
+    Args:
+        folder: the --out of a run. `out`: a folder that does not exist, or is empty.
+        cassette: of the models' answers; None: the file that the records name, in `folder`.
+        providers: the --providers file of the run, if there was one.
+
+    Raises:
+        UsageError: for a run that could not be accepted, before anything is written.
+        StorageError: if the folder cannot be written.
+    """
+    records = Store(folder).read()
+    if not records:
+        raise UsageError(f"no records in {str(folder)!r}; give the --out of a `remac bench run`")
+    _check_words(name, contact, kind)
+    models = _models(records)
+    sources: dict[str, Path] = {FILE: Store(folder).path}
+    if models:
+        sources[CASSETTE] = _found_cassette(Path(folder), records, cassette)
+    if providers is not None:
+        sources[PROVIDERS] = Path(providers)
+    target = Path(out)
+    if target.exists() and any(target.iterdir()):
+        raise UsageError(f"{str(target)!r} is not empty; give a new folder")
+    entry = Entry(
+        name=name,
+        contact=contact,
+        kind=kind,
+        code=records[0].versions.get("code", ""),
+        suite=_suite(records),
+        models=models,
+        files={file: _sha256(path) for file, path in sources.items()},
+    )
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        for file, path in sources.items():
+            shutil.copyfile(path, target / file)
+        (target / ENTRY).write_text(_written(entry), "utf-8")
+    except OSError as error:
+        raise StorageError(f"{target}: {error.strerror or error}; make room, or give another folder") from error
+    return entry
+
+
+def read_entry(folder: str | Path) -> Entry:
+    """A submission's entry.toml, with its files as they are listed.
+
+    Raises:
+        UsageError: for a file that is missing, malformed, or of another format.
+    """
+    path = Path(folder) / ENTRY
+    try:
+        data = tomllib.loads(path.read_text("utf-8-sig"))
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path} cannot be read: {error}; `remac bench submit` writes it") from error
+    if data.get("format") != FORMAT:
+        raise UsageError(f"{path}: format {data.get('format')!r} is not valid; valid: {FORMAT}")
+    texts = {key: data.get(key) for key in ("name", "contact", "kind", "code", "suite")}
+    files, models = data.get("files"), data.get("models", [])
+    wrong = [key for key, value in texts.items() if not isinstance(value, str)]
+    if wrong or not isinstance(files, dict) or FILE not in files or not isinstance(models, list):
+        raise UsageError(f"{path}: {', '.join(wrong) or 'files'} is missing or no text; `remac bench submit` writes it")
+    _check_words(str(texts["name"]), str(texts["contact"]), str(texts["kind"]))
+    if not set(files) <= set(FILES):
+        raise UsageError(f"{path}: files {sorted(set(files) - set(FILES))} are not valid; valid: {', '.join(FILES)}")
+    listed = {str(file): str(value) for file, value in files.items()}
+    return Entry(**texts, models=tuple(map(str, models)), files=listed)  # type: ignore[arg-type]
+
+
+def changed_files(folder: str | Path, entry: Entry) -> list[str]:
+    """Files of a submission that are not as entry.toml lists them."""
+    paths = {file: Path(folder) / file for file in entry.files}
+    return [file for file, path in paths.items() if not path.is_file() or _sha256(path) != entry.files[file]]
+
+
+def submission_digest(entry: Entry) -> str:
+    """A name for the files of a submission, by which an acceptance knows them again."""
+    told = json.dumps([entry.name, entry.kind, sorted(entry.files.items())])
+    return hashlib.sha256(told.encode()).hexdigest()
+
+
+def _models(records: Sequence[Record]) -> tuple[str, ...]:
+    named = {model for record in records for model in agents.asked_models(record.options.get("agent", {}))}
+    return tuple(sorted(named))
+
+
+def _found_cassette(folder: Path, records: Sequence[Record], given: str | Path | None) -> Path:
+    names = {str(record.options.get("access", {}).get("cassette") or "") for record in records}
+    here = [folder / name for name in sorted(names) if name]
+    path = Path(given) if given is not None else next((each for each in here if each.is_file()), None)
+    if path is None or not path.is_file():
+        raise UsageError(
+            "the models' answers are missing: a run that is to be submitted needs --cassette FILE from the start; "
+            "give that file to submit as --cassette"
+        )
+    return path
+
+
+def _suite(records: Sequence[Record]) -> str:
+    record = records[0]
+    return "" if record.suite is None else f"{record.suite} {record.suite_version} {record.suite_digest}"
+
+
+def _check_words(name: str, contact: str, kind: str) -> None:
+    if not name.strip() or len(name) > NAME_MAX or not name.isprintable():
+        raise UsageError(f"name {name[:80]!r} is not valid; valid: 1 to {NAME_MAX} printable characters")
+    if len(contact) > 200 or not contact.isprintable():
+        raise UsageError("contact is not valid; valid: at most 200 printable characters")
+    if kind not in KINDS:
+        raise UsageError(f"kind {kind!r} is not valid; valid: {', '.join(KINDS)}")
+
+
+def _written(entry: Entry) -> str:
+    def text(value: str) -> str:
+        return json.dumps(value, ensure_ascii=False)
+
+    head = {"name": entry.name, "contact": entry.contact, "kind": entry.kind, "code": entry.code, "suite": entry.suite}
+    lines = [f"# {CANARY}", f"format = {FORMAT}", *(f"{key} = {text(value)}" for key, value in head.items())]
+    lines += [f"models = [{', '.join(map(text, entry.models))}]", "", "[versions]"]
+    lines += [f"{text(key)} = {text(value)}" for key, value in {**versions(), "submitted with": code_digest()}.items()]
+    lines += ["", "[files]", *(f"{text(file)} = {text(value)}" for file, value in entry.files.items()), ""]
+    return "\n".join(lines)
+
+
+def _sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
