@@ -51,6 +51,7 @@ def read_job(record: Record) -> Job:
         agent=dict(record.options["agent"]),
         iterations=int(record.options["iterations"]),
         access=Access.recorded(told),
+        seconds=record.options.get("job_seconds"),
     )
     return job if record.suite is None else replace(job, suite=_mark(record, job))
 

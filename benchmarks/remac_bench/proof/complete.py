@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_bench.jobs import Job
 from remac_bench.proof.again import read_job
@@ -38,8 +39,12 @@ def check_scores(records: Sequence[Record]) -> Iterator[Told]:
             yield record.job, f"iteration {record.iteration}, scored: recorded {record.scored}, again {counts}"
 
 
-def check_suite(records: Sequence[Record]) -> Iterator[Told]:
-    """Records of a suite against its frozen list: the same suite, no job missing, none that is not on the list."""
+def check_suite(records: Sequence[Record], *, providers: str | None = None) -> Iterator[Told]:
+    """Records of a suite against its frozen list: the same suite, no job missing, none that is not on the list.
+
+    Args:
+        providers: file of providers that the run was made with.
+    """
     marks = {(record.suite, record.suite_version, record.suite_digest) for record in records}
     if marks == {(None, None, None)}:
         return
@@ -54,15 +59,15 @@ def check_suite(records: Sequence[Record]) -> Iterator[Told]:
     if (suite.version, suite.digest) != (version, digest):
         yield "", f"suite {name} {version} ({digest}) is not the one here: {suite.version} ({suite.digest})"
         return
-    yield from _check_list(suite, records)
+    yield from _check_list(suite, records, providers)
 
 
-def _check_list(suite: Suite, records: Sequence[Record]) -> Iterator[Told]:
+def _check_list(suite: Suite, records: Sequence[Record], providers: str | None) -> Iterator[Told]:
     first = {record.job: record for record in records}
     scored = {record.job for record in records if record.scored}
     try:
         jobs = {key: read_job(record) for key, record in first.items()}
-        expected = {job.key: job for job in _listed(suite, list(jobs.values()), records)}
+        expected = {job.key: job for job in _listed(suite, list(jobs.values()), providers)}
     except (RemacError, UsageError, TypeError, KeyError, ValueError) as error:
         yield "", f"its options make no job of suite {suite.name}: {error}"
         return
@@ -74,15 +79,18 @@ def _check_list(suite: Suite, records: Sequence[Record]) -> Iterator[Told]:
             yield key, f"no score of {job.label}, {job.task}, seed {job.seed}, which suite {suite.name} plays"
 
 
-def _listed(suite: Suite, jobs: Sequence[Job], records: Sequence[Record]) -> list[Job]:
+def _listed(suite: Suite, jobs: Sequence[Job], providers: str | None) -> list[Job]:
     """The jobs of the suite for the entries that these records are of."""
     backends = {job.options.backend for job in jobs}
     own = {job.options.backend for job in suite.jobs()}
     backend = next(iter(backends)) if len(backends) == 1 and backends != own else None
-    entries: dict[str, dict[str, Any]] = {}
+    entries: dict[str, tuple[dict[str, Any], Access]] = {}
     for job in jobs:
         given: Mapping[str, Any] = {} if job.suite is None else job.suite.given
         entry = {name: value for name, value in job.agent.items() if given.get(name) != value}
         if not (set(entry) == {"planner"} and entry["planner"] in suite.floors):
-            entries[json.dumps(entry, sort_keys=True, default=str)] = entry
-    return suite.jobs(list(entries.values()) or [{}], backend=backend)
+            access = Access(base_url=job.access.base_url, providers=providers)
+            entries[json.dumps(entry, sort_keys=True, default=str)] = entry, access
+    if not entries:
+        return suite.jobs(backend=backend)
+    return [job for entry, access in entries.values() for job in suite.jobs([entry], backend=backend, access=access)]

@@ -1,0 +1,419 @@
+"""Forged runs: a suite is played honestly, falsified in every way we could think of, and each is found out."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from bench_helpers import read
+from remac_bench import suites
+from remac_bench.agents import Access
+from remac_bench.proof.acceptance import ACCEPTED, accept
+from remac_bench.proof.submission import ENTRY, pack
+from remac_bench.proof.verify import verify
+from remac_bench.runner import Settings, run_jobs
+from test_bench_cli import remac
+
+sys.path.append(str(Path(__file__).parents[1] / "llm"))
+from chaos_server import ChaosServer, says  # noqa: E402
+
+SUITE = """
+name = "small"
+version = 1
+about = "Two tasks, one start each."
+methods = ["BASE", "RE"]
+floors = ["reader"]
+[[jobs]]
+tasks = ["OpenCabinetPnP", "DefrostInBowl"]
+seeds = "3"
+kitchen = { backend = "symbolic" }
+"""
+NAIVE = "navigate to vegetable, pick up vegetable, navigate to cabinet, place to cabinet"
+
+Lines = list[dict[str, Any]]
+Forgery = Callable[[Lines], None]
+
+
+@pytest.fixture(scope="module")
+def honest(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder with every record of the suite: of the offline roles, and of a planner that is a model."""
+    files, folder = tmp_path_factory.mktemp("suites"), tmp_path_factory.mktemp("honest")
+    (files / "small.toml").write_text(SUITE)
+    patch = pytest.MonkeyPatch()
+    patch.setattr(suites, "_folder", lambda: files)
+    with ChaosServer() as server:
+        server.script = [says(f"Plan: [{NAIVE}]", usage={"prompt_tokens": 900, "completion_tokens": 40})]
+        access = Access(base_url=server.url, cassette=str(folder / "cassette.jsonl"))
+        listed = suites.load("small").jobs([{}, {"planner": "custom:m"}], access=access)
+        run_jobs(listed, folder, Settings(workers=0, preflight=False))
+        yield folder
+    patch.undo()
+
+
+def forged(honest: Path, copy: Path, change: Forgery) -> Path:
+    """A copy of the folder whose records were changed."""
+    if copy != honest:
+        shutil.copytree(honest, copy)
+    path = copy / "records.jsonl"
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    change(lines)
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    return copy
+
+
+def asked(lines: Lines) -> dict[str, Any]:
+    """The scored record of BASE with the model as planner."""
+    return next(r for r in lines if r["options"]["agent"].get("planner") == "custom:m" and r["method"] == "BASE")
+
+
+def learner(lines: Lines) -> dict[str, Any]:
+    """The scored record of RE with the offline roles."""
+    return next(r for r in lines if r["method"] == "RE" and r["scored"] and "planner" not in r["options"]["agent"])
+
+
+def failure(lines: Lines) -> dict[str, Any]:
+    """A scored failure that was played."""
+    return next(r for r in lines if r["scored"] and not r["success"] and r["rounds"] > 2)
+
+
+def set_field(pick: Callable[[Lines], dict[str, Any]], name: str, value: Any) -> Forgery:
+    """One field of one record set otherwise."""
+
+    def change(lines: Lines) -> None:
+        record = pick(lines)
+        record[name] = value(record[name]) if callable(value) else value
+
+    return change
+
+
+def _relabel_model(lines: Lines) -> None:
+    for record in lines:
+        if record["options"]["agent"].get("planner") == "custom:m":
+            record["options"]["agent"]["planner"] = "custom:famous"
+            record["agent"] = record["agent"].replace("custom:m", "custom:famous")
+    _rekey(lines)
+
+
+def _rekey(lines: Lines) -> None:
+    """Whoever forges options works out the job's key anew, too."""
+    from remac_bench.proof.again import read_job
+    from remac_bench.records import Record
+
+    for record in lines:
+        record["job"] = read_job(Record(**record)).key
+
+
+def _other_backend(lines: Lines) -> None:
+    for record in lines:
+        record["backend"] = record["options"]["kitchen"]["backend"] = "physics"
+    _rekey(lines)
+
+
+def _other_starts(lines: Lines) -> None:
+    record = failure(lines)
+    record["starts"] = record["options"]["kitchen"]["starts"] = "mixed"
+    record["job"] = "0" * 12
+    _rekey(lines)
+
+
+def _delete_failures(lines: Lines) -> None:
+    lost = {record["job"] for record in lines if record["scored"] and not record["success"]}
+    lines[:] = [record for record in lines if record["job"] not in lost]
+
+
+def _delete_one_task(lines: Lines) -> None:
+    lines[:] = [record for record in lines if record["task"] != "DefrostInBowl"]
+
+
+def _delete_the_floors(lines: Lines) -> None:
+    lines[:] = [record for record in lines if record["options"]["agent"].get("planner") != "reader"]
+
+
+def _win_again(lines: Lines) -> None:
+    """The same success once more under another key."""
+    won = next(record for record in lines if record["scored"] and record["success"])
+    lines.append({**won, "job": "f" * 12})
+
+
+def _second_try(lines: Lines) -> None:
+    """A failed job played again until it went well; the later line counts."""
+    record = json.loads(json.dumps(failure(lines)))
+    record["success"], record["end"] = True, "success"
+    lines.append(record)
+
+
+def _blame_the_network(lines: Lines) -> None:
+    record = failure(lines)
+    record["error"] = {"kind": "infrastructure", "type": "OSError", "message": "down", "where": []}
+    record["scored"] = False
+
+
+def _outcome(lines: Lines) -> None:
+    turn = next(t for t in failure(lines)["outcomes"] for o in t.values() if o["status"] == "failure")
+    for outcome in turn.values():
+        outcome["status"], outcome["reason"] = "success", None
+
+
+def _all_worlds(lines: Lines) -> None:
+    record = failure(lines)
+    record["worlds"] = [record["worlds"][0]] * len(record["worlds"])
+
+
+def _usage(field: str, value: Any) -> Forgery:
+    def change(lines: Lines) -> None:
+        asked(lines)["usage"][field] = value
+
+    return change
+
+
+def _exchange(field: str, value: Any) -> Forgery:
+    def change(lines: Lines) -> None:
+        asked(lines)["exchanges"][0][field] = value
+
+    return change
+
+
+def _drop_exchanges(lines: Lines) -> None:
+    asked(lines)["exchanges"] = []
+
+
+def _other_suite_version(lines: Lines) -> None:
+    for record in lines:
+        record["suite_version"] = 2
+
+
+def _no_suite(lines: Lines) -> None:
+    record = failure(lines)
+    record["suite"] = record["suite_version"] = record["suite_digest"] = None
+
+
+def _more_rounds(lines: Lines) -> None:
+    record = failure(lines)
+    record["options"]["kitchen"]["max_rounds"] = 99
+    _rekey(lines)
+
+
+def _fewer_iterations(lines: Lines) -> None:
+    """RE's iteration 0 passed off as all that was played."""
+    for record in lines:
+        if record["method"] == "RE" and record["iteration"] == 0:
+            record["options"]["iterations"], record["scored"] = 0, True
+    lines[:] = [record for record in lines if record["iteration"] == 0]
+    _rekey(lines)
+
+
+def _truth_reader(lines: Lines) -> None:
+    learner(lines)["truth_readers"] = []
+
+
+def _checks(lines: Lines) -> None:
+    checks = learner(lines)["pre_checks"]
+    checks[0]["verdict"] = not checks[0]["verdict"]
+
+
+def _seed(lines: Lines) -> None:
+    record = failure(lines)
+    record["seed"] = 4
+    _rekey(lines)
+
+
+def _swap_agents(lines: Lines) -> None:
+    """The successes of one entry go to another."""
+    good, bad = learner(lines), next(r for r in lines if r["method"] == "BASE" and r["scored"] and not r["success"])
+    for name in ("outcomes", "worlds", "success", "end", "rounds", "progress", "final_plan", "initial_plan"):
+        bad[name] = good[name]
+
+
+FORGERIES: dict[str, Forgery] = {
+    "success": set_field(failure, "success", True),
+    "success and end": lambda lines: failure(lines).update(success=True, end="success", progress=1.0),
+    "end": set_field(failure, "end", "truncated"),
+    "progress": set_field(failure, "progress", 1.0),
+    "hidden job": set_field(failure, "scored", False),
+    "blamed on the network": _blame_the_network,
+    "failures deleted": _delete_failures,
+    "a task deleted": _delete_one_task,
+    "floors deleted": _delete_the_floors,
+    "a success doubled": _win_again,
+    "played again until it went well": _second_try,
+    "another model's name": _relabel_model,
+    "label": set_field(asked, "agent", "BASE (planner=openai:o3)"),
+    "method": set_field(failure, "method", "CC"),
+    "backend": _other_backend,
+    "starts": _other_starts,
+    "seed": _seed,
+    "robots": set_field(learner, "robots", 2),
+    "style": set_field(failure, "style", "rustic"),
+    "layout": set_field(failure, "layout", "galley"),
+    "digest": set_field(failure, "digest", "0" * 12),
+    "problem": set_field(learner, "problem", "0" * 12),
+    "more rounds allowed": _more_rounds,
+    "fewer iterations": _fewer_iterations,
+    "rounds": set_field(learner, "rounds", 4),
+    "an outcome": _outcome,
+    "worlds": _all_worlds,
+    "simulated seconds": set_field(learner, "sim_seconds", 1.0),
+    "first plan's length": set_field(learner, "initial_plan_length", 1),
+    "first plan's length, of a model": set_field(asked, "initial_plan_length", 1),
+    "final plan's length": set_field(learner, "final_plan_length", 1),
+    "final plan": set_field(asked, "final_plan", {"robot_0": ["wait"]}),
+    "subtasks done": set_field(failure, "subtasks_done", lambda old: old + 1),
+    "retries": set_field(learner, "retries", 7),
+    "adjusted": set_field(learner, "adjusted", lambda old: not old),
+    "reflections": set_field(learner, "reflections", ["be careful"]),
+    "truth readers": _truth_reader,
+    "verdicts": _checks,
+    "littered": set_field(learner, "littered", 3),
+    "optimum": set_field(learner, "optimum_rounds", 30),
+    "contacts": set_field(learner, "robot_contacts", 5),
+    "tokens": _usage("prompt_tokens", 1),
+    "tokens of answers": _usage("completion_tokens", 1),
+    "calls": _usage("calls", 0),
+    "money": _usage("money", 0.001),
+    "unpriced calls": _usage("unpriced", 0),
+    "a prompt": _exchange("messages", [["user", "please"]]),
+    "a reply": _exchange("reply", "Plan: [wait]"),
+    "exchanges dropped": _drop_exchanges,
+    "errors of the planner": set_field(asked, "planner_errors", ["none of mine"]),
+    "suite's version": _other_suite_version,
+    "out of the suite": _no_suite,
+    "one entry's results for another's": _swap_agents,
+    "a role of someone else": lambda lines: asked(lines)["options"]["agent"].update(checker="noisy"),
+}
+
+
+def test_an_honest_run_is_proven_whole(honest: Path) -> None:
+    verdict = verify(honest)
+    assert not verdict.findings, "\n".join(f.told for f in verdict.findings)
+    assert verdict.replayed == 0 and verdict.strange == ()
+    assert verdict.jobs == 2 * (2 * 2 + 1)
+    assert verdict.records == len(read(honest))
+
+
+@pytest.mark.parametrize("name", FORGERIES)
+def test_a_forgery_is_found(honest: Path, tmp_path: Path, name: str) -> None:
+    copy = forged(honest, tmp_path / "copy", FORGERIES[name])
+    assert read(copy) != read(honest), "this forgery changes nothing"
+    assert verify(copy).findings, name
+
+
+def test_at_least_twenty_five_ways() -> None:
+    assert len(FORGERIES) >= 25
+
+
+# -- submissions ----------------------------------------
+
+
+@pytest.fixture(scope="module")
+def submission(honest: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The honest run, packed."""
+    out = tmp_path_factory.mktemp("packed") / "submission"
+    pack(honest, out, name="Kitchen Crew", contact="crew@example.org", kind="custom")
+    return out
+
+
+def copied(submission: Path, folder: Path) -> Path:
+    """A copy to be tampered with."""
+    return Path(shutil.copytree(submission, folder / "copy"))
+
+
+def test_an_honest_submission_is_accepted_and_stands_on_the_board(submission: Path, tmp_path: Path) -> None:
+    folder = copied(submission, tmp_path)
+    result = remac("bench", "accept", str(folder))
+    assert result.exit_code == 0, result.output
+    assert "accepted: Kitchen Crew, replayed" in result.output
+    shown = remac("bench", "board", str(folder), "--out", str(tmp_path / "board"))
+    assert shown.exit_code == 0, shown.output
+    page = (tmp_path / "board" / "leaderboard.html").read_text()
+    assert "Kitchen Crew: BASE (planner=custom:m) (replayed, custom)" in page
+    assert "Kitchen Crew: BASE (planner=reader)" not in page and "BASE (planner=reader)" in page
+
+
+def test_nothing_stands_on_the_board_that_was_not_accepted_as_it_is(submission: Path, tmp_path: Path) -> None:
+    folder = copied(submission, tmp_path)
+    result = remac("bench", "board", str(folder), "--out", str(tmp_path / "board"))
+    assert result.exit_code == 2 and "is not accepted" in result.output
+    assert not accept(folder).reasons
+    forged(folder, folder, FORGERIES["success and end"])
+    result = remac("bench", "board", str(folder), "--out", str(tmp_path / "board"))
+    assert result.exit_code == 2 and "changed after it was accepted" in result.output
+
+
+def _repacked(folder: Path, change: Forgery) -> None:
+    """Records changed, and entry.toml made to fit: whoever forges one forges the other."""
+    import hashlib
+
+    old = hashlib.sha256((folder / "records.jsonl").read_bytes()).hexdigest()
+    forged(folder, folder, change)
+    new = hashlib.sha256((folder / "records.jsonl").read_bytes()).hexdigest()
+    entry = folder / ENTRY
+    entry.write_text(entry.read_text().replace(old, new))
+
+
+def test_forged_submissions_get_reasons(submission: Path, tmp_path: Path) -> None:
+    folder = copied(submission, tmp_path)
+    forged(folder, folder, FORGERIES["success"])
+    assert accept(folder).reasons == ("records.jsonl: not as entry.toml lists it",)
+    for number, name in enumerate(("success", "failures deleted", "another model's name", "money")):
+        copy = Path(shutil.copytree(submission, tmp_path / str(number)))
+        _repacked(copy, FORGERIES[name])
+        found = accept(copy)
+        assert found.reasons and not (copy / ACCEPTED).exists(), name
+
+
+def test_an_acceptance_that_came_along_is_worth_nothing(submission: Path, tmp_path: Path) -> None:
+    folder = copied(submission, tmp_path)
+    accept(folder)
+    _repacked(folder, FORGERIES["success and end"])
+    result = remac("bench", "accept", str(folder))
+    assert result.exit_code == 1 and "not accepted" in result.output
+    assert not (folder / ACCEPTED).exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ('kind = "custom"', 'kind = "best"', "kind 'best' is not valid"),
+        ("format = 1", "format = 2", "format 2 is not valid"),
+        ('name = "Kitchen Crew"', 'name = "\\u001b[31mred"', "is not valid"),
+        ("[files]", '[files]\n"../../etc/passwd" = "0"', "are not valid"),
+    ],
+)
+def test_an_entry_that_is_none_is_refused_in_one_line(
+    submission: Path, tmp_path: Path, old: str, new: str, reason: str
+) -> None:
+    folder = copied(submission, tmp_path)
+    entry = folder / ENTRY
+    entry.write_text(entry.read_text().replace(old, new))
+    result = remac("bench", "accept", str(folder))
+    assert result.exit_code == 2 and reason in result.output and result.output.count("\n") == 1
+
+
+def test_a_run_of_another_code_is_not_accepted(submission: Path, tmp_path: Path) -> None:
+    folder = copied(submission, tmp_path)
+
+    def change(lines: Lines) -> None:
+        for record in lines:
+            record["versions"]["code"] = "0" * 12
+
+    _repacked(folder, change)
+    assert any("made with code 000000000000" in reason for reason in accept(folder).reasons)
+
+
+def test_models_can_be_asked_again(submission: Path, tmp_path: Path) -> None:
+    found = accept(copied(submission, tmp_path), reask=2)
+    assert found.tier == "re-asked" and found.reasked is not None
+    assert (found.reasked.jobs, found.reasked.before, found.reasked.now) == (2, 0, 0)
+
+
+def test_a_model_without_a_cassette_cannot_be_submitted(honest: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(honest, tmp_path / "run"))
+    (folder / "cassette.jsonl").unlink()
+    result = remac("bench", "submit", str(folder), "--out", str(tmp_path / "out"), "--name", "Crew")
+    assert result.exit_code == 2 and "answers are missing" in result.output
+    assert not (tmp_path / "out").exists()
