@@ -58,7 +58,8 @@ class Sheet:
 
 @dataclass(frozen=True, kw_only=True)
 class Board:
-    """All tables of a folder of records."""
+    """All tables of a folder of records. `note`: of which code they are."""
 
     title: str
+    note: str = ""
     sheets: tuple[Sheet, ...] = field(default_factory=tuple)

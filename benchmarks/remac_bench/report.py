@@ -19,6 +19,7 @@ from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.console import plain
 from remac_bench.errors import UsageError
 from remac_bench.judging.checkers import with_checkers
+from remac_bench.judging.episodes import code_note
 from remac_bench.judging.results import results_sheets
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.records import Record
@@ -75,15 +76,26 @@ def read_rows(folder: str | Path) -> list[Row]:
     return _with_overall(read_records(folder))
 
 
+def main_table(folder: str | Path) -> list[RenderableType]:
+    """The main table of a folder; errors as those of `read_records`."""
+    records = read_records(folder)
+    return tables(_with_overall(records), note=code_note(records))
+
+
 def read_board(folder: str | Path) -> Board:
     """All tables of a folder, the labels of `remac bench blame` among them; errors as those of `read_records`."""
     return judging.board(read_records(folder), blames=read_blames(folder), folder=str(folder))
 
 
-def tables(rows: Sequence[Row]) -> list[RenderableType]:
-    """The main table: one rich table for each setting, and the legend."""
+def tables(rows: Sequence[Row], *, note: str = "") -> list[RenderableType]:
+    """The main table: one rich table for each setting, and the legend.
+
+    Args:
+        note: of which code the records are; see `remac_bench.judging.episodes.code_note`.
+    """
     sheets = with_checkers(results_sheets(rows, (), folder="DIR"), {row.agent: row.checker for row in rows})
-    return [*(_table(sheet, _loud(sheet, compact(sheet))) for sheet in sheets), f"[dim]{LEGEND}[/dim]"]
+    legend = f"[dim]{escape(plain(f'{LEGEND} {note}'))}[/dim]"
+    return [*(_table(sheet, _loud(sheet, compact(sheet))) for sheet in sheets), legend]
 
 
 def board_tables(board: Board, *, everything: bool = False) -> list[RenderableType]:
@@ -97,7 +109,7 @@ def board_tables(board: Board, *, everything: bool = False) -> list[RenderableTy
         made += [_table(sheet, part, title=not index) for index, part in enumerate(parts)]
         if sheet.caption:
             made.append(f"[dim]{escape(plain(sheet.caption))}[/dim]\n")
-    return [*made, *([f"[dim]{LEGEND}[/dim]"] if _has_results(board) else [])]
+    return [*made, *([f"[dim]{escape(plain(f'{LEGEND} {board.note}'))}[/dim]"] if _has_results(board) else [])]
 
 
 def board_markdown(board: Board, *, everything: bool = False) -> str:
@@ -107,7 +119,7 @@ def board_markdown(board: Board, *, everything: bool = False) -> str:
         narrow = sheet.key.startswith("results") and not everything
         lines += _markdown(sheet, compact(sheet) if narrow else sheet.columns)
         lines += [] if narrow or not sheet.caption else [_text(sheet.caption), ""]
-    return "\n".join([*lines, *([LEGEND, ""] if _has_results(board) else [])])
+    return "\n".join([*lines, *([f"{LEGEND} {_text(board.note)}", ""] if _has_results(board) else [])])
 
 
 def prepare_csv(target: str | Path) -> None:

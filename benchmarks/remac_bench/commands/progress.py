@@ -16,7 +16,7 @@ from remac_bench.interrupts import SIGNALS, stoppable
 from remac_bench.jobs import Job
 from remac_bench.prices import dollars
 from remac_bench.records import Record
-from remac_bench.report import read_rows, tables
+from remac_bench.report import main_table
 from remac_bench.runner import Listener, Settings, pending, run_jobs
 from remac_bench.solvable import refuse_unsolvable
 from remac_bench.store import FILE
@@ -46,7 +46,7 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
     finally:
         bar.stop()
     screen = console()
-    for part in tables(read_rows(folder)):
+    for part in main_table(folder):
         screen.print(part, crop=False)
     screen.print(
         f"{summary.played} jobs played, {summary.skipped} found finished. Records: {Path(folder) / FILE}",

@@ -9,7 +9,7 @@ from remac_bench.blame.sheet import blame_sheets
 from remac_bench.board import Board, Sheet
 from remac_bench.judging.audit import audit_sheets
 from remac_bench.judging.checkers import checkers_of, with_checkers
-from remac_bench.judging.episodes import distinct
+from remac_bench.judging.episodes import code_note, distinct
 from remac_bench.judging.evolution import evolution_sheets
 from remac_bench.judging.published import paper_sheets, phase_sheets
 from remac_bench.judging.ranking import ranking_sheets
@@ -31,4 +31,4 @@ def assemble(records: Iterable[Record], *, blames: Sequence[Blame], title: str, 
         *audit_sheets(known, folder=folder),
         *blame_sheets(blames, folder=folder),
     ]
-    return Board(title=title, sheets=tuple(with_checkers(sheets, checkers_of(known))))
+    return Board(title=title, note=code_note(known), sheets=tuple(with_checkers(sheets, checkers_of(known))))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from remac_bench.records import Record
@@ -87,6 +88,15 @@ def problem(record: Record) -> str:
     if record.problem is not None:
         return f"{record.task} {record.problem}"
     return record.task if record.starts == "paper" else " ".join(map(str, shared_key(record)))
+
+
+def code_note(records: Sequence[Record]) -> str:
+    """Of which code these records are, by its digest; a warning where they are of more than one."""
+    codes = Counter(record.versions.get("code", "unknown") for record in records)
+    if len(codes) < 2:
+        return f"Code: {next(iter(codes), 'unknown')}."
+    told = ", ".join(f"{code} ({count} episodes)" for code, count in sorted(codes.items()))
+    return f"Records of different code, which may not be compared: {told}."
 
 
 def shared_key(record: Record) -> tuple[object, ...]:

@@ -69,7 +69,7 @@ def leaderboard(board: Board, records: Sequence[Record], blames: Iterable[Blame]
         tables=tables,
         filters={name: _choices(name, tables, episodes) for name in FILTERS},
         episodes=[(record, page_name(record), labels.get((record.job, record.iteration), "")) for record in episodes],
-        legend=LEGEND,
+        legend=f"{LEGEND} {board.note}",
         counts={
             "episodes": len(episodes),
             "scored": sum(record.scored for record in episodes),
