@@ -7,7 +7,9 @@ from typing import Annotated
 import typer
 
 from remac_bench import flags
+from remac_bench.command import whole
 from remac_bench.console import FAILED, clean_errors, console, plain
+from remac_env.seeding import SEED_MAX
 
 SHOWN = 20
 """Reasons that are printed; all are counted."""
@@ -33,8 +35,8 @@ def submit(
 @clean_errors
 def accept(
     folder: Annotated[str, typer.Argument(help="A submission.")],
-    reask: Annotated[int, typer.Option(min=0, help="Jobs whose models are asked again, with your keys.")] = 0,
-    seed: Annotated[int, typer.Option(min=0, help="Which jobs are asked again.")] = 0,
+    reask: Annotated[int, typer.Option(help="Jobs whose models are asked again, with your keys.", **whole())] = 0,
+    seed: Annotated[int, typer.Option(help="Which jobs are asked again.", **whole(0, SEED_MAX))] = 0,
 ) -> None:
     """Play a whole submission again; print its rows, or the reasons why it is not accepted (exit code 1)."""
     from remac_bench.proof.acceptance import accept as judge

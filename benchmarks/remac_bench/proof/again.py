@@ -200,7 +200,7 @@ def _replay(env: Any, row: Record) -> dict[str, Any]:
         "digest": episode["digest"],
         "goal": shared["goal"],
         "success": shared["end"] == "success" and row.error is None,
-        "end": shared["end"],
+        "end": shared["end"] or None,
         "progress": round(env.progress, 6),
         "phases": dict(shared["phases"]),
         "rounds": len(outcomes),
