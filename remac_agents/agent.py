@@ -9,12 +9,13 @@ from typing import Any
 from remac_agents.asking import ran_so_far
 from remac_agents.briefing import Bounds, Briefing
 from remac_agents.checked import checked
+from remac_agents.coalitions import skills_of
 from remac_agents.correspondence import Correspondence
 from remac_agents.episode import Episode
 from remac_agents.ledger import Check, EpisodeReport, Ledger
 from remac_agents.memory import Memory, Run
 from remac_agents.methods import Method
-from remac_agents.plan import Plan
+from remac_agents.plan import Commands, Plan
 from remac_agents.roles import Report, Roles, StopEpisode, View
 from remac_agents.tries import Try
 from remac_env.errors import LifecycleError, OptionError, check_choice
@@ -218,6 +219,7 @@ class Agent:
             episode=label,
             verbs={verb: tuple(commands) for verb, commands in told.get("verbs", {}).items()},
             goal_test=told.get("goal_test"),
+            skills={name: skills_of(Commands(info["commands"]).values()) for name, info in infos.items()},
         )
 
     def _named(self, wanted: str | None, robots: tuple[str, ...], what: str) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from remac_agents.accounts import PreviousTry, Ran, Repair
 from remac_agents.memory import Run
@@ -17,6 +17,8 @@ from remac_env.subtasks import WAIT
 if TYPE_CHECKING:
     from remac_agents.episode import Episode
 
+T = TypeVar("T")
+
 
 def ask_planner(
     planner: Planner, request: PlanRequest, commands: Commands, *, most: int
@@ -25,15 +27,22 @@ def ask_planner(
 
     An answer that is no plan is sent back, with everything that is wrong with it; the answers before it stay in sight.
     """
-    came: list[Plan | PlanError] = []
+    return ask(planner, request, lambda reply: read_plan(reply, commands, request.robots, request.lead), most=most)
+
+
+def ask(
+    planner: Planner, request: PlanRequest, read: Callable[[object], T | PlanError], *, most: int
+) -> tuple[T | PlanError, ...]:
+    """The same for answers that `read` reads."""
+    came: list[T | PlanError] = []
     while len(came) < most:
         reply = planner.plan(request)
-        plan = read_plan(reply, commands, request.robots, request.lead)
-        came.append(plan)
-        if not isinstance(plan, PlanError):
+        found = read(reply)
+        came.append(found)
+        if not isinstance(found, PlanError):
             break
-        repairs = (*request.repairs, Repair(_as_text(reply), plan.problems))
-        request = replace(request, failure=plan.told, repairs=repairs)
+        repairs = (*request.repairs, Repair(_as_text(reply), found.problems))
+        request = replace(request, failure=found.told, repairs=repairs)
     return tuple(came)
 
 

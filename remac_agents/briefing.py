@@ -27,6 +27,7 @@ class Briefing:
     """What stays the same during an episode.
 
     `helper` is the second robot, None where there is none. `last`: no other iteration on this start is known to follow.
+    `skills`: robot -> the names of the skills that its commands need.
     """
 
     goal: str
@@ -40,3 +41,4 @@ class Briefing:
     verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     goal_test: Goal | None = None
     last: bool = False
+    skills: Mapping[str, frozenset[str]] = field(default_factory=dict)

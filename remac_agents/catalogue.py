@@ -58,6 +58,7 @@ MODEL_ROLES: dict[str, str] = {
     "conditions": "remac_agents.conditions.llm:LlmConditions",
     "adjuster": "remac_agents.adjusters.llm:LlmAdjuster",
     "reflector": "remac_agents.reflectors.llm:LlmReflector",
+    "handover": "remac_agents.handovers.llm:LlmHandover",
     "summariser": "remac_agents.summarisers.llm:LlmSummariser",
 }
 """Role -> the class that fills it with a language model."""

@@ -43,8 +43,10 @@ def proven_plan(runs: Sequence[Run], commands: Commands, facts: Scene, *, last: 
         if not run.success or not came_out:
             mastered = None
             continue
-        shorter = best is None or len(came_out) <= len(best)
-        efficient = not run.adjusted or len(came_out) <= len(planned or ()) or (best is not None and shorter)
+        refuted = best == planned != came_out  # it was tried, and more was needed
+        shorter = best is None or refuted or len(came_out) <= len(best)
+        settled = best is not None and shorter and not refuted
+        efficient = not run.adjusted or len(came_out) <= len(planned or ()) or settled
         mastered = came_out if efficient else None
         best = came_out if shorter else best
     return mastered or (best if last else None)

@@ -91,6 +91,9 @@ class PlanRequest:
         verbs: goal verb -> commands that the verb itself implies.
         episode: what the kitchen says of the episode (task, seed, ...).
         world, goal_test: the truth and what is to become true, for planners that need it.
+        question: what is asked for: "plan", or a stage of SMART-LLM, "decompose" or "allocate" (docs/planners.md).
+        skills: robot -> the names of its skills, for those stages.
+        subtasks: the decomposition that is to be allocated: id, steps, skills and after of each subtask.
     """
 
     goal: str
@@ -117,6 +120,9 @@ class PlanRequest:
     ran: tuple[Ran, ...] = ()
     refusal: str = ""
     repairs: tuple[Repair, ...] = ()
+    question: str = "plan"
+    skills: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    subtasks: tuple[Mapping[str, Any], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,20 @@ def parts_of(steps: Sequence[Subtask], *, fine: bool = False) -> list[Part]:
     return [tuple(part) for part in parts if part]
 
 
+def independent(parts: Sequence[Part], facts: Scene) -> list[list[Part]]:
+    """The parts in groups that have no thing and no fixture in common, in their order."""
+    steps = [step for part in parts for step in part]
+    names = iter([_touched(step, held, facts) for step, held in zip(steps, hands(steps), strict=True)])
+    groups: list[tuple[list[int], frozenset[str]]] = []
+    for number, part in enumerate(parts):
+        touched = frozenset[str]().union(*[next(names) for _ in part])
+        joined = [group for group in groups if group[1] & touched]
+        numbers = sorted([number, *(each for group in joined for each in group[0])])
+        groups = [group for group in groups if group not in joined]
+        groups.append((numbers, touched.union(*(group[1] for group in joined))))
+    return [[parts[number] for number in numbers] for numbers, _ in sorted(groups, key=lambda group: group[0])]
+
+
 def share_out(parts: Sequence[Part], robots: Sequence[str], facts: Scene, *, places: bool) -> Plan:
     """The shortest of the schedules in which each part is done by one robot, in the order of the parts.
 

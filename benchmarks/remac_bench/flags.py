@@ -46,7 +46,9 @@ ImageSize = Annotated[
 RenderMode = Annotated[str | None, _kitchen("human: watch the episodes; rgb_array.")]
 MaxRounds = Annotated[int, _kitchen("Rounds after which an episode is truncated.", **whole(1, 100_000))]
 Reward = Annotated[str, _kitchen("sparse or progress.")]
-Robots = Annotated[int | None, _kitchen("1 or 2; by default the method's own: REMAC 2, others 1.", **whole(1, 2))]
+Robots = Annotated[
+    int | None, _kitchen("1 or 2; by default the method's own: REMAC and SMART-LLM 2, others 1.", **whole(1, 2))
+]
 
 Planner = Annotated[
     str | None, _agent(

@@ -57,7 +57,7 @@ class Suite:
         name, version, about: what it is; the version is raised whenever its content changes.
         digest: of the content but `about`.
         floors: planners that are played on the same starts beside every entry, open loop: what an entry has to beat.
-        roles, budget: keywords of `remac_agents.make`; a language model takes the roles over but the handover.
+        roles, budget: keywords of `remac_agents.make`; a language model takes the roles over.
         blocks: its jobs.
     """
 
@@ -73,7 +73,7 @@ class Suite:
     def given(self, entry: Mapping[str, Any], *, providers: str | None = None) -> dict[str, Any]:
         """What the suite gives to an entry: roles that no model takes over, and what the entry may spend."""
         speaks = bool(agents.asked_models(entry, providers=providers))
-        roles = {name: who for name, who in self.roles.items() if name == "handover" or "model" not in entry}
+        roles = {} if "model" in entry else dict(self.roles)
         budget = {name: bound for name, bound in self.budget.items() if speaks or name not in agents.BUDGET}
         return {**roles, **budget}
 

@@ -17,6 +17,7 @@ from remac_agents.methods.cc import cc
 from remac_agents.methods.re import re
 from remac_agents.methods.reflect import reflect, reflect_cc
 from remac_agents.methods.remac import remac
+from remac_agents.methods.smart_llm import smart_llm
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +49,7 @@ METHODS: dict[str, Method] = {
         Method(name="CC", run=cc),
         Method(name="RE", run=re, remembers=True, iterates=True),
         Method(name="REMAC", run=remac, robots=2, remembers=True, iterates=True),
+        Method(name="SMART-LLM", run=smart_llm, robots=2),
         Method(name="REFLECT", run=reflect),
         Method(name="REFLECT+CC", run=reflect_cc),
         Method(name="CAPE", run=cape("explicit"), plans_ahead=False),

@@ -6,8 +6,8 @@ from remac_agents.episode import Episode, Turns
 
 
 def base(episode: Episode) -> Turns:
-    """Carry out the planner's plan open-loop; a subtask that fails does not stop it."""
-    episode.make_plan()
+    """Carry out the planner's plan for all robots open-loop; a subtask that fails does not stop it."""
+    episode.make_plan(episode.briefing.robots)
     yield from open_loop(episode)
 
 

@@ -6,8 +6,8 @@ from remac_agents.episode import Episode, Turns
 
 
 def cc(episode: Episode) -> Turns:
-    """Plan once, then carry the plan out with checks."""
-    episode.make_plan()
+    """Plan once, for all robots, then carry the plan out with checks."""
+    episode.make_plan(episode.briefing.robots)
     yield from checked(episode)
 
 

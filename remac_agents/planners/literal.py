@@ -5,12 +5,18 @@ It knows no hidden constraint. It is no language model and is never presented as
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 from remac_agents.lessons import read_lesson
 from remac_agents.plan import Commands, Plan
+from remac_agents.planners.dividing import allocated, decomposed
 from remac_agents.planners.mending import corrected, next_steps
 from remac_agents.planners.rewriting import apply, tidy
 from remac_agents.planners.sentence import SentenceReader
 from remac_agents.roles import PlanRequest
+from remac_agents.teamwork import parts_of, share_out
+from remac_env.subtasks import Subtask
 
 
 class LiteralPlanner:
@@ -18,11 +24,15 @@ class LiteralPlanner:
 
     needs_truth = False
 
-    def plan(self, request: PlanRequest) -> Plan:
+    def plan(self, request: PlanRequest) -> Plan | dict[str, Any]:
         """A row for the leading robot; empty when the sentence names nothing that can be done.
 
-        Told that steps failed, and why, it goes on from there by the rules of `mending`.
+        Where several robots are to be planned for, what is independent by its words is shared out between them: the
+        leading one keeps the chain around its thing, another one works a switch. Told that steps failed, and why, it
+        goes on from there by the rules of `mending`. SMART-LLM's questions are answered by the rules of `dividing`.
         """
+        if request.question == "allocate":
+            return allocated(request)
         commands = Commands(request.commands)
         reader = SentenceReader(request.facts, commands, request.verbs)
         steps = tidy(reader.read(request.goal), request.facts)
@@ -30,8 +40,16 @@ class LiteralPlanner:
             lesson = read_lesson(text, commands)
             if lesson is not None:
                 steps = tidy(apply(steps, lesson), request.facts)
+        if request.question == "decompose":
+            return decomposed(steps, request)
         if request.single_step:
             steps = next_steps(steps, request)
         elif request.explanation:
             steps = corrected(steps, request)
+        elif len(request.robots) > 1:
+            return self._shared(steps, request)
         return Plan.of({request.lead: steps})
+
+    def _shared(self, steps: Sequence[Subtask], request: PlanRequest) -> Plan:
+        names = sorted(request.robots, key=lambda robot: robot != request.lead)
+        return share_out(parts_of(steps, fine=True), names, request.facts, places=False)

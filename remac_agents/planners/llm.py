@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import json
+
 from remac_agents import wording
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import ModelRole, sent_back
+from remac_agents.model_role import JSON, ModelRole, sent_back
 from remac_agents.plan import PlanError
 from remac_agents.prompt import load
 from remac_agents.roles import PlanRequest
 
+STAGES = {"decompose": "smart_llm_decompose", "allocate": "smart_llm_allocate"}
+"""Question of SMART-LLM -> its prompt."""
+
 
 class LlmPlanner(ModelRole):
-    """Asks for the whole plan, for the next step (CAPE) or for a corrected plan (REFLECT), by what the request says."""
+    """Asks for the whole plan, for the next step (CAPE) or for a corrected plan (REFLECT), or a stage of SMART-LLM."""
 
     role = "planner"
 
@@ -22,11 +27,14 @@ class LlmPlanner(ModelRole):
         messages = prompt.messages(fields)
         for repair in request.repairs:
             messages = sent_back(messages, repair.answer, repair.problems)
-        text = self.say(messages, about=f"{', '.join(request.robots)}: {prompt.name}")
+        form = JSON if request.question in STAGES else None
+        text = self.say(messages, about=f"{', '.join(request.robots)}: {prompt.name}", form=form)
         return PlanError(text.problem) if isinstance(text, BadAnswer) else text
 
 
 def _prompt(request: PlanRequest) -> str:
+    if request.question in STAGES:
+        return STAGES[request.question]
     if request.single_step:
         return "planner_step"
     return "planner_correct" if request.explanation else "planner"
@@ -48,4 +56,6 @@ def _fields(request: PlanRequest) -> dict[str, str]:
         "history": wording.attempts(request.history),
         "events": wording.numbered(request.events),
         "explanation": request.explanation,
+        "skills": wording.rows(request.skills),
+        "subtasks": "\n".join(json.dumps(subtask) for subtask in request.subtasks),
     }

@@ -77,6 +77,24 @@ class ScriptedModel:
     def _planner_correct(self, user: str) -> str:
         return f"<think>what now?</think>Plan: [{REPAIRED}]"
 
+    def _smart_llm_decompose(self, user: str) -> str:
+        steps = RIGHT.split(", ")
+        tasks = [
+            {"id": "open", "steps": [*steps[:2], "navigate aside"], "skills": ["open door"], "after": []},
+            {"id": "bring", "steps": steps[2:], "skills": ["pick up", "place to"], "after": []},
+        ]
+        return "```json\n" + json.dumps({"subtasks": tasks}) + "\n```"
+
+    def _smart_llm_allocate(self, user: str) -> str:
+        robots = re.findall(r"^(\w+): \[", user, re.M)
+        team = dict(zip(("open", "bring"), (*robots, *robots), strict=False))
+        return json.dumps({task: {"robots": [robot], "reason": "it is free"} for task, robot in team.items()})
+
+    def _handover(self, user: str) -> str:
+        lead, helper = re.findall(r"Write the rows of (\w+) and (\w+)", user)[0]
+        steps = RIGHT.split(", ")
+        return f"{lead}: [{', '.join(steps[2:])}]\n{helper}: [{', '.join(steps[:2])}, navigate aside]"
+
     def _conditions(self, user: str, verb: str, method: str) -> str:
         robot, command, held = re.findall(rf'^(\w+) {verb} "(.+?)", .*held? (?:the )?(.+?):$', user, re.M)[-1]
         commands = Commands(self.env.infos_commands)

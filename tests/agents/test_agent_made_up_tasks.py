@@ -77,7 +77,8 @@ def test_a_thing_in_the_way_is_learnt_about_in_a_second_lesson() -> None:
 
 
 def test_what_is_done_already_is_left_out() -> None:
-    env = dough(sentence="turn on the burner plate and bake the dough in the furnace", verbs={"bake": ()})
+    sentence = "turn on the burner plate and bake the dough in the furnace"
+    env = dough(sentence=sentence, verbs={"bake": ()}, robots=("robot_0",))
     env.start = env.start.with_fixture("burner plate", on=frozenset({"burner plate"}))
     agent = remac_agents.make("RE")
     first, second = play(env, agent), play(env, agent)

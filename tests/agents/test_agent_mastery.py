@@ -80,6 +80,14 @@ def test_what_made_other_work_possible_stays() -> None:
     assert [step.text for step in early] == list(planned)
 
 
+def test_a_shorter_plan_that_was_tried_in_vain_is_dropped() -> None:
+    """What looked like a fetch too early was needed: the plan without it came out longer."""
+    mended = (*FETCHED[:3], *RESTED[:2], *OPENED, *RESTED[2:], FETCHED[3])
+    longer = ("navigate to soap", "pick up soap", "navigate to bench", "place to bench", *PLAN)
+    assert proven(run(FETCHED, mended), run(PLAN, longer), last=True) == longer
+    assert proven(run(FETCHED, mended), run(PLAN, longer)) is None
+
+
 def test_a_failed_team_takes_mastery_away() -> None:
     team = run(PLAN, PLAN, success=False, initial_plan={"a": list(PLAN), "b": []})
     assert proven(run(PLAN, PLAN), team, last=True) is None

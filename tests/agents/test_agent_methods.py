@@ -41,7 +41,8 @@ def solo(task: str, **options: Any) -> Any:
 
 
 def test_methods_say_how_they_are_played() -> None:
-    assert {name: method.robots for name, method in METHODS.items() if method.robots != 1} == {"REMAC": 2}
+    robots = {name: method.robots for name, method in METHODS.items() if method.robots != 1}
+    assert robots == {"REMAC": 2, "SMART-LLM": 2}
     assert [name for name, m in METHODS.items() if m.iterates] == ["RE", "REMAC", "BASE-BEST", "CC-BEST"]
     assert [name for name, m in METHODS.items() if not m.plans_ahead] == list(CAPES)
     assert all(bench_agents.default_robots(name) == method.robots for name, method in METHODS.items())

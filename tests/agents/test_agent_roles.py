@@ -82,7 +82,7 @@ def test_noise_is_seeded_and_hurts() -> None:
     def reports(false_alarm: float) -> list[remac_agents.EpisodeReport]:
         noisy = {"name": "noisy", "false_alarm": false_alarm, "miss": 0.0}
         return [
-            play(suite_kitchen(TASK), remac_agents.make("CC", checker=noisy), seed=seed) for seed in range(8)
+            play(suite_kitchen(TASK, robots=1), remac_agents.make("CC", checker=noisy), seed=seed) for seed in range(8)
         ]
 
     assert reports(0.2) == reports(0.2)
@@ -148,7 +148,7 @@ def test_a_reply_that_is_no_plan_is_sent_back_twice() -> None:
 
 
 def test_robots_that_a_method_does_not_use_step_aside_then_wait() -> None:
-    env, agent = suite_kitchen(TASK), remac_agents.make("CC", lead="robot_1")
+    env, agent = suite_kitchen(TASK), remac_agents.make("REMAC", lead="robot_1")
     obs, infos = env.reset(seed=1)
     agent.reset(obs, infos)
     said = []

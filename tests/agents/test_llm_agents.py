@@ -98,7 +98,6 @@ def test_plans_are_read_in_the_forms_that_models_use(text: str) -> None:
         ({"model": "openai:o3", "replay": True}, "replay needs a cassette"),
         ({"model": "openai:o3", "limiter": 3}, "limiter 3"),
         ({"tea": 1}, "tea"),
-        ({"handover": "openai:o3"}, "handover"),
     ],
 )
 def test_bad_options_are_refused_and_say_what_is_valid(options: dict[str, Any], told: str) -> None:

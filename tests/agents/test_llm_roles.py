@@ -43,3 +43,32 @@ def test_a_model_that_answers_badly_is_a_failure_of_the_agent_and_ends(method: s
         assert not report.success
         assert report.infrastructure is None
         assert report.errors or word in ("[]", "{}")
+
+
+ONE = [step.strip() for step in RIGHT.split(",")]
+
+
+@pytest.mark.parametrize(
+    ("answers", "rows"),
+    [
+        ([f"robot_0: [{', '.join(ONE[2:])}]\nrobot_1: [{', '.join(ONE[:2])}, navigate aside]"], 2),
+        (["alone"], 1),
+        (["<think>robot_1 could help</think>\n**Alone.**"], 1),
+        ([f"robot_0: [{', '.join(ONE)}]"], 1),
+        (["robot_7: [wait]", "robot_0: [fly]", "no idea"], 1),
+        (["robot_7: [wait]", "alone"], 1),
+    ],
+)
+def test_a_model_shares_a_plan_or_declines(answers: list[str], rows: int) -> None:
+    with scripted() as model:
+        told = list(answers)
+        model.answers = {"handover": lambda user: told.pop(0)}
+        handover = {"name": "custom:scripted", "base_url": model.server.url}
+        agent = remac_agents.make("REMAC", handover=handover)
+        reports = [play(model.env, agent) for _ in range(3)]
+        assert all(report.success for report in reports) and not told
+        assert len(reports[2].initial_plan) == rows
+        heard = [user for name, user in model.heard if name == "handover"]
+        assert f"robot_0: [{RIGHT}]" in heard[0] and "Before" in heard[0]
+        assert reports[2].exchanges[0].role == "handover"
+        assert ("handover: " in " ".join(reports[2].errors)) == (len(answers) == 3)

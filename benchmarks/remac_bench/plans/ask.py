@@ -122,7 +122,7 @@ def teach_by(cell: Cell, *, planner: object, reflector: object) -> Taught:
         StopEpisode: where a role could not go on for a reason that is not its own, such as an endpoint that is down.
     """
     env = kitchen(cell)
-    agent = remac_agents.make("RE", planner=planner, reflector=reflector)
+    agent = remac_agents.make("REMAC", planner=planner, reflector=reflector)  # its first iteration, one robot
     observations, infos = env.reset(seed=cell.seed)
     agent.reset(observations, infos)
     while env.agents:

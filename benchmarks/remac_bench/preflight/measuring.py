@@ -18,13 +18,14 @@ from typing import Any
 import numpy
 
 import remac_agents
+from remac_agents import wording
 from remac_agents.catalogue import MODEL_ROLES, make_role
 from remac_agents.filling import DEFAULTS
 from remac_agents.llm import Budget, Cassette, ChatReply
 from remac_agents.llm.request import CHARACTERS_PER_TOKEN, TOKENS_PER_PICTURE
 from remac_agents.models import Models
 from remac_agents.plan import Plan
-from remac_agents.roles import AdjustRequest, Advice, PlanRequest, ReflectRequest, Verdict, View
+from remac_agents.roles import AdjustRequest, Advice, HandoverRequest, PlanRequest, ReflectRequest, Verdict, View
 from remac_bench import agents
 from remac_bench.preflight.estimates import Need
 from remac_env.conditions import Condition
@@ -94,9 +95,12 @@ class Shadow:
 class ShadowPlanner(Shadow):
     """See Shadow."""
 
-    def plan(self, request: PlanRequest) -> Plan:
-        """The rule's plan."""
-        made: Plan = self.rule.plan(request)
+    def plan(self, request: PlanRequest) -> Any:
+        """The rule's plan, or its answer to a stage of SMART-LLM."""
+        made = self.rule.plan(request)
+        if not isinstance(made, Plan):
+            self.asks("plan", request, says=[json.dumps(made)])
+            return made
         rows = {robot: list(row) for robot, row in made.as_text().items()}
         first = next(iter(rows.values()), [])
         text = f"Plan: [{', '.join(first)}]" if len(request.robots) == 1 else json.dumps({"plan": rows})
@@ -188,12 +192,24 @@ class ShadowSummariser(Shadow):
         return found
 
 
+class ShadowHandover(Shadow):
+    """See Shadow."""
+
+    def share(self, request: HandoverRequest) -> Plan | None:
+        """The rule's rows for both, or none."""
+        shared: Plan | None = self.rule.share(request)
+        told = "alone" if shared is None else wording.rows(shared.as_text())
+        self.asks("share", request, says=[told])
+        return shared
+
+
 SHADOWS: dict[str, type[Shadow]] = {
     "planner": ShadowPlanner,
     "conditions": ShadowConditions,
     "checker": ShadowChecker,
     "adjuster": ShadowAdjuster,
     "reflector": ShadowReflector,
+    "handover": ShadowHandover,
     "summariser": ShadowSummariser,
 }
 
