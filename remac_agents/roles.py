@@ -91,9 +91,8 @@ class PlanRequest:
         verbs: goal verb -> commands that the verb itself implies.
         episode: what the kitchen says of the episode (task, seed, ...).
         world, goal_test: the truth and what is to become true, for planners that need it.
-        question: what is asked for: "plan", or a stage of SMART-LLM, "decompose" or "allocate" (docs/planners.md).
-        skills: robot -> the names of its skills, for those stages.
-        subtasks: the decomposition that is to be allocated: id, steps, skills and after of each subtask.
+        question, skills, subtasks: "plan", or for SMART-LLM "decompose" or "allocate", with robot -> names of its skills
+            and the decomposition that is to be allocated, a mapping a subtask (docs/planners.md).
     """
 
     goal: str
