@@ -91,7 +91,7 @@ class PlanRequest:
         verbs: goal verb -> commands that the verb itself implies.
         episode: what the kitchen says of the episode (task, seed, ...).
         world, goal_test: the truth and what is to become true, for planners that need it.
-        question, skills, subtasks: "plan", or for SMART-LLM "decompose" or "allocate", with robot -> names of its skills
+        question, skills, subtasks: "plan", or for SMART-LLM "decompose" or "allocate", robot -> its skills
             and the decomposition that is to be allocated, a mapping a subtask (docs/planners.md).
     """
 
