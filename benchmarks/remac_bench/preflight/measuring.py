@@ -34,7 +34,7 @@ MODEL = "openai:gpt-4o"
 """Whose questions are counted: it takes pictures. None is sent."""
 
 _TOKENS_PER_MESSAGE = 8
-_NUMBERED = re.compile(r"^\s*\d+\. ", re.M)
+_NUMBERED = re.compile(r"^\s*\d+\. (.*)$", re.M)
 
 
 class Meter(Cassette):
@@ -134,9 +134,12 @@ class ShadowChecker(Shadow):
         found: list[Verdict] = self.rule.check(conditions, view)
         shown = replace(view, images={robot: _pictures(view, robot) for robot in view.scene.robots}, world=None)
 
+        values = {verdict.condition.sentence: verdict.value for verdict in found}
+
         def verdicts(question: str) -> str:
-            number = len(_NUMBERED.findall(question))
-            return json.dumps({"verdicts": [True] * number, "reasons": ["it can be seen in the picture"] * number})
+            asked = _NUMBERED.findall(question)
+            told = [values.get(sentence.strip()) for sentence in asked]
+            return json.dumps({"verdicts": told, "reasons": ["it can be seen in the picture"] * len(asked)})
 
         self.asks("check", conditions, shown, says=[verdicts])
         return found
