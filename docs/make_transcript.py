@@ -26,11 +26,11 @@ TASK, SEED, ITERATIONS = "OpenMicrowavePnP", 0, 3
 
 HEAD = f"""# What a model sees
 
-One job of REMAC on {TASK}, seed {SEED}: three iterations - alone, alone with what was learnt, as a team - with every
-question that a model in every role is asked, in the order in which they are asked. Written by
-`python docs/make_transcript.py`; no model was asked. Each role is played by its offline rule, and the answer that stands
-under a question is what the rule did, in the form in which a model would say it. Pictures are left out: a checker is shown
-the side and wrist cameras of the robots, 512 pixels each.
+One job of REMAC on {TASK}, seed {SEED}: three iterations - alone, alone with what was learnt, as a team - with
+every question that a model in every role is asked, in the order in which they are asked. Written by
+`python docs/make_transcript.py`; no model was asked. Each role is played by its offline rule, and the answer that
+stands under a question is what the rule did, in the form in which a model would say it. Pictures are left out: a
+checker is shown the side and wrist cameras of the robots, 512 pixels each.
 
 A question that was answered in this episode already is not put again, so that there are fewer of them than steps.
 """
