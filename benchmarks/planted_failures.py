@@ -41,11 +41,15 @@ def main(
 class Wrong(OraclePlanner):
     """A right plan, spoilt in one of five ways that the seed picks."""
 
+    def begin_episode(self, seed: int, iteration: int) -> None:
+        """Which seed it is."""
+        self._seed = seed
+
     def plan(self, request: Any) -> Any:
         """Rows of commands."""
         right = super().plan(request)
         steps = list(right.row(request.lead))
-        chance = generator(int(request.episode["seed"]), "planted mistakes")
+        chance = generator(self._seed, "planted mistakes")
         spoil = _WAYS[int(chance.integers(len(_WAYS)))]
         return {request.lead: [step.text for step in spoil(steps, int(chance.integers(1, len(steps) - 1)))]}
 

@@ -116,7 +116,7 @@ def make(
         "summariser": summariser,
     }
     bounds = Bounds(rounds=max_rounds, retries=retries, adjustments=max_adjustments)
-    roles = fill_roles(given, read_options(models))
+    roles = fill_roles(given, read_options(models), asks_again=METHODS[name].asks_again)
     return Agent(
         METHODS[name], roles, memory=_memory(memory), bounds=bounds, lead=lead, helper=helper, iterations=iterations
     )

@@ -8,10 +8,11 @@ from typing import Any
 
 from remac_agents.asking import ran_so_far
 from remac_agents.briefing import Bounds, Briefing
-from remac_agents.checked import checked
+from remac_agents.checked import checked, everyone
 from remac_agents.coalitions import skills_of
 from remac_agents.correspondence import Correspondence
 from remac_agents.episode import Episode
+from remac_agents.grants import readers, reads_rules, reads_truth
 from remac_agents.ledger import Check, EpisodeReport, Ledger
 from remac_agents.memory import Memory, Run
 from remac_agents.methods import Method
@@ -19,6 +20,8 @@ from remac_agents.plan import Commands, Plan
 from remac_agents.roles import Report, Roles, StopEpisode, View
 from remac_agents.tries import Try
 from remac_env.errors import LifecycleError, OptionError, check_choice
+from remac_env.public import public_scene
+from remac_env.seeding import digest
 from remac_env.state import WorldState
 from remac_env.subtasks import DONE, WAIT, Subtask
 
@@ -26,6 +29,9 @@ Told = Mapping[str, Mapping[str, Any]]
 
 _STEP_ASIDE = Subtask("navigate aside")
 _NOT_PICTURES = ("observation", "action_mask")
+SEEDS = 2**31
+"""Seeds that are made for roles lie below it."""
+
 _NEEDED = ("goal", "text", "commands", "scene")
 """What a kitchen must tell of itself in the infos of every robot."""
 
@@ -79,13 +85,12 @@ class Agent:
         self._iteration = self._iterations.get(self._label, 0)
         self._iterations[self._label] = self._iteration + 1
         briefing = replace(briefing, last=self._iteration == self._last_iteration)
-        for role in self.roles.named().values():
-            begin = getattr(role, "begin_episode", None)
-            if begin is not None:
-                begin(int(briefing.episode.get("seed", 0)), self._iteration)
+        for role in everyone(self._checked):
+            role.begin_episode(int(briefing.episode.get("seed", 0)), _public_seed(briefing), self._iteration)
         view, world = _look(obs, infos, briefing)
         self._check_pictures(view)
-        self._episode = Episode(briefing, self._checked, view, world, bounds=self.bounds, memory=self.memory)
+        rules, bounds = infos[briefing.lead]["scene"], self.bounds
+        self._episode = Episode(briefing, self._checked, view, world, rules, bounds=bounds, memory=self.memory)
         self._episode.won = self._won.get(self._label)
         seed = briefing.episode.get("seed", "")
         label = f"{self.method.name}/{briefing.task}/{seed}/{briefing.episode.get('digest', '')}/{self._iteration}"
@@ -156,7 +161,8 @@ class Agent:
             adjusted=ledger.adjusted,
             retries=sum(step.retry for step in ledger.steps),
             reflections=tuple(ledger.reflections),
-            truth_readers=self._checked.truth_readers(),
+            truth_readers=readers(self._checked.named(), reads_truth),
+            rule_readers=readers(self._checked.named(), reads_rules),
             errors=tuple(ledger.errors),
             infrastructure=self._infrastructure,
             **self._correspondence.fields(),
@@ -240,6 +246,11 @@ def _check_infos(infos: object, needed: tuple[str, ...]) -> None:
             raise OptionError(f"infos of {robot!r} lack {', '.join(missing)}; valid: those of the kitchen's reset")
 
 
+def _public_seed(briefing: Briefing) -> int:
+    """A seed made of what roles are told anyway: nobody learns from it which start this is."""
+    return int(digest([briefing.task, briefing.goal, briefing.text, sorted(briefing.commands)]), 16) % SEEDS
+
+
 def _look(obs: Told, infos: Told, briefing: Briefing) -> tuple[View, WorldState | None]:
     """What roles see now, and apart from it the truth."""
     told = infos.get(briefing.lead) or next(iter(infos.values()))
@@ -250,7 +261,8 @@ def _look(obs: Told, infos: Told, briefing: Briefing) -> tuple[View, WorldState 
         for robot, seen in obs.items()
     }
     reports = {robot: _report(info) for robot, info in infos.items()}
-    return View(briefing.goal, told["scene"], holding, reports, images, text=str(told.get("text", ""))), world
+    scene = public_scene(told["scene"])
+    return View(briefing.goal, scene, holding, reports, images, text=str(told.get("text", ""))), world
 
 
 def _report(info: Mapping[str, Any]) -> Report | None:

@@ -50,7 +50,7 @@ def plan_request(episode: Episode, robots: tuple[str, ...]) -> PlanRequest:
     """What the planner is told at this moment of an episode."""
     briefing, view = episode.briefing, episode.view
     previous = try_before(episode)
-    world = episode.seen_by(episode.roles.planner).world
+    seen = episode.seen_by(episode.roles.planner)
     return PlanRequest(
         goal=briefing.goal,
         scene=view.text or briefing.text,
@@ -66,9 +66,10 @@ def plan_request(episode: Episode, robots: tuple[str, ...]) -> PlanRequest:
         holding=view.holding,
         images=view.images,
         verbs=briefing.verbs,
-        episode=briefing.episode,
-        world=world,
-        goal_test=briefing.goal_test if world is not None else None,
+        episode={"task": briefing.task},
+        rules=seen.rules,
+        world=seen.world,
+        goal_test=briefing.goal_test if seen.world is not None else None,
     )
 
 

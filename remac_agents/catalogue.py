@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from remac_agents.from_file import load_file
+from remac_agents.grants import reads_truth
 from remac_agents.option_text import FORM, read_value, split_options
 from remac_env.errors import OptionError, UnknownNameError
 from remac_env.values import python_values
@@ -150,7 +151,7 @@ class FunctionRole:
 
     def __init__(self, function: Any, verb: str) -> None:
         self._function = function
-        self.needs_truth = bool(getattr(function, "needs_truth", False))
+        self.needs_truth, self.needs_rules = reads_truth(function), bool(getattr(function, "needs_rules", False))
         self.needs_images = bool(getattr(function, "needs_images", False))
         setattr(self, verb, function)
 

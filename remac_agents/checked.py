@@ -7,10 +7,20 @@ from dataclasses import replace
 from typing import Any
 
 from remac_agents.answers import MOST_LESSONS, Answers
+from remac_agents.grants import reads_truth
 from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summary
 from remac_agents.plan import PlanError
 from remac_agents.printable import words
-from remac_agents.roles import AdjustRequest, Advice, HandoverRequest, PlanRequest, ReflectRequest, Roles, Verdict, View
+from remac_agents.roles import (
+    AdjustRequest,
+    Advice,
+    HandoverRequest,
+    PlanRequest,
+    ReflectRequest,
+    Roles,
+    Verdict,
+    View,
+)
 from remac_env.conditions import Condition
 from remac_env.subtasks import Subtask
 
@@ -32,12 +42,24 @@ def checked(roles: Roles) -> Roles:
     return Roles(**{name: kinds[name](name, role) for name, role in roles.named().items()})
 
 
+def everyone(roles: Roles) -> tuple[CheckedRole, ...]:
+    """All of them, of roles that are checked."""
+    return tuple(role for role in roles.named().values() if isinstance(role, CheckedRole))
+
+
 class CheckedRole:
     """What all of them share."""
 
     def __init__(self, name: str, role: Any) -> None:
         self.role, self.answers = role, Answers(name, role)
-        self.needs_truth = bool(getattr(role, "needs_truth", False))
+        self.needs_truth, self.needs_rules = reads_truth(role), bool(getattr(role, "needs_rules", False))
+        self._told_seed = self.needs_truth or type(role).__module__.startswith("remac_agents.")
+
+    def begin_episode(self, seed: int, public_seed: int, iteration: int) -> None:
+        """An episode begins. Its seed leads to its start: only who may know that is given it."""
+        begin = getattr(self.role, "begin_episode", None)
+        if begin is not None:
+            begin(seed if self._told_seed else public_seed, iteration)
 
 
 class CheckedPlanner(CheckedRole):

@@ -13,6 +13,7 @@ from remac_agents.plan import Commands, Plan, PlanError
 from remac_agents.roles import AdjustRequest, PlanRequest, ReflectRequest, Roles, Verdict, View
 from remac_agents.tries import Try
 from remac_env.conditions import Condition
+from remac_env.public import Rules
 from remac_env.state import WorldState
 from remac_env.subtasks import WAIT, Subtask
 
@@ -29,14 +30,16 @@ class Episode:
         roles: Roles,
         view: View,
         world: WorldState | None,
+        rules: Rules,
         *,
         bounds: Bounds,
         memory: Memory,
     ) -> None:
-        """Start at a reset; `world` is the truth, handed only to roles that need it and to the ledger."""
+        """Start at a reset; `rules` and `world` are handed only to roles that need them, and to the ledger."""
         self.briefing, self.roles, self.bounds, self.memory = briefing, roles, bounds, memory
         self.commands = Commands(briefing.commands)
         self.view, self._world = view, world
+        self.rules: Rules = rules
         self.plan = Plan.of({})
         self.ledger = Ledger()
         self.lessons: tuple[str, ...] = ()
@@ -91,7 +94,7 @@ class Episode:
 
     def seen_by(self, role: object) -> View:
         """The present moment as this role may see it."""
-        return shown(self.view, self._world, role)
+        return shown(self.view, self.rules, self._world, role)
 
     def adopt(self, plan: Plan) -> None:
         """Carry out this plan from now on, as the first one."""
@@ -165,7 +168,7 @@ class Episode:
         """Check what was run; a robot whose post-conditions are found false tries again, at most `retries` times."""
         for robot, subtask in self.turn.items():
             last = self.moments[-1]
-            view = shown(last.before, last.world_before, self.roles.conditions)
+            view = shown(last.before, self.rules, last.world_before, self.roles.conditions)
             verdicts = self._judge(self.roles.conditions.after(subtask, robot, view))
             self._note(self.ledger.post_checks, robot, subtask, verdicts)
             if not any(verdict.value is False for verdict in verdicts.values()):
@@ -198,7 +201,7 @@ class Episode:
             report = view.reports.get(robot)
             done = None
             if self._world is not None and world is not None:
-                done = really_done(view.scene, self._world, world, robot, subtask)
+                done = really_done(self.rules, self._world, world, robot, subtask)
             status = None if report is None else report.status
             self.ledger.score(robot, subtask, status=status, done=done, round_=self.rounds)
         moment = Moment(self.rounds, dict(played), self.view, view, self._world, world)
@@ -255,4 +258,4 @@ class Episode:
             if key in self._noted:
                 continue
             self._noted.add(key)
-            book.append(Check.of(verdict, self.rounds, robot, subtask, self.view.scene, self._world, asked=asked))
+            book.append(Check.of(verdict, self.rounds, robot, subtask, self.rules, self._world, asked=asked))

@@ -89,17 +89,21 @@ def check_spending(name: str, bound: object) -> None:
         check_number(name, bound, 0, MOST_SPENT, whole=name in ("max_calls", "max_tokens"), more=", or None")
 
 
-def fill_roles(given: Mapping[str, Any], options: ModelOptions) -> Roles:
+def fill_roles(given: Mapping[str, Any], options: ModelOptions, *, asks_again: bool = False) -> Roles:
     """The roles of one agent; those that are language models share budget, cassette and limiter.
 
     Args:
         given: role -> who fills it, None where nobody is given.
+        asks_again: the planner is told of steps that failed: the literal one then mends its plan, for which it needs
+            the rules.
 
     Raises:
         UnknownNameError, OptionError: see `remac_agents.make`.
     """
     models = _models(options) if options.given or any(_may_be_model(who) for who in given.values()) else None
     chosen = _chosen(given, options, models)
+    if asks_again and chosen["planner"] == "literal":
+        chosen["planner"] = {"name": "literal", "mends": True}
     return Roles(**{role: make_role(role, who, models=models) for role, who in chosen.items()})
 
 

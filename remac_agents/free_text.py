@@ -6,7 +6,8 @@ import re
 from dataclasses import dataclass
 
 from remac_env.conditions import Condition, Kind
-from remac_env.state import Scene, WorldState
+from remac_env.public import Rules
+from remac_env.state import WorldState
 
 _PREDICATE = "free text"
 
@@ -38,8 +39,8 @@ class FreeText(Condition):
         return "known" if _OUGHT.search(self.sentence) else "seen"
 
 
-def truth_of(condition: Condition, scene: Scene, world: WorldState | None) -> bool | None:
+def truth_of(condition: Condition, rules: Rules | None, world: WorldState | None) -> bool | None:
     """Whether a condition is true; None where the world is not known, or the words are a model's own."""
-    if world is None or isinstance(condition, FreeText):
+    if world is None or rules is None or isinstance(condition, FreeText):
         return None
-    return condition.holds(scene, world)
+    return condition.holds(rules, world)

@@ -78,7 +78,7 @@ def correct(episode: Episode) -> bool:
         return False
     summariser = episode.roles.summariser
     moments = [(m, robot, step) for m in episode.moments for robot, step in m.played.items() if step != WAIT]
-    steps = [_seen(moment, robot, step, summariser) for moment, robot, step in moments]
+    steps = [_seen(episode, moment, robot, step) for moment, robot, step in moments]
     summary = summariser.summarise(episode.briefing.goal, steps)
     last = last_tries(steps)
     reached = [_reached(episode, *moments[index]) for index in last]
@@ -122,20 +122,21 @@ def _cause(explanation: Explanation, index: int) -> tuple[Condition, ...]:
     return explanation.false if explanation.step == index else ()
 
 
-def _seen(moment: Moment, robot: str, step: Subtask, role: object) -> SeenStep:
-    before = shown(moment.before, moment.world_before, role)
-    return SeenStep(moment.round, robot, step, before, shown(moment.after, moment.world_after, role))
+def _seen(episode: Episode, moment: Moment, robot: str, step: Subtask) -> SeenStep:
+    role = episode.roles.summariser
+    before = shown(moment.before, episode.rules, moment.world_before, role)
+    return SeenStep(moment.round, robot, step, before, shown(moment.after, episode.rules, moment.world_after, role))
 
 
 def _reached(episode: Episode, moment: Moment, robot: str, step: Subtask) -> bool | None:
     """Whether the checker, shown the moment after the step, finds what the step was to achieve; None: cannot tell."""
     roles = episode.roles
-    view = shown(moment.before, moment.world_before, roles.conditions)
+    view = shown(moment.before, episode.rules, moment.world_before, roles.conditions)
     wanted = roles.conditions.after(step, robot, view)
-    verdicts = roles.checker.check(wanted, shown(moment.after, moment.world_after, roles.checker))
+    verdicts = roles.checker.check(wanted, shown(moment.after, episode.rules, moment.world_after, roles.checker))
     for verdict in verdicts:
-        scene, world = moment.after.scene, moment.world_after
-        entry = Check.of(verdict, episode.rounds, robot, step, scene, world, asked=True)
+        rules, world = episode.rules, moment.world_after
+        entry = Check.of(verdict, episode.rounds, robot, step, rules, world, asked=True)
         episode.ledger.post_checks.append(entry)
     found = {verdict.value for verdict in verdicts}
     return False if False in found else None if None in found else True
@@ -144,10 +145,11 @@ def _reached(episode: Episode, moment: Moment, robot: str, step: Subtask) -> boo
 def _false_before(episode: Episode, moment: Moment, robot: str, step: Subtask) -> tuple[Condition, ...]:
     """The step's pre-conditions that the checker, shown the moment before it, finds false."""
     roles = episode.roles
-    wanted = roles.conditions.before(step, robot, shown(moment.before, moment.world_before, roles.conditions))
-    verdicts = roles.checker.check(wanted, shown(moment.before, moment.world_before, roles.checker))
+    seen = shown(moment.before, episode.rules, moment.world_before, roles.conditions)
+    wanted = roles.conditions.before(step, robot, seen)
+    verdicts = roles.checker.check(wanted, shown(moment.before, episode.rules, moment.world_before, roles.checker))
     for verdict in verdicts:
-        scene, world = moment.before.scene, moment.world_before
-        entry = Check.of(verdict, episode.rounds, robot, step, scene, world, asked=True)
+        rules, world = episode.rules, moment.world_before
+        entry = Check.of(verdict, episode.rounds, robot, step, rules, world, asked=True)
         episode.ledger.pre_checks.append(entry)
     return tuple(verdict.condition for verdict in verdicts if verdict.value is False)

@@ -138,7 +138,7 @@ class EpisodeReport:
         adjusted: whether the plan was changed on the way.
         retries: how many steps were second or later tries.
         reflections: what this episode taught.
-        truth_readers: the roles that were given the WorldState.
+        truth_readers, rule_readers: the roles that were given the WorldState, and those that were given the Rules.
         errors: replies of the planner that were no plans, other answers of models that were of no use, and why the
             episode was ended, if a role had to.
         usage, exchanges: what language models were asked, and what that took.
@@ -166,6 +166,7 @@ class EpisodeReport:
     exchanges: tuple[Exchange, ...] = ()
     pictures: Mapping[str, bytes] = field(default_factory=dict)
     infrastructure: str | None = None
+    rule_readers: tuple[str, ...] = ()
 
     @property
     def adaptations(self) -> tuple[str, ...]:

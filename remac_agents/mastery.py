@@ -13,7 +13,7 @@ from remac_agents.memory import Run
 from remac_agents.plan import Commands
 from remac_agents.planners.rewriting import tidy
 from remac_agents.whereabouts import hands
-from remac_env.state import Scene
+from remac_env.public import Rules, public_scene
 from remac_env.subtasks import Subtask
 
 Steps = tuple[Subtask, ...]
@@ -21,7 +21,7 @@ Steps = tuple[Subtask, ...]
 _NAVIGATION = ("navigate to", "navigate aside")
 
 
-def proven_plan(runs: Sequence[Run], commands: Commands, facts: Scene, *, last: bool = False) -> Steps | None:
+def proven_plan(runs: Sequence[Run], commands: Commands, facts: Rules, *, last: bool = False) -> Steps | None:
     """The single-robot plan of a task that is mastered, or None.
 
     A run by one robot that succeeded masters it if its plan was not adjusted, or came out no longer than it was
@@ -52,28 +52,29 @@ def proven_plan(runs: Sequence[Run], commands: Commands, facts: Scene, *, last: 
     return mastered or (best if last else None)
 
 
-def carried_out(run: Run, commands: Commands, facts: Scene, planned: Steps) -> Steps | None:
+def carried_out(run: Run, commands: Commands, facts: Rules, planned: Steps) -> Steps | None:
     """What one robot did, without steps that failed and detours; None for what this kitchen has no command for."""
     entries = (Ran.read(line) for line in run.action_list)
     steps = _read([ran.command for ran in entries if ran is not None and ran.succeeded], commands)
     return None if steps is None else without_detours(steps, facts, planned)
 
 
-def without_detours(steps: Sequence[Subtask], facts: Scene, planned: Steps) -> Steps:
+def without_detours(steps: Sequence[Subtask], facts: Rules, planned: Steps) -> Steps:
     """The steps without idle ways, and without things that were put down on a plain surface and taken up again.
 
     Where other work was done between, the thing was fetched too early; that holds only if the plan itself had the
     fetch before that work. One that came in later may have been what made the work possible.
     """
     old: list[Subtask] = []
-    new = tidy(steps, facts)
+    scene = public_scene(facts)
+    new = tidy(steps, scene)
     while new != old:
         old = new
-        new = tidy(_without_one_rest(new, facts, planned), facts)
+        new = tidy(_without_one_rest(new, facts, planned), scene)
     return tuple(new)
 
 
-def _without_one_rest(steps: list[Subtask], facts: Scene, planned: Steps) -> list[Subtask]:
+def _without_one_rest(steps: list[Subtask], facts: Rules, planned: Steps) -> list[Subtask]:
     held = hands(steps)
     for down, step in enumerate(steps):
         if step.skill != "place to" or not _is_plain(step.target, facts):
@@ -94,7 +95,7 @@ def _without_one_rest(steps: list[Subtask], facts: Scene, planned: Steps) -> lis
     return steps
 
 
-def _is_plain(target: str, facts: Scene) -> bool:
+def _is_plain(target: str, facts: Rules) -> bool:
     """Whether putting a thing there does nothing else to it."""
     fixture = facts.fixtures.get(target)
     basins = {basin for _, under in facts.taps for basin in under}

@@ -42,7 +42,7 @@ class ModelRole:
     """
 
     role = ""
-    needs_truth = False
+    needs_truth = needs_rules = False
     asks_once = True
 
     def __init__(self, model: str, *, models: Models | None = None, **options: Any) -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from remac_agents.grants import reads_rules, reads_truth
 from remac_agents.roles import View
+from remac_env.public import Rules
 from remac_env.state import WorldState
 from remac_env.subtasks import Subtask
 
@@ -22,6 +24,7 @@ class Moment:
     world_after: WorldState | None
 
 
-def shown(view: View, world: WorldState | None, role: object) -> View:
-    """A moment as a role may see it: with the truth only if it needs that."""
-    return replace(view, world=world) if getattr(role, "needs_truth", False) else view
+def shown(view: View, rules: Rules, world: WorldState | None, role: object) -> View:
+    """A moment as a role may see it: with the rules and the truth only if it needs them."""
+    given, true = reads_rules(role), reads_truth(role)
+    return replace(view, rules=rules if given else None, world=world if true else None) if given else view

@@ -1,8 +1,10 @@
 """The roles that methods are made of: one small protocol each, with a frozen request and a frozen reply.
 
-A role that sets `needs_truth = True` is given the WorldState; every report lists which roles do. One that sets
-`needs_images = True` looks at pictures: its kitchen is made with obs="state+images". A role may also have
-`begin_episode(seed, iteration)`, which is called at each reset: whatever it draws by chance comes from there.
+Every role is given the PublicScene; one that sets `needs_rules = True` also the Rules (what the skill table enforces or
+advises about this kitchen), one that sets `needs_truth = True` both and the WorldState: every report lists which. One
+that sets `needs_images = True` looks at pictures: its kitchen is made with obs="state+images". A role may also have
+`begin_episode(seed, iteration)`, called at each reset: whatever it draws by chance comes from there. The episode's own
+seed is for roles of this package and for those that are given the truth; others get one made of what they are told.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ from remac_agents.accounts import Attempt, PreviousTry, Ran, Repair
 from remac_agents.plan import Plan, PlanError
 from remac_env.conditions import Condition
 from remac_env.errors import RemacError
-from remac_env.state import Scene, WorldState
+from remac_env.public import PublicScene, Rules
+from remac_env.state import WorldState
 from remac_env.subtasks import Subtask
 from remac_env.tasks.goals import Goal
 
@@ -53,16 +56,18 @@ class Report:
 class View:
     """What a role sees at one moment. `holding` is what every robot feels in its own gripper.
 
-    `text`: what the kitchen says of itself now, "" where nobody passed it on.
+    `text`: what the kitchen says of itself now, "" where nobody passed it on. `rules` and `world`: for roles that need
+    them.
     """
 
     goal: str
-    scene: Scene
+    scene: PublicScene
     holding: Mapping[str, str | None]
     reports: Mapping[str, Report | None] = field(default_factory=dict)
     images: Images = field(default_factory=dict)
     world: WorldState | None = None
     text: str = ""
+    rules: Rules | None = None
 
 
 @dataclass(frozen=True)
@@ -89,7 +94,8 @@ class PlanRequest:
         events: the episode so far, one line an event, where `explanation` is given.
         images: pictures by robot and camera.
         verbs: goal verb -> commands that the verb itself implies.
-        episode: what the kitchen says of the episode (task, seed, ...).
+        episode: the name of the task, under "task"; nothing that leads to this very start.
+        rules: for planners that need them.
         world, goal_test: the truth and what is to become true, for planners that need it.
         question, skills, subtasks: "plan", or for SMART-LLM "decompose" or "allocate", robot -> its skills
             and the decomposition that is to be allocated, a mapping a subtask (docs/planners.md).
@@ -97,7 +103,7 @@ class PlanRequest:
 
     goal: str
     scene: str
-    facts: Scene
+    facts: PublicScene
     robots: tuple[str, ...]
     lead: str
     commands: tuple[str, ...]
@@ -115,6 +121,7 @@ class PlanRequest:
     episode: Mapping[str, Any] = field(default_factory=dict)
     world: WorldState | None = None
     goal_test: Goal | None = None
+    rules: Rules | None = None
     previous: PreviousTry | None = None
     ran: tuple[Ran, ...] = ()
     refusal: str = ""
@@ -289,10 +296,6 @@ class Roles:
     def named(self) -> dict[str, object]:
         """Role -> who fills it."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
-
-    def truth_readers(self) -> tuple[str, ...]:
-        """The roles that are given the WorldState."""
-        return tuple(name for name, role in self.named().items() if getattr(role, "needs_truth", False))
 
     def picture_viewers(self) -> tuple[str, ...]:
         """The roles that look at pictures."""

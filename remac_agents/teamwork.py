@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 from remac_agents.plan import Plan
 from remac_agents.whereabouts import Whereabouts, hands
-from remac_env.state import ASIDE, Scene
+from remac_env.public import PublicScene
+from remac_env.state import ASIDE
 from remac_env.subtasks import WAIT, Subtask
 
 Part = tuple[Subtask, ...]
@@ -40,7 +41,7 @@ def parts_of(steps: Sequence[Subtask], *, fine: bool = False) -> list[Part]:
     return [tuple(part) for part in parts if part]
 
 
-def independent(parts: Sequence[Part], facts: Scene) -> list[list[Part]]:
+def independent(parts: Sequence[Part], facts: PublicScene) -> list[list[Part]]:
     """The parts in groups that have no thing and no fixture in common, in their order."""
     steps = [step for part in parts for step in part]
     names = iter([_touched(step, held, facts) for step, held in zip(steps, hands(steps), strict=True)])
@@ -54,7 +55,7 @@ def independent(parts: Sequence[Part], facts: Scene) -> list[list[Part]]:
     return [[parts[number] for number in numbers] for numbers, _ in sorted(groups, key=lambda group: group[0])]
 
 
-def share_out(parts: Sequence[Part], robots: Sequence[str], facts: Scene, *, places: bool) -> Plan:
+def share_out(parts: Sequence[Part], robots: Sequence[str], facts: PublicScene, *, places: bool) -> Plan:
     """The shortest of the schedules in which each part is done by one robot, in the order of the parts.
 
     Args:
@@ -88,7 +89,7 @@ class _Work:
         return self.step.skill in _NAVIGATION
 
 
-def _analyse(parts: Sequence[Part], facts: Scene, *, places: bool) -> list[_Work]:
+def _analyse(parts: Sequence[Part], facts: PublicScene, *, places: bool) -> list[_Work]:
     steps = [(number, step) for number, part in enumerate(parts) for step in part]
     where, goals = Whereabouts(facts), []
     held = hands(step for _, step in steps)
@@ -114,7 +115,7 @@ def _analyse(parts: Sequence[Part], facts: Scene, *, places: bool) -> list[_Work
     return work
 
 
-def _touched(step: Subtask, held: str | None, facts: Scene) -> frozenset[str]:
+def _touched(step: Subtask, held: str | None, facts: PublicScene) -> frozenset[str]:
     """What a step works on. Things are put side by side on a surface that is used from several places."""
     if step.skill in _NAVIGATION or not step.target:
         return frozenset()
@@ -123,7 +124,7 @@ def _touched(step: Subtask, held: str | None, facts: Scene) -> frozenset[str]:
 
 
 def _allocations(
-    work: Sequence[_Work], parts: int, robots: Sequence[str], facts: Scene
+    work: Sequence[_Work], parts: int, robots: Sequence[str], facts: PublicScene
 ) -> Iterator[tuple[str, ...]]:
     if len(robots) ** parts <= MOST_ALLOCATIONS:
         yield from itertools.product(robots, repeat=parts)
@@ -138,7 +139,7 @@ def _allocations(
 
 
 def _lay_out(
-    work: Sequence[_Work], owners: Sequence[str], order: Sequence[str], facts: Scene
+    work: Sequence[_Work], owners: Sequence[str], order: Sequence[str], facts: PublicScene
 ) -> Plan | None:
     """The rounds of one allocation; None if robots block each other. Those first in `order` go first."""
     left = {robot: deque(i for i, item in enumerate(work) if owners[item.part] == robot) for robot in order}
@@ -179,7 +180,7 @@ def _settle(
     left: Mapping[str, deque[int]],
     work: Sequence[_Work],
     station: Mapping[str, str],
-    facts: Scene,
+    facts: PublicScene,
     order: Sequence[str],
 ) -> tuple[dict[str, str], set[str]]:
     """Where everybody stands after the round, and who steps aside. Ways that lead to somebody's place are put off."""

@@ -9,14 +9,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable
 
-from remac_env.state import ASIDE, Scene
+from remac_env.public import PublicScene
+from remac_env.state import ASIDE
 from remac_env.subtasks import Subtask
 
 
 class Whereabouts:
     """Follows the steps of a plan, for one robot or several."""
 
-    def __init__(self, facts: Scene) -> None:
+    def __init__(self, facts: PublicScene) -> None:
         """Nobody has moved: every robot is aside with an empty hand."""
         self._facts = facts
         self._visits = itertools.count()

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
+from remac_env.public import PublicScene
 from remac_env.state import ASIDE, Place, Scene, WorldState, base_place, contents, inside, occupant, supports
 
 Predicate = Callable[..., bool]
@@ -38,7 +39,7 @@ class Condition:
         """What its answer comes from: pictures, what a robot feels in its own gripper, or knowledge of a rule."""
         return "felt" if self.predicate in FELT else "known" if self.predicate in KNOWN else "seen"
 
-    def felt(self, scene: Scene, holding: Mapping[str, str | None]) -> bool | None:
+    def felt(self, scene: Scene | PublicScene, holding: Mapping[str, str | None]) -> bool | None:
         """The answer of the gripper, for the kind `felt`; None for other kinds, and where nothing is felt of the robot.
 
         Args:
@@ -73,7 +74,7 @@ class Denial(Condition):
         """Whether what is denied is false in this world."""
         return not self.condition.holds(scene, world)
 
-    def felt(self, scene: Scene, holding: Mapping[str, str | None]) -> bool | None:
+    def felt(self, scene: Scene | PublicScene, holding: Mapping[str, str | None]) -> bool | None:
         """The gripper's answer to what is denied, turned round."""
         answer = self.condition.felt(scene, holding)
         return None if answer is None else not answer

@@ -10,7 +10,7 @@ from functools import lru_cache
 from remac_env.conditions import SENTENCES, Condition, denied
 from remac_env.marks import WASHED
 from remac_env.paraphrases import plain_form, table, undenied
-from remac_env.state import Scene
+from remac_env.public import PublicScene
 from remac_env.subtasks import SKILLS
 from remac_env.vocabulary import normalise
 
@@ -53,7 +53,7 @@ def sentence_forms(*, leave_out: tuple[str, ...] = ()) -> tuple[str, ...]:
     )
 
 
-def read_condition(text: str, scene: Scene, *, robot: str = "") -> Condition | None:
+def read_condition(text: str, scene: PublicScene, *, robot: str = "") -> Condition | None:
     """The condition that a sentence states about this kitchen; None for any other words.
 
     Case, spaces, quotes, a stop at the end, underscores and articles do not matter, nor do the other words that
@@ -101,7 +101,7 @@ def _plain(text: str) -> str:
     return " ".join(word for word in normalise(text).split() if word != "the")
 
 
-def _with_name(text: str, scene: Scene, robot: str) -> str:
+def _with_name(text: str, scene: PublicScene, robot: str) -> str:
     """The text with the robot's name where it speaks of "the robot" or of a gripper without saying whose."""
     if not robot or any(normalise(name) in normalise(text) for name in scene.robots):
         return text
@@ -112,7 +112,7 @@ def _with_name(text: str, scene: Scene, robot: str) -> str:
 
 
 @lru_cache(maxsize=64)
-def _by_sentence(scene: Scene) -> tuple[dict[str, Condition], dict[str, Condition]]:
+def _by_sentence(scene: PublicScene) -> tuple[dict[str, Condition], dict[str, Condition]]:
     """Conditions by their own words, and by the plain form of these and of others; what is ambiguous is left out."""
     said = [Condition(name, args) for name, kinds in ARGUMENTS.items() for args in _names(scene, kinds)]
     exact = {_plain(condition.sentence): condition for condition in said}
@@ -127,16 +127,16 @@ def _by_sentence(scene: Scene) -> tuple[dict[str, Condition], dict[str, Conditio
     return exact, {form: condition for form, condition in loose.items() if form in own or form not in unclear}
 
 
-def _names(scene: Scene, kinds: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+def _names(scene: PublicScene, kinds: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
     fixtures, objects = scene.fixtures, scene.objects
     valid = {
         "robot": scene.robots,
         "thing": (*fixtures, *objects),
         "object": tuple(objects),
-        "vessel": tuple(name for name, facts in objects.items() if facts.holds),
+        "vessel": tuple(name for name, facts in objects.items() if facts.vessel),
         "fixture": tuple(fixtures),
         "door": tuple(name for name, facts in fixtures.items() if facts.door),
-        "switch": tuple(name for name, facts in fixtures.items() if facts.switches),
+        "switch": tuple(name for name, facts in fixtures.items() if facts.switch),
         "mark": _marks(),
     }
     return itertools.product(*(valid[kind] for kind in kinds))

@@ -39,6 +39,7 @@ def report_fields(report: Any) -> dict[str, Any]:
         "retries": report.retries,
         "reflections": list(report.reflections),
         "truth_readers": list(report.truth_readers),
+        "rule_readers": list(report.rule_readers),
         "planner_errors": [redact(text)[:MESSAGE_MAX] for text in report.errors],
         "usage": _copy(UsageEntry, report.usage),
         "adaptations": list(report.adaptations),

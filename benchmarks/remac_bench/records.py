@@ -125,7 +125,8 @@ class Record(Model):
         outcomes: a round an entry, robot -> how its subtask ended.
         robot_contacts, near_misses: control steps in which robots touched, or were within 0.05 m.
         worlds: the WorldState at the start and after each round, as plain values.
-        truth_readers: the roles that were given the WorldState.
+        truth_readers, rule_readers: the roles that were given the WorldState, and those that were given what the skill
+            table enforces or advises; older records say nothing of the latter.
         usage, exchanges: what language models were asked, and what that took.
         adaptations: how questions were sent otherwise than asked, because of what endpoints refuse, such as
             "max_tokens -> max_completion_tokens"; each once.
@@ -175,6 +176,7 @@ class Record(Model):
     retries: int = 0
     reflections: list[str] = Field(default_factory=list)
     truth_readers: list[str] = Field(default_factory=list)
+    rule_readers: list[str] = Field(default_factory=list)
     planner_errors: list[str] = Field(default_factory=list)
     usage: UsageEntry = Field(default_factory=UsageEntry)
     exchanges: list[ExchangeEntry] = Field(default_factory=list)

@@ -36,8 +36,10 @@ class KitchenSense:
         self.robot, self.subtask, self.target = request.robot, request.subtask, request.subtask.target
         self.rest = request.plan.row(request.robot)[1:]
         self.held = request.view.holding.get(request.robot)
-        self.fixtures = request.view.scene.fixtures
-        self.objects = request.view.scene.objects
+        rules = request.view.rules
+        if rules is None:
+            raise ValueError("the rule adjuster was not given the rules; a planner that asks it needs_rules")
+        self.fixtures, self.objects = rules.fixtures, rules.objects
 
     def true(self, predicate: str, *args: str) -> bool:
         """Whether the checker says so; what it cannot tell it does not say."""

@@ -18,7 +18,7 @@ Repair = Callable[[KitchenSense], Advice | None]
 class RuleAdjuster:
     """Repairs the first false condition that a rule can repair, the most telling first."""
 
-    needs_truth = False
+    needs_truth, needs_rules = False, True
 
     def adjust(self, request: AdjustRequest) -> Advice:
         """Steps to be run first and the robot's new row; the old row where no rule helps."""

@@ -19,7 +19,7 @@ class NoisyChecker:
         miss: probability that a false condition is called true.
     """
 
-    needs_truth = True
+    needs_truth = needs_rules = True
 
     def __init__(self, *, false_alarm: float = 0.1, miss: float = 0.1) -> None:
         self.false_alarm = real_number("false_alarm", false_alarm, 0.0, 1.0)

@@ -11,7 +11,7 @@ from remac_env.conditions import Condition
 class NoChecker:
     """Never finds anything wrong, and says that it cannot tell."""
 
-    needs_truth = False
+    needs_truth = needs_rules = False
 
     def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
         """No verdict on any condition."""

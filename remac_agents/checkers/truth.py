@@ -14,7 +14,7 @@ UNMATCHED = "no sentence of the skill table says the same, and only a model can 
 class TruthChecker:
     """Reads the WorldState. Of what a model put into words of its own it cannot tell."""
 
-    needs_truth = True
+    needs_truth = needs_rules = True
 
     def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
         """One true verdict a condition, None on words that match none.
@@ -26,5 +26,5 @@ class TruthChecker:
             raise ValueError(
                 "the truth checker was not given the WorldState; infos[robot]['world'] is missing"
             )
-        found = [(condition, truth_of(condition, view.scene, view.world)) for condition in conditions]
+        found = [(condition, truth_of(condition, view.rules, view.world)) for condition in conditions]
         return [Verdict(c, truth, UNMATCHED if truth is None else "") for c, truth in found]

@@ -13,7 +13,7 @@ OF_THE_ROUND = ("station_free",)
 class RuleConditions:
     """The table's requirements of all three marks before, and what the skill achieves after."""
 
-    needs_truth = False
+    needs_truth, needs_rules = False, True
 
     def before(self, subtask: Subtask, robot: str, view: View) -> list[Condition]:
         """What the table requires, in its order."""

@@ -18,7 +18,7 @@ class ReflectionHandover:
     Subgoals that have nothing to do with one another are shared out as well, where that takes fewer rounds.
     """
 
-    needs_truth = False
+    needs_truth, needs_rules = False, True
 
     def share(self, request: HandoverRequest) -> Plan | None:
         """A plan for both, or None where nothing is gained."""

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 
 from remac_agents.plan import Plan
 from remac_agents.whereabouts import Whereabouts
-from remac_env.state import ASIDE, Scene
+from remac_env.public import PublicScene
+from remac_env.state import ASIDE
 from remac_env.subtasks import WAIT, Subtask
 
 _ASIDE = Subtask("navigate aside")
 _NAVIGATION = ("navigate to", "navigate aside")
 
 
-def schedule(lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Subtask], facts: Scene) -> Plan:
+def schedule(lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Subtask], facts: PublicScene) -> Plan:
     """The shortest of the schedules in which the leading robot starts at once or later, steps in order.
 
     The helper steps aside at the end. The leading robot goes only to places that the helper has left for
@@ -25,7 +26,7 @@ def schedule(lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Sub
 
 
 def _try(
-    lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Subtask], facts: Scene, delay: int
+    lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Subtask], facts: PublicScene, delay: int
 ) -> Plan | None:
     """The schedule in which the leading robot starts so many rounds late; None if they block each other."""
     where = Whereabouts(facts)
@@ -59,7 +60,7 @@ def _try(
 
 def _ready(
     where: Whereabouts,
-    facts: Scene,
+    facts: PublicScene,
     step: Subtask,
     goals: dict[str, str],
     lead: str,

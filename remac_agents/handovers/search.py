@@ -26,7 +26,7 @@ _Result = tuple[dict[str, tuple[str, str]], dict[str, FixtureState]]
 class SearchHandover:
     """Searches over the single-robot plan's subtasks; falls back to the paper's hand-over if that fails."""
 
-    needs_truth = True
+    needs_truth = needs_rules = True
 
     def __init__(self, *, max_states: int = MAX_STATES) -> None:
         """Args: max_states: where to give up."""
@@ -39,11 +39,11 @@ class SearchHandover:
         Raises:
             ValueError: if it was not given the world.
         """
-        if request.view.world is None:
+        if request.view.world is None or request.view.rules is None:
             raise ValueError(
                 "the searching hand-over was not given the WorldState; infos[robot]['world'] is missing"
             )
-        scene, world = for_robots(request.view.scene, request.view.world, (request.lead, request.helper))
+        scene, world = for_robots(request.view.rules, request.view.world, (request.lead, request.helper))
         wanted = _result(scene, _simulate(scene, world, request.lead, request.plan))
         found = search_plan(
             scene,

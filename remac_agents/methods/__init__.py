@@ -31,6 +31,7 @@ class Method:
         iterates: playing one start again may end differently, so that it is given k+1 iterations.
         plans_ahead: it has a first plan, whose length is the IPL.
         checks: it asks for conditions and verdicts; one that does not asks its planner alone.
+        asks_again: its planner is told of steps that failed, and asked for what to do then.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Method:
     iterates: bool = False
     plans_ahead: bool = True
     checks: bool = True
+    asks_again: bool = False
 
 
 METHODS: dict[str, Method] = {
@@ -50,12 +52,12 @@ METHODS: dict[str, Method] = {
         Method(name="RE", run=re, remembers=True, iterates=True),
         Method(name="REMAC", run=remac, robots=2, remembers=True, iterates=True),
         Method(name="SMART-LLM", run=smart_llm, robots=2),
-        Method(name="REFLECT", run=reflect),
-        Method(name="REFLECT+CC", run=reflect_cc),
-        Method(name="CAPE", run=cape("explicit"), plans_ahead=False),
-        Method(name="CAPE-IMPLICIT", run=cape("implicit"), plans_ahead=False),
-        Method(name="CAPE-SUCCESS", run=cape("success"), plans_ahead=False),
-        Method(name="CAPE-RESAMPLE", run=cape("resample"), plans_ahead=False),
+        Method(name="REFLECT", run=reflect, asks_again=True),
+        Method(name="REFLECT+CC", run=reflect_cc, asks_again=True),
+        Method(name="CAPE", run=cape("explicit"), plans_ahead=False, asks_again=True),
+        Method(name="CAPE-IMPLICIT", run=cape("implicit"), plans_ahead=False, asks_again=True),
+        Method(name="CAPE-SUCCESS", run=cape("success"), plans_ahead=False, asks_again=True),
+        Method(name="CAPE-RESAMPLE", run=cape("resample"), plans_ahead=False, asks_again=True),
         Method(name="BASE-BEST", run=best_of(base), iterates=True, checks=False),
         Method(name="CC-BEST", run=best_of(cc), iterates=True),
     )

@@ -14,7 +14,7 @@ def remac(episode: Episode) -> Turns:
     """One iteration, alone or, once the task is mastered alone, as a team."""
     episode.recall()
     told, runs = episode.briefing, episode.memory.runs(episode.briefing.task)
-    single = proven_plan(runs, episode.commands, episode.view.scene, last=told.last)
+    single = proven_plan(runs, episode.commands, episode.rules, last=told.last)
     if told.helper is None or single is None or not hand_over(episode, single, told.helper):
         episode.make_plan()
     yield from checked(episode)

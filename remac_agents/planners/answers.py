@@ -29,19 +29,19 @@ class AnswersPlanner:
         OptionError: if the file cannot be read, or is no JSON object.
     """
 
-    needs_truth = False
+    needs_truth = needs_rules = False
 
     def __init__(self, path: str) -> None:
-        self._path, self._iteration = path, 0
+        self._path, self._seed, self._iteration = path, 0, 0
         self._answers = _read(Path(path))
 
     def begin_episode(self, seed: int, iteration: int) -> None:
-        """Which iteration it is."""
-        self._iteration = iteration
+        """Which seed and iteration it is."""
+        self._seed, self._iteration = seed, iteration
 
     def plan(self, request: PlanRequest) -> Any:
         """The answer for this episode; for a method that plans step by step, what is left of a list."""
-        parts = (str(request.episode.get("task", "")), str(request.episode.get("seed", "")), str(self._iteration))
+        parts = (str(request.episode.get("task", "")), str(self._seed), str(self._iteration))
         keys = ["/".join(parts[:size]) for size in (3, 2, 1)]
         found = next((key for key in keys if key in self._answers), None)
         if found is None:

@@ -31,7 +31,7 @@ class HttpPlanner:
         OptionError: for an address without a host, or a bound that is not positive.
     """
 
-    needs_truth = False
+    needs_truth = needs_rules = False
 
     def __init__(self, url: str, *, seconds: float = 60.0, most_bytes: int = 1_000_000) -> None:
         address = urlsplit(url)

@@ -26,7 +26,7 @@ LINES_MAX = 1000
 class HumanPlanner:
     """Asks in the terminal. The end of the input (Ctrl-D) ends the plan."""
 
-    needs_truth = False
+    needs_truth = needs_rules = False
 
     def plan(self, request: PlanRequest) -> Plan | PlanError:
         """A row for each robot, or the next step alone; an error when there is nobody to type."""

@@ -20,9 +20,16 @@ from remac_env.subtasks import Subtask
 
 
 class LiteralPlanner:
-    """Reads the sentence, then lets each reflection that it can read rewrite the plan, oldest first."""
+    """Reads the sentence, then lets each reflection that it can read rewrite the plan, oldest first.
+
+    Args:
+        mends: it is going to be told why steps failed, and needs the rules to make something of it.
+    """
 
     needs_truth = False
+
+    def __init__(self, *, mends: bool = False) -> None:
+        self.needs_rules = mends
 
     def plan(self, request: PlanRequest) -> Plan | dict[str, Any]:
         """A row for the leading robot; empty when the sentence names nothing that can be done.

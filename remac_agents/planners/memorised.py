@@ -22,7 +22,7 @@ _FIELD = re.compile(r"\\\{([a-z_]+)\\\}")
 class MemorisedPlanner:
     """One fixed plan a task, with the goal's own nouns put in. Rule-based."""
 
-    needs_truth = False
+    needs_truth = needs_rules = False
 
     def plan(self, request: PlanRequest) -> Plan:
         """A row for the leading robot; empty for a goal that it has not learnt."""

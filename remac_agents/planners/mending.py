@@ -1,6 +1,7 @@
 """What the literal planner makes of being told that a step failed: the repairs of the rule adjuster.
 
-It cannot look; it knows what it did, what each gripper feels and which conditions it was told are false.
+For them it needs the rules. It cannot look; it knows what it did, what each gripper feels and which conditions it was
+told are false.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ class Belief:
     def mend(self, steps: Steps, false: tuple[Condition, ...], held: str | None) -> Steps:
         """The steps, repaired; as they are where no rule helps."""
         request = self._request
-        if not steps or not false:
+        if not steps or not false or request.rules is None:
             return steps
         advice = RuleAdjuster().adjust(
             AdjustRequest(
@@ -71,7 +72,7 @@ class Belief:
                 plan=Plan.of({self.robot: steps}),
                 executed=tuple(self.executed),
                 commands=request.commands,
-                view=View(request.goal, request.facts, {self.robot: held}),
+                view=View(request.goal, request.facts, {self.robot: held}, rules=request.rules),
                 ask=self.true,
             )
         )

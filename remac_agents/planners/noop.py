@@ -9,7 +9,7 @@ from remac_agents.roles import PlanRequest
 class NoopPlanner:
     """Plans no subtask at all."""
 
-    needs_truth = False
+    needs_truth = needs_rules = False
 
     def plan(self, request: PlanRequest) -> Plan:
         """An empty row for each robot."""

@@ -13,13 +13,13 @@ from remac_env.state import FrozenMap, Scene, WorldState
 class OraclePlanner:
     """Exact search by remac_env.oracle, over the robots that it plans for."""
 
-    needs_truth = True
+    needs_truth = needs_rules = True
 
     def plan(self, request: PlanRequest) -> Plan | PlanError:
         """A shortest plan, or an error where there is none."""
-        if request.world is None or request.goal_test is None:
+        if request.world is None or request.rules is None or request.goal_test is None:
             return PlanError("the oracle was not given the truth")
-        scene, world = for_robots(request.facts, request.world, request.robots)
+        scene, world = for_robots(request.rules, request.world, request.robots)
         found = oracle.solve(scene, world, request.goal_test)
         if found is None:
             return PlanError("no plan reaches the goal")

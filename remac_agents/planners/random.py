@@ -15,7 +15,7 @@ class RandomPlanner:
         steps: how many subtasks a robot gets, 0..200.
     """
 
-    needs_truth = False
+    needs_truth = needs_rules = False
 
     def __init__(self, *, steps: int = 12) -> None:
         self.steps = whole_number("steps", steps, 0, MAX_STEPS)

@@ -22,7 +22,7 @@ from remac_env.subtasks import Subtask
 class ReaderPlanner:
     """The steps of the sentence, with doors opened and vessels fetched as common sense has it. Rule-based."""
 
-    needs_truth = False
+    needs_truth = needs_rules = False
 
     def plan(self, request: PlanRequest) -> Plan:
         """A row for the leading robot; empty when the sentence names nothing that can be done."""

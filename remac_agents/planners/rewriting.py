@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from remac_agents.lessons import Before, Instead, LeaveOut, Lesson
 from remac_agents.whereabouts import Whereabouts, hands
-from remac_env.state import Scene
+from remac_env.public import PublicScene
 from remac_env.subtasks import Subtask
 
 Steps = list[Subtask]
@@ -59,7 +59,7 @@ def _leave_out(steps: Steps, lesson: LeaveOut) -> Steps:
     return steps[:index] + steps[index + 1 :]
 
 
-def tidy(steps: Sequence[Subtask], facts: Scene) -> Steps:
+def tidy(steps: Sequence[Subtask], facts: PublicScene) -> Steps:
     """The plan without steps that change nothing: idle ways, things taken up twice, work done twice."""
     old: Steps = []
     new = list(steps)
@@ -68,7 +68,7 @@ def tidy(steps: Sequence[Subtask], facts: Scene) -> Steps:
     return new
 
 
-def _tidy_once(steps: Steps, facts: Scene) -> Steps:
+def _tidy_once(steps: Steps, facts: PublicScene) -> Steps:
     where, kept = Whereabouts(facts), []
     last: dict[str, str] = {}
     for step, following in zip(steps, [*steps[1:], None], strict=True):

@@ -15,7 +15,7 @@ import re
 from collections.abc import Mapping
 
 from remac_agents.plan import Commands
-from remac_env.state import Scene
+from remac_env.public import PublicScene
 from remac_env.subtasks import Subtask
 from remac_env.vocabulary import normalise
 
@@ -35,7 +35,7 @@ _SEASON = re.compile(rf"^season {_THING}(?: with {_PLACE})?$")
 class SentenceReader:
     """Turns one sentence into steps. `verbs`: goal verb -> commands that it implies."""
 
-    def __init__(self, facts: Scene, commands: Commands, verbs: Mapping[str, tuple[str, ...]]) -> None:
+    def __init__(self, facts: PublicScene, commands: Commands, verbs: Mapping[str, tuple[str, ...]]) -> None:
         self._facts, self._commands, self._verbs = facts, commands, verbs
         self._steps: list[Subtask] = []
         self._held: str | None = None

@@ -16,7 +16,7 @@ class RuleReflector:
     this is what makes the next plan shorter than the adjusted one.
     """
 
-    needs_truth = False
+    needs_truth, needs_rules = False, True
 
     def reflect(self, request: ReflectRequest) -> list[str]:
         """At most two lessons: what to do in time, and what to do otherwise."""

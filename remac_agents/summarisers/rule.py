@@ -12,7 +12,7 @@ from remac_env.subtasks import Subtask
 class RuleSummariser:
     """Sees no more than planners do: reports and grippers. Why a step failed it has the checker look up."""
 
-    needs_truth = False
+    needs_truth, needs_rules = False, True
 
     def summarise(self, goal: str, steps: Sequence[SeenStep]) -> Summary:
         """One line an event, and the same with the step as the subgoal."""

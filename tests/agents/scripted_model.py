@@ -19,6 +19,7 @@ from remac_agents.conditions.rule import RuleConditions
 from remac_agents.plan import Commands
 from remac_agents.prompt import load, names
 from remac_agents.roles import View
+from remac_env.public import public_scene
 from remac_env.sentences import read_condition
 
 PICTURES = {name: np.full((8, 8, 3), shade, np.uint8) for shade, name in enumerate(("front", "wrist", "side"))}
@@ -98,7 +99,7 @@ class ScriptedModel:
     def _conditions(self, user: str, verb: str, method: str) -> str:
         robot, command, held = re.findall(rf'^(\w+) {verb} "(.+?)", .*held? (?:the )?(.+?):$', user, re.M)[-1]
         commands = Commands(self.env.infos_commands)
-        view = View("", self.env.start.scene, {robot: None if held == "nothing" else held})
+        view = View("", public_scene(self.env.start.scene), {robot: None if held == "nothing" else held})
         found = getattr(RuleConditions(), method)(commands[command], robot, view)
         return json.dumps({"conditions": [condition.sentence for condition in found]})
 
@@ -113,7 +114,7 @@ class ScriptedModel:
 
     def _checker_seen(self, user: str) -> str:
         sentences = re.findall(r"^\d+\. (.*)$", user, re.M)
-        conditions = [read_condition(sentence, self.env.start.scene) for sentence in sentences]
+        conditions = [read_condition(sentence, public_scene(self.env.start.scene)) for sentence in sentences]
         scene, world = self.env.start.scene, self.env.world
         return json.dumps({"verdicts": [c is None or c.holds(scene, world) for c in conditions]})
 

@@ -147,6 +147,8 @@ def test_a_condition_of_ones_own_is_judged_by_its_words_and_sees_no_world() -> N
 class Advises:
     """An adjuster that changes the rules' advice."""
 
+    needs_rules = True
+
     def __init__(self, change: Any) -> None:
         self.change, self.rule = change, RuleAdjuster()
 

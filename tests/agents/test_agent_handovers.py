@@ -11,6 +11,7 @@ from remac_agents.handovers.schedule import schedule
 from remac_agents.plan import Commands, Plan
 from remac_agents.roles import HandoverRequest, View
 from remac_env.conditions import condition
+from remac_env.public import public_scene
 from remac_env.subtasks import Subtask
 
 ALONE = (
@@ -29,7 +30,7 @@ ALONE = (
 def request(steps: tuple[str, ...]) -> HandoverRequest:
     env = dough()
     commands = Commands(env.commands)
-    view = View(env.sentence, env.scene, {"a": None}, world=env.start)
+    view = View(env.sentence, public_scene(env.scene), {"a": None}, world=env.start, rules=env.scene)
     plan = tuple(commands[text] for text in steps)
     return HandoverRequest(env.sentence, plan, "robot_1", "robot_0", (), tuple(env.commands), view)
 
@@ -72,7 +73,7 @@ def test_robots_that_need_each_others_place_take_turns() -> None:
 
 def test_noise_depends_on_seed_and_iteration() -> None:
     env = dough()
-    view = View("", env.scene, {}, world=env.start)
+    view = View("", public_scene(env.scene), {}, world=env.start, rules=env.scene)
     checker = NoisyChecker(false_alarm=0.5, miss=0.5)
 
     def verdicts(seed: int, iteration: int) -> list[bool]:

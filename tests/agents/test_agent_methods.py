@@ -28,6 +28,7 @@ class Listening(LiteralPlanner):
     """The literal planner, which keeps its requests."""
 
     def __init__(self) -> None:
+        super().__init__(mends=True)
         self.requests: list[PlanRequest] = []
 
     def plan(self, request: PlanRequest) -> Any:

@@ -25,6 +25,7 @@ from remac_agents.planners.http import HttpPlanner
 from remac_agents.request_json import as_json, png
 from remac_agents.roles import PlanRequest
 from remac_env.errors import OptionError, RemacError, UnknownNameError
+from remac_env.public import public_scene
 
 PAGE = Path(__file__).parents[2] / "docs" / "planners.md"
 TASK = "OpenMicrowavePnP"
@@ -39,8 +40,8 @@ def request(**changes: Any) -> PlanRequest:
     _, infos = env.reset(seed=1)
     told = next(iter(infos.values()))
     facts: dict[str, Any] = {
-        "goal": told["goal"], "scene": told["text"], "facts": told["scene"], "robots": ("robot_0",),
-        "lead": "robot_0", "commands": tuple(told["commands"]), "episode": told["episode"],
+        "goal": told["goal"], "scene": told["text"], "facts": public_scene(told["scene"]), "robots": ("robot_0",),
+        "lead": "robot_0", "commands": tuple(told["commands"]), "episode": {"task": TASK},
     }  # fmt: skip
     return PlanRequest(**facts | changes)
 
@@ -180,7 +181,7 @@ def test_an_address_is_sent_the_request_and_its_answer_read(address: str, path: 
     assert report.initial_plan == {"robot_0": ("navigate aside",)} and not report.errors
     (asked,) = Server.asked
     assert asked["goal"] and "navigate aside" in asked["commands"] and asked["robots"] == ["robot_0"]
-    assert asked["iteration"] == 0 and asked["episode"]["seed"] == 3 and asked["holding"] == {"robot_0": None}
+    assert asked["iteration"] == 0 and asked["episode"] == {"task": TASK} and asked["holding"] == {"robot_0": None}
     assert "world" not in asked and "facts" not in asked
 
 

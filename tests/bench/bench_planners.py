@@ -34,33 +34,33 @@ class CrashesOnce(LiteralPlanner):
 
 
 class EndsProcess(LiteralPlanner):
-    """Ends its process on seed 1, as a fault in native code would."""
+    """Ends its process in the kitchen of ODD_SCENE, as a fault in native code would."""
 
     def plan(self, request: Any) -> Any:
-        """A literal plan, but for seed 1."""
-        if request.episode["seed"] == 1:
+        """A literal plan, but there."""
+        if request.scene == os.environ["ODD_SCENE"]:
             os._exit(9)
         return super().plan(request)
 
 
 class EndsProcessOnce(LiteralPlanner):
-    """Ends its process on seed 1, the first time that any process asks."""
+    """Ends its process in the kitchen of ODD_SCENE, the first time that any process asks."""
 
     def plan(self, request: Any) -> Any:
-        """A literal plan, but for the first time on seed 1."""
+        """A literal plan, but for the first time in the kitchen of ODD_SCENE."""
         mark = Path(os.environ["BENCH_PLANNER_FOLDER"]) / "died"
-        if request.episode["seed"] == 1 and not mark.exists():
+        if request.scene == os.environ["ODD_SCENE"] and not mark.exists():
             mark.touch()
             os._exit(9)
         return super().plan(request)
 
 
 class KillsItself(LiteralPlanner):
-    """Is killed on seed 1, as the kernel does when memory runs out."""
+    """Is killed in the kitchen of ODD_SCENE, as the kernel does when memory runs out."""
 
     def plan(self, request: Any) -> Any:
-        """A literal plan, but for seed 1."""
-        if request.episode["seed"] == 1:
+        """A literal plan, but there."""
+        if request.scene == os.environ["ODD_SCENE"]:
             os.kill(os.getpid(), signal.SIGKILL)
         return super().plan(request)
 

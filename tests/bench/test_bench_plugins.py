@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bench_helpers import jobs, read
+from bench_helpers import jobs, odd_scene, read
 from remac_bench.commands.progress import Bar
 from remac_bench.console import console
 from remac_bench.errors import JobTimeoutError, UsageError
@@ -18,17 +18,13 @@ from remac_bench.runner import Settings, Summary, run_jobs
 from remac_bench.watch import ASKING_SECONDS, GRACE_SECONDS, JOB_SECONDS, SLOW_SECONDS, Deadline, Watch, job_seconds
 from remac_bench.worker import Work
 
-import remac_env
-
 ODD_SEED = 1
 
 
 @pytest.fixture(autouse=True)
-def odd_scene(monkeypatch: pytest.MonkeyPatch) -> None:
+def told(monkeypatch: pytest.MonkeyPatch) -> None:
     """Planners misbehave in the kitchen of this seed."""
-    env = remac_env.parallel_env("HeatOnStove", robots=1, backend="symbolic")
-    _, infos = env.reset(seed=ODD_SEED)
-    monkeypatch.setenv("ODD_SCENE", infos["robot_0"]["text"])
+    monkeypatch.setenv("ODD_SCENE", odd_scene(ODD_SEED))
 
 
 def played(folder: Path, deed: str, settings: Settings, method: str = "CC") -> dict[int, Any]:

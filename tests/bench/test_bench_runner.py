@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bench_helpers import TASKS, jobs, read, timeless
+from bench_helpers import TASKS, jobs, odd_scene, read, timeless
 from remac_bench.metrics import summarise
 from remac_bench.report import read_rows
 from remac_bench.runner import Settings, Summary, run_jobs
@@ -164,7 +164,10 @@ def test_a_kitchen_that_cannot_begin_leaves_no_report_of_the_episode_before(
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_an_agent_that_ends_its_worker_twice_has_crashed(tmp_path: Path, workers: int) -> None:
+def test_an_agent_that_ends_its_worker_twice_has_crashed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int
+) -> None:
+    monkeypatch.setenv("ODD_SCENE", odd_scene(1))
     listed = jobs("CC", seeds=range(5), planner="bench_planners:EndsProcess")
     summary = run_jobs(listed, tmp_path, Settings(workers=workers))
     assert summary == Summary(0, 5, ())
@@ -184,6 +187,7 @@ def test_a_worker_that_dies_once_or_is_killed_says_nothing_of_the_agent(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, planner: str, scored: int, broken: tuple[str, ...]
 ) -> None:
     monkeypatch.setenv("BENCH_PLANNER_FOLDER", str(tmp_path))
+    monkeypatch.setenv("ODD_SCENE", odd_scene(1))
     listed = jobs("CC", seeds=range(3), planner=f"bench_planners:{planner}")
     summary = run_jobs(listed, tmp_path / "out", Settings(workers=2))
     assert summary.played == 3

@@ -1,0 +1,20 @@
+"""What a role may see, by what it declares: `needs_rules`, `needs_truth`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+
+def reads_truth(role: object) -> bool:
+    """Whether a role declares that it needs the WorldState."""
+    return bool(getattr(role, "needs_truth", False))
+
+
+def reads_rules(role: object) -> bool:
+    """Whether a role is given the Rules: it declares that it needs them, or the truth, which is read by them."""
+    return bool(getattr(role, "needs_rules", False)) or reads_truth(role)
+
+
+def readers(roles: Mapping[str, object], reads: Callable[[object], bool]) -> tuple[str, ...]:
+    """The names of the roles that do."""
+    return tuple(name for name, role in roles.items() if reads(role))

@@ -1,0 +1,74 @@
+"""What anybody may know of a kitchen: names, and what can be said to them. The commands and the text say no more.
+
+Three kinds of facts are told apart. `PublicScene`: which robots, fixtures, things and stations there are. `Rules`: what
+the skill table enforces or advises about them (what needs a vessel, what has to be shut to run, what is too big).
+`WorldState`: what is true now.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from remac_env.frozen import FrozenMap
+from remac_env.state import ASIDE, Scene
+
+Rules = Scene
+"""A kitchen with its rules: what a backend and a judge read."""
+
+
+@dataclass(frozen=True, slots=True)
+class PublicFixture:
+    """A thing that stays where it is: where robots stand to use it, and whether it can be opened or switched."""
+
+    name: str
+    stations: tuple[str, ...]
+    door: bool = False
+    switch: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PublicObject:
+    """A thing that can be carried. `vessel`: other things can be placed on or in it; `seasons`: it is a shaker."""
+
+    name: str
+    vessel: bool = False
+    seasons: bool = False
+
+
+@dataclass(frozen=True)
+class PublicScene:
+    """A kitchen without its rules. `conflicts`: pairs of stations that two robots cannot use at the same time."""
+
+    robots: tuple[str, ...]
+    fixtures: FrozenMap[PublicFixture]
+    objects: FrozenMap[PublicObject]
+    conflicts: frozenset[frozenset[str]] = frozenset()
+
+    def stations_of(self, fixture: str) -> tuple[str, ...]:
+        """The stations from which a fixture can be used."""
+        return self.fixtures[fixture].stations
+
+    def conflicting(self, first: str, second: str) -> bool:
+        """True when two robots cannot stand at these stations at the same time."""
+        if first == second:
+            return first != ASIDE
+        return frozenset((first, second)) in self.conflicts and ASIDE not in (first, second)
+
+
+@lru_cache(maxsize=64)
+def public_scene(rules: Rules) -> PublicScene:
+    """The public part of a kitchen."""
+    return PublicScene(
+        robots=rules.robots,
+        fixtures=FrozenMap(
+            {
+                name: PublicFixture(name, rules.stations_of(name), facts.door, bool(facts.switches))
+                for name, facts in rules.fixtures.items()
+            }
+        ),
+        objects=FrozenMap(
+            {name: PublicObject(name, facts.holds > 0, facts.seasons) for name, facts in rules.objects.items()}
+        ),
+        conflicts=rules.conflicts,
+    )
