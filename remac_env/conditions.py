@@ -95,9 +95,6 @@ def condition(predicate: str, *args: str) -> Condition:
     return Condition(predicate, args)
 
 
-# -- where things are -----------------------------------------------------------------------------------------------
-
-
 def stations_of(scene: Scene, world: WorldState, target: str) -> tuple[str, ...]:
     """The stations from which `target` can be used; empty for an object that is held or on the floor."""
     if target in scene.fixtures:

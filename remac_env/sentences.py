@@ -10,7 +10,7 @@ from functools import lru_cache
 from remac_env.conditions import SENTENCES, Condition, denied
 from remac_env.marks import WASHED
 from remac_env.paraphrases import plain_form, table, undenied
-from remac_env.public import PublicScene
+from remac_env.public import PublicScene, Rules, public_scene
 from remac_env.subtasks import SKILLS
 from remac_env.vocabulary import normalise
 
@@ -53,7 +53,7 @@ def sentence_forms(*, leave_out: tuple[str, ...] = ()) -> tuple[str, ...]:
     )
 
 
-def read_condition(text: str, scene: PublicScene, *, robot: str = "") -> Condition | None:
+def read_condition(text: str, scene: PublicScene | Rules, *, robot: str = "") -> Condition | None:
     """The condition that a sentence states about this kitchen; None for any other words.
 
     Case, spaces, quotes, a stop at the end, underscores and articles do not matter, nor do the other words that
@@ -65,6 +65,7 @@ def read_condition(text: str, scene: PublicScene, *, robot: str = "") -> Conditi
     """
     if not text.isascii():
         return None
+    scene = public_scene(scene) if isinstance(scene, Rules) else scene
     exact, loose = _by_sentence(scene)
     plain, denial = _plain(text), _plain(_DENIAL) + " "
     if (known := exact.get(plain.removeprefix(denial))) is not None:

@@ -43,6 +43,7 @@ RANKS = {
     "remac_env.start": 1,
     "remac_env.subtasks": 1,
     "remac_env.conditions": 1,
+    "remac_env.public": 1,
     "remac_env.state": 1,
     "remac_env.marks": 1,
     "remac_env.actions": 0,
