@@ -24,7 +24,7 @@ from remac_agents.llm import resolve  # noqa: E402
 
 def test_every_role_that_speaks_is_counted_with_real_prompts() -> None:
     needs = measure("REMAC", "OpenMicrowavePnP", seeds=[0])
-    assert set(needs) == {"planner", "conditions", "checker", "adjuster", "reflector"}
+    assert set(needs) == {"planner", "conditions", "checker", "adjuster", "reflector", "handover"}
     assert 0 < needs["planner"].calls <= 1 and needs["conditions"].calls > 5 > needs["reflector"].calls
     assert needs["checker"].prompt > 1500 * needs["checker"].calls  # a picture, at least
     assert needs["planner"].prompt / needs["planner"].calls > 300
