@@ -84,6 +84,7 @@ class Shadow:
         self.model = make_role(role, MODEL, models=models)
         self.models, self.meter = models, meter
         self.needs_truth = bool(getattr(self.rule, "needs_truth", False))
+        self.needs_rules = bool(getattr(self.rule, "needs_rules", False))
 
     def asks(self, verb: str, *given: Any, says: Sequence[str | Callable[[str], str]]) -> None:
         """Let the model ask, and answer so."""
