@@ -18,6 +18,8 @@ from remac_bench.records import Record
 from remac_bench.runner import Settings, run_jobs
 from remac_bench.store import Store
 
+from remac_env.errors import OptionError
+
 EYES, BLIND = "openai:o3", "deepseek:deepseek-reasoner"
 TASK = "DefrostInBowl"
 
@@ -64,6 +66,16 @@ def test_pictures_follow_in_suites_too() -> None:
     assert {(obs, size) for method, obs, size in seen if sight.checks(method)} == {("state+images", 512)}
     blind = smoke.jobs([{"model": BLIND}])
     assert all(("checker=truth" in job.label) is sight.checks(job.method) for job in blind)
+
+
+def test_eyes_can_be_given_and_taken_by_an_option_of_the_model() -> None:
+    url = "http://127.0.0.1:9/v1"
+    (blind,) = jobs("CC", {"model": "custom:m,images=false"}, url=url)
+    assert blind.agent["checker"] == "truth" and blind.options.obs == "state"
+    (seeing,) = jobs("CC", {"model": "custom:m"}, url=url)
+    assert "checker" not in seeing.agent and seeing.options.obs == "state+images"
+    with pytest.raises(OptionError, match="takes no images"):
+        jobs("CC", {"checker": "custom:m,images=false"}, url=url)
 
 
 def test_an_entry_says_who_checks_where_its_model_cannot() -> None:

@@ -72,8 +72,7 @@ def audit_sheets(records: Sequence[Record], *, folder: str) -> list[Sheet]:
 def _audit(where: str, records: Sequence[Record], *, key: str, folder: str) -> Sheet:
     rows: list[Cells] = []
     facts: list[dict[str, str]] = []
-    for agent in sorted({record.agent for record in records}):
-        group = [record for record in records if record.agent == agent]
+    for agent, group in _entries(records):
         kinds = {
             "before": [c for record in group for c in record.pre_checks if not c.asked],
             "after": [c for record in group for c in record.post_checks],
@@ -100,12 +99,17 @@ def _audit(where: str, records: Sequence[Record], *, key: str, folder: str) -> S
     )
 
 
+def _entries(records: Sequence[Record]) -> list[tuple[str, list[Record]]]:
+    """Agent and its records, by name."""
+    names = sorted({record.agent for record in records})
+    return [(name, [record for record in records if record.agent == name]) for name in names]
+
+
 def _by_kind(where: str, records: Sequence[Record], *, key: str, folder: str) -> Sheet:
     """The same by what conditions are about: a row a kind, and one a predicate."""
     rows: list[Cells] = []
     facts: list[dict[str, str]] = []
-    for agent in sorted({record.agent for record in records}):
-        group = [record for record in records if record.agent == agent]
+    for agent, group in _entries(records):
         found: dict[tuple[str, str], list[CheckEntry]] = {}
         for check in (check for record in group for check in (*record.pre_checks, *record.post_checks)):
             kind, predicate = _about(check)
