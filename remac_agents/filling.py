@@ -34,7 +34,8 @@ class ModelOptions:
 
     Attributes:
         model: `provider:model` or a name of the paper's models, with options behind it or without (docs/models.md),
-            for every role that is not given, the handover among them; the checker only if the provider lists images.
+            for every role that is not given, the handover among them; the checker only if the provider lists images,
+            else that is `truth`.
         base_url: where the model's server is, and that of other roles' models that may be anywhere.
         providers: a file that adds to the providers that are built in, or overrides them (docs/models.md).
         via: the provider by which models are reached, for `model` and those of other roles, or "auto": the first route

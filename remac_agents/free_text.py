@@ -12,11 +12,13 @@ from remac_env.state import WorldState
 _PREDICATE = "free text"
 
 _OUGHT = re.compile(
-    r"\b(may|might|must|should|ought|can|could|cannot|needs?|requires?|required|allowed|permitted|safe|suitable|"
-    r"appropriate|right|correct|proper|fits?|too (big|large|small|deep|heavy|hot)|(big|large|small|deep) enough)\b",
+    r"\b(may|might|can|could|cannot|allowed|permitted|safe|suitable|appropriate|right|correct|proper|fits?|"
+    r"too (big|large|small|deep|heavy|hot)|(big|large|small|deep) enough)\b"
+    r"|\b(must|should|ought|has to|needs?|requires?|required)\b.*\b(before|without|unless|until|never|first)\b",
     re.I,
 )
-"""Words of a sentence about what is right or possible, which no picture shows."""
+"""Words of a sentence about what is right or possible, which no picture shows. "The lid must be shut" is none: as a
+condition it says that the lid is shut."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -68,7 +68,7 @@ class VlmChecker(ModelRole):
         Raises:
             StopEpisode: where nobody can answer, and where there are no pictures to look at.
         """
-        found = {condition: _felt(condition, view) for condition in conditions}
+        found = {condition: _untold(condition, view) for condition in conditions}
         left = [condition for condition, verdict in found.items() if verdict.value is None]
         known = [condition for condition in left if condition.kind == "known"]
         seen = [condition for condition in left if condition.kind != "known"]
@@ -125,8 +125,10 @@ def _check_pictures(view: View) -> None:
         )
 
 
-def _felt(condition: Condition, view: View) -> Verdict:
-    """What the gripper says; no value where it says nothing."""
+def _untold(condition: Condition, view: View) -> Verdict:
+    """What the gripper says, or that nobody carries fixtures about; no value where a model is to be asked."""
+    if condition == Condition("placed", condition.args) and condition.args[0] in view.scene.fixtures:
+        return Verdict(condition, True, "fixtures stay in their places")
     value = condition.felt(view.scene, view.holding)
     return Verdict(condition, value, "" if value is None else "felt in the gripper")
 

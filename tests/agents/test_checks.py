@@ -68,6 +68,7 @@ def test_every_predicate_has_a_kind_and_the_vessel_rule_is_knowledge() -> None:
     assert denied(condition("no_vessel_needed", "robot_0", "sink")).kind == "known"
     assert FreeText.of("the fish must lie in a bowl before it touches the sink").kind == "known"
     assert FreeText.of("the water runs over the fish").kind == "seen"
+    assert FreeText.of("the lid must be shut").kind == "seen"
 
 
 def test_what_is_felt_is_the_truth_about_the_gripper_and_nobody_is_asked() -> None:
@@ -82,6 +83,15 @@ def test_what_is_felt_is_the_truth_about_the_gripper_and_nobody_is_asked() -> No
         assert [verdict.value for verdict in checker.check(denials, view)] == [False, True, False]
         assert {verdict.reason for verdict in checker.check(conditions, view)} == {"felt in the gripper"}
         assert model.heard == []
+
+
+def test_nobody_is_asked_whether_a_fixture_is_in_its_place() -> None:
+    with scripted(TASK) as model:
+        checker, view = checker_of(model), view_of(model.env)
+        assert checker.check([condition("placed", "sink")], view)[0].value is True
+        assert model.heard == []
+        checker.check([condition("placed", "bowl")], view)
+        assert asked(model) == ["checker_seen"]
 
 
 def test_each_kind_is_asked_in_its_own_words() -> None:
@@ -292,6 +302,10 @@ SAME = {
     "the bowl is not in the sink": ("not", "inside", "bowl", "sink"),
     "robot_0 is not holding the bowl": ("not", "holding", "robot_0", "bowl"),
     "it is not true that robot_0 is at the sink": ("not", "at", "robot_0", "sink"),
+    "the microwave door must be open": ("door_open", "microwave"),
+    "the bowl should not be in the sink": ("not", "inside", "bowl", "sink"),
+    "robot_0 has to stand at the sink": ("at", "robot_0", "sink"),
+    "robot_0 must not hold anything": ("hand_empty", "robot_0"),
 }
 OTHER = (
     "robot_9 is at the sink",
@@ -301,7 +315,6 @@ OTHER = (
     "robot_0 and robot_1 hold nothing",
     "it is not so that the bowl is not in the sink",
     "the dishwasher is open",
-    "the bowl must not be in the sink",
     "the b\u043ewl is in the sink",
     "",
 )
