@@ -218,8 +218,10 @@ def test_a_model_that_cannot_tell_is_recorded_so() -> None:
         dark = lambda user: verdicts(*[None] * len(listed(user)))  # noqa: E731
         model.answers = {"checker_seen": dark, "checker_known": dark}
         report = run(model, "CC", planner="literal", conditions="rule", adjuster="rule", reflector="rule")
-        found = {check.verdict for check in report.pre_checks if predicate_kind(check.condition) != "felt"}
-        assert found == {None}
+        untold = [check for check in report.pre_checks if check.verdict is None]
+        answered = {check.reason for check in report.pre_checks if check.verdict is not None}
+        assert untold and answered == {"felt in the gripper", "fixtures stay in their places"}
+        assert {predicate_kind(check.condition) for check in untold} == {"seen", "known"}
         assert report.infrastructure is None and not report.adjusted
 
 
