@@ -1,6 +1,6 @@
 """Reasoning apart from the answer, where a model writes both into one text. The forms that are known:
 
-    <think>...</think>           also thinking, thought, reasoning, analysis, with a prefix as in <seed:think>
+    <think>...</think>           also thinking, thought, reasoning, analysis; <seed:think>, <chain_of_thought>
     [THINK]...[/THINK]           Magistral
     ◁think▷...◁/think▷           Kimi
     <|begin_of_thought|>...<|end_of_thought|>, <|START_THINKING|>...<|END_THINKING|>
@@ -16,9 +16,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-_WORDS = r"(?:think(?:ing)?|thoughts?|reason(?:ing)?|analysis|scratchpad)"
+_WORDS = r"(?:think(?:ing)?|thoughts?|reason(?:ing)?|analysis|scratchpad|monologue|cot)"
 _TAG = re.compile(
-    rf"<\s*(?P<a>/?)\s*(?:\w+:)?{_WORDS}(?:\s[^<>]{{0,80}})?>"
+    rf"<\s*(?P<a>/?)\s*(?:\w{{1,20}}[:_-])?{_WORDS}(?:_\w{{1,20}})?(?:\s[^<>]{{0,80}})?>"
     rf"|\[(?P<b>/?)(?:THINK(?:ING)?|REASONING)\]"
     rf"|[\u25c1\u25c0](?P<c>/?){_WORDS}[\u25b7\u25b6]"
     rf"|<\|(?P<d>/?){_WORDS}\|>"
@@ -38,9 +38,9 @@ _SEGMENT = re.compile(
 )
 _MARK = re.compile(r"<\|(?:end|return|call|start|message|channel|constrain)\|>")
 _BARE = re.compile(
-    r"\s*(?:analysis|commentary)(?P<thoughts>.*)assistant\s*final(?P<answer>.*)", re.DOTALL
+    r"\s*(?:assistant)?\s*(?:analysis|commentary)(?P<thoughts>.*)assistant\s*final(?P<answer>.*)", re.DOTALL
 )
-_BARE_ALONE = re.compile(r"\s*(?:analysis|commentary)(?=[A-Z])")
+_BARE_ALONE = re.compile(r"\s*(?:assistant)?(?:analysis|commentary)(?=[A-Z])")
 _BARE_FINAL = re.compile(r"\s*(?:assistant\s*final|final(?=[A-Z\[{]))")
 _GEMMA = re.compile(
     r"<\|channel>\s*(?:thought|thinking|analysis)?(?P<thoughts>.*?)(?:<channel\|>|(?P<open>\Z))", re.DOTALL

@@ -80,7 +80,11 @@ def _models(text: str, *names: str, **more: Any) -> Any:
 
 
 Models = Annotated[
-    list[str] | None, _models("provider:model, an entry that fills every role that speaks; may be repeated.", "--model")
+    list[str] | None,
+    _models(
+        "provider:model or provider:model,option=value: an entry that fills every role that speaks; may be repeated.",
+        "--model",
+    ),
 ]
 AskedModels = Annotated[
     list[str] | None, _models("provider:model to ask one tiny question; may be repeated.", "--model")

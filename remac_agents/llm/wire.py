@@ -182,10 +182,11 @@ def error_text(data: bytes) -> str:
 
 
 def _error_inside(body: dict[str, Any], data: bytes, where: str) -> ChatError:
-    """An error under status 200: as the status that it names, else as a failure of the endpoint."""
+    """An error under status 200: a refusal where it names the status of one, else a failure of the endpoint, which may
+    have cost something."""
     error = body["error"]
     code = error.get("code", error.get("status")) if isinstance(error, dict) else None
-    status = int(code) if str(code).isdecimal() and 400 <= int(code) < 600 else None  # type: ignore[arg-type]
+    status = int(code) if str(code).isdecimal() and 400 <= int(code) < 500 else None  # type: ignore[arg-type]
     told = where + error_text(data)
     if status is None and re.search(r"invalid_request|unsupported|context_length", told, re.IGNORECASE):
         status = 400  # a request that was refused, by an endpoint that had begun to answer it

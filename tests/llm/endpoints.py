@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from chaos_server import Act, Asked, refuses, says, sends
+from chaos_server import Act, Asked, says, sends
 
 Body = Mapping[str, Any]
 
@@ -247,8 +247,3 @@ def _holds(body: dict[str, Any], name: str) -> bool:
     if name == "images":
         return any(isinstance(message["content"], list) for message in body["messages"])
     return name in body
-
-
-def stubborn(status: int, message: str) -> Act:
-    """An endpoint that refuses whatever comes."""
-    return refuses(status, message)

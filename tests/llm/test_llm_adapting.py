@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy
 import pytest
-from chaos_server import refuses, says, sends, streams
+from chaos_server import chunk, event, refuses, says, sends, streams
 from endpoints import BOUNDS, CONTEXT, FULL, REFUSALS, Picky, llamacpp, openai
 from llm_kit import ASK, Kit, open_kit
 
@@ -202,6 +202,8 @@ def test_errors_under_status_200_are_read_as_what_they_are(kit: Kit) -> None:
     busy = sends(b'{"error": {"message": "slow down", "code": 429}}')
     assert kit.reply(busy, says()).attempts == 2
     assert kit.error(sends(b'{"error": {"message": "no credits", "code": 402}}')).kind == "quota"
+    failing = kit.reply(streams(chunk("ye"), event({"error": {"message": "overloaded", "code": 502}})), says())
+    assert (failing.attempts, failing.bill.requests, failing.bill.unpriced) == (2, 2, 2), "it had begun to answer"
 
 
 @pytest.mark.parametrize(
