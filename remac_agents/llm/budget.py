@@ -61,6 +61,11 @@ class Budget:
         """What has been booked so far."""
         return self._spent
 
+    def renew(self) -> None:
+        """Forget what was spent: the next job begins. What is under way stays admitted."""
+        with self._lock:
+            self._spent = Spent()
+
     def refuse(self, worst: Cost) -> str:
         """Admit a request and return "", or say which bound it would break. An admitted one must be booked."""
         with self._lock:

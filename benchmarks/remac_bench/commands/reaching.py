@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any
 
+import typer
+
 from remac_bench import agents
+from remac_bench.console import FAILED, plain
+from remac_bench.errors import UsageError
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class Reach:
     """The flags that say it; see `flags`."""
 
@@ -17,6 +22,26 @@ class Reach:
     providers: str | None = None
     via: str | None = None
     preflight: bool = True
+    cassette: str | None = None
+    replay: bool = False
+    max_calls: int | None = None
+    max_tokens: int | None = None
+    max_money: float | None = None
+    max_seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a replay of nothing.
+
+        Raises:
+            UsageError: for --replay without --cassette.
+        """
+        if self.replay and self.cassette is None:
+            raise UsageError("--replay needs --cassette FILE")
+
+    @classmethod
+    def of(cls, context: typer.Context) -> Reach:
+        """From the flags of a command."""
+        return cls(**{field.name: context.params[field.name] for field in fields(cls)})
 
     def __post_init__(self) -> None:
         """Refuse a provider, or a file of providers, that is not valid.
@@ -44,9 +69,28 @@ class Reach:
 
         if not isinstance(text, str) or not agents.is_model(text.partition(",")[0].strip(), self.providers):
             return make_role(role, text)
-        from remac_agents.models import Models  # only here: no offline role needs the client
+        from remac_agents.llm import Budget  # only here: no offline role needs the client
+        from remac_agents.models import LIMITS, Models
 
-        return make_role(role, text, models=Models(base_url=self.base_url, providers=self.providers))
+        bounds: dict[str, Any] = {
+            name: LIMITS.get(name) if (bound := getattr(self, f"max_{name}")) is None else bound
+            for name in ("calls", "tokens", "money", "seconds")
+        }
+        reached = {"base_url": self.base_url, "providers": self.providers, "cassette": self._tape}
+        return make_role(role, text, models=Models(budget=Budget(**bounds), **reached))
+
+    @cached_property
+    def _tape(self) -> Any:
+        """The cassette that all roles share; None where there is none.
+
+        Raises:
+            OptionError: if it cannot be read, or written.
+        """
+        if self.cassette is None:
+            return None
+        from remac_agents.llm import Cassette
+
+        return Cassette(self.cassette, mode="replay" if self.replay else "fill")
 
     def check(self, roles: Mapping[str, object]) -> None:
         """Ask each model among these one tiny question first.
@@ -57,4 +101,19 @@ class Reach:
         if self.preflight and any(hasattr(role, "client") for role in roles.values()):
             from remac_bench.commands.preflight import check_models
 
-            check_models(roles)
+            known = {"base_url": self.base_url, "providers": self.providers}
+            check_models(roles, agents.Access(**known, cassette=self.cassette, replay=self.replay))
+
+
+def tell_unscored(reasons: Sequence[str]) -> None:
+    """Say that plans could not be asked for, and end the command.
+
+    Raises:
+        typer.Exit: 1 where there are any.
+    """
+    if reasons:
+        more = "" if len(reasons) == 1 else f", and {len(reasons) - 1} more"
+        typer.echo(
+            f"infrastructure error, not scored: {plain(reasons[0])}{more}; the same command asks again", err=True
+        )
+        raise typer.Exit(FAILED)

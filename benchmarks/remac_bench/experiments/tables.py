@@ -12,7 +12,8 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from remac_bench.experiments.trials import Count, Trial, counted, faults
+from remac_bench.experiments.desk import Trial
+from remac_bench.experiments.trials import Count, counted, faults
 
 Key = tuple[str, ...]
 

@@ -4,35 +4,19 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from remac_bench.experiments.book import Book
+from remac_bench.experiments.desk import Desk, Result, Trial
+from remac_bench.experiments.teaching import lesson, outdone, suboptimal, teachers
 from remac_bench.metrics import wilson
-from remac_bench.plans.ask import Cell, Taught, judged, teach, teach_by
-from remac_bench.plans.judge import Judgement
+from remac_bench.plans.ask import Cell
 from remac_env.tasks.spec import WORDINGS
 
-STARTS_TRIED = 10
-"""So many seeds are looked at for each start that is wanted, where starts are passed over."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Trial:
-    """One plan, and what it was asked for.
-
-    Attributes:
-        planner: its name in tables.
-        told: reflections were given, `lessons`; `own`: they come from the planner's own first iteration.
-    """
-
-    planner: str
-    cell: Cell
-    told: bool
-    judgement: Judgement
-    own: bool = False
-    lessons: tuple[str, ...] = ()
+__all__ = ["EXPERIMENTS", "Count", "counted", "faults", "reflection", "suboptimal", "validity", "wording"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,12 +44,16 @@ def reflection(
     robots: Sequence[int],
     starts: Sequence[str],
     reflectors: Mapping[str, object] | None = None,
-) -> Iterator[Trial]:
+    book: Book | None = None,
+) -> Iterator[Result]:
     """Told an earlier suboptimal plan and its reflections, does the planner answer with an optimal one?
 
-    Starts whose earlier plan was optimal already are passed over: they ask nothing. `reflectors`: see `teachers`.
+    Starts whose earlier plan was optimal already are passed over: they ask nothing. `reflectors`: see `teachers`;
+    `book`: what was found before.
     """
-    teaching = teachers(planners, reflectors)
+    book = Book() if book is None else book
+    teaching = teachers(planners, reflectors, book)
+    desk = Desk(planners, book)
     for kind in starts:
         for crew in robots:
             for task in tasks:
@@ -73,42 +61,7 @@ def reflection(
                 by_teacher = {teacher: wanted(teacher) for teacher in dict.fromkeys(teaching.values())}
                 found = {name: by_teacher[teacher] for name, teacher in teaching.items()}
                 for name, cell in _in_turns(found):
-                    yield _trial(name, planners[name], cell, found[name][cell], own=reflectors is not None)
-
-
-Teach = Callable[[Cell], Taught]
-
-
-def teachers(planners: Mapping[str, object], reflectors: Mapping[str, object] | None) -> dict[str, Teach]:
-    """Planner -> how its first iteration is played.
-
-    Args:
-        reflectors: planner -> the reflector that learns from its own first iteration, which it plans itself; None: all
-            are told what the rules learnt from the literal planner's.
-    """
-    if reflectors is None:
-        return dict.fromkeys(planners, teach)
-    return {
-        name: partial(teach_by, planner=planner, reflector=reflectors[name]) for name, planner in planners.items()
-    }
-
-
-def suboptimal(task: str, *, count: int, robots: int, starts: str) -> list[Cell]:
-    """The first `count` cells, by seed, in which the plan of the rules' first iteration was not optimal."""
-    return list(outdone(task, teach, count=count, robots=robots, starts=starts))
-
-
-def outdone(task: str, teacher: Teach, *, count: int, robots: int, starts: str) -> dict[Cell, Taught]:
-    """The first `count` cells, by seed, in which the first iteration's plan was not optimal, and what it taught."""
-    found: dict[Cell, Taught] = {}
-    for seed in range(count * STARTS_TRIED):
-        if len(found) == count:
-            break
-        cell = Cell(task=task, robots=robots, seed=seed, starts=starts)
-        lessons = teacher(cell)
-        if not judged(cell, lambda request, first=lessons.plan: dict(first)).optimal:
-            found[cell] = lessons
-    return found
+                    yield desk.trial(name, cell, found[name][cell], own=reflectors is not None)
 
 
 def wording(
@@ -119,17 +72,20 @@ def wording(
     robots: Sequence[int],
     starts: Sequence[str],
     reflectors: Mapping[str, object] | None = None,
-) -> Iterator[Trial]:
+    book: Book | None = None,
+) -> Iterator[Result]:
     """Is the initial plan valid, by wording of the goal, with and without an earlier iteration's reflections?
 
-    `reflectors`: see `teachers`.
+    `reflectors`: see `teachers`; `book`: what was found before.
     """
-    teaching = teachers(planners, reflectors)
+    book = Book() if book is None else book
+    teaching = teachers(planners, reflectors, book)
+    desk = Desk(planners, book)
     for number in WORDINGS:
         for cell in _cells(tasks, count, robots, starts, wording=number):
-            for name, planner in planners.items():
-                yield _trial(name, planner, cell)
-                yield _trial(name, planner, cell, teaching[name](cell), own=reflectors is not None)
+            for name in planners:
+                yield desk.trial(name, cell)
+                yield desk.trial(name, cell, lesson(teaching[name], cell), own=reflectors is not None)
 
 
 def validity(
@@ -140,11 +96,13 @@ def validity(
     robots: Sequence[int],
     starts: Sequence[str],
     reflectors: Mapping[str, object] | None = None,
-) -> Iterator[Trial]:
+    book: Book | None = None,
+) -> Iterator[Result]:
     """What is wrong with initial plans for the simplest wording? Nothing is told, so that no reflector is asked."""
+    desk = Desk(planners, Book() if book is None else book)
     for cell in _cells(tasks, count, robots, starts):
-        for name, planner in planners.items():
-            yield _trial(name, planner, cell)
+        for name in planners:
+            yield desk.trial(name, cell)
 
 
 EXPERIMENTS = {"reflection": reflection, "wording": wording, "validity": validity}
@@ -176,9 +134,3 @@ def _in_turns(cells: Mapping[str, Iterable[Cell]]) -> Iterator[tuple[str, Cell]]
     for row in itertools.zip_longest(*cells.values()):
         yield from ((name, cell) for name, cell in zip(cells, row, strict=True) if cell is not None)
 
-
-def _trial(name: str, planner: object, cell: Cell, taught: Taught | None = None, *, own: bool = False) -> Trial:
-    told = taught is not None
-    lessons = () if taught is None else taught.reflections
-    judgement = judged(cell, planner, taught)
-    return Trial(planner=name, cell=cell, told=told, own=own and told, lessons=lessons, judgement=judgement)

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import remac_agents
 from remac_agents import Bounds, Memory, Plan, PlanError
-from remac_agents.accounts import PreviousTry
+from remac_agents.accounts import PreviousTry, Ran
 from remac_agents.agent import Agent
 from remac_agents.asking import previous_try
 from remac_agents.episode import Episode, Turns
 from remac_agents.methods import Method
+from remac_agents.printable import type_name, words
 from remac_agents.roles import StopEpisode
+from remac_bench.entries import MESSAGE_MAX
+from remac_bench.episode import Fault, blaming
 from remac_bench.plans.judge import Judgement, judge
+from remac_bench.redaction import redact
 from remac_env.oracle import certify
 
 
@@ -52,6 +56,18 @@ class Taught:
         """Its first plan, robot -> commands."""
         return self.previous.plan
 
+    def as_json(self) -> dict[str, Any]:
+        """The same as values that json.dumps takes."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, told: Mapping[str, Any]) -> Taught:
+        """What `as_json` made, read again."""
+        previous = told["previous"]
+        plan = {robot: tuple(row) for robot, row in previous["plan"].items()}
+        ran = tuple(Ran(**each) for each in previous["ran"])
+        return cls(PreviousTry(plan, previous["success"], ran), tuple(told["reflections"]))
+
 
 def kitchen(cell: Cell) -> Any:
     """The cell's kitchen on the symbolic backend.
@@ -78,8 +94,12 @@ def judged(cell: Cell, planner: object, taught: Taught | None = None) -> Judgeme
     """Ask the planner for a plan for all robots of the cell, and judge it.
 
     Args:
-        planner: a ready planner (`remac_agents.catalogue.make_role`).
+        planner: a ready planner (`remac_agents.catalogue.make_role`). What it raises counts as an answer that is no
+            plan, and so does a budget that is spent.
         taught: what it is told of an earlier iteration.
+
+    Raises:
+        StopEpisode: where it could not answer for a reason that is not its own, such as an endpoint that is down.
     """
     env = kitchen(cell)
     plan = ask(env, planner, cell.seed, taught)
@@ -87,7 +107,11 @@ def judged(cell: Cell, planner: object, taught: Taught | None = None) -> Judgeme
 
 
 def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> Plan | PlanError:
-    """The planner's answer at the start of the episode; one that is no plan is sent back as in an episode."""
+    """The planner's answer at the start of the episode; one that is no plan is sent back as in an episode.
+
+    Raises:
+        StopEpisode: see `judged`.
+    """
     answers: list[Plan | PlanError] = []
 
     def run(episode: Episode) -> Turns:
@@ -101,9 +125,32 @@ def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> P
     roles = remac_agents.make("BASE", planner=planner).roles
     agent = Agent(Method(name="PLAN", run=run), roles, memory=Memory(), bounds=Bounds())
     observations, infos = env.reset(seed=seed)
-    agent.reset(observations, infos)
-    agent.act(observations, infos)
-    return answers[0]
+    _renew(planner)
+    try:
+        with blaming("agent"):
+            agent.reset(observations, infos)
+            agent.act(observations, infos)
+    except Fault as fault:
+        return no_plan(fault)
+    if answers:
+        return answers[0]
+    report = agent.report()
+    if report.infrastructure is not None:
+        raise StopEpisode(report.infrastructure, infrastructure=True)
+    return PlanError(report.errors[-1] if report.errors else "the planner gave no answer")
+
+
+def no_plan(fault: Fault) -> PlanError:
+    """What a planner raised, as the answer that it did not give."""
+    return PlanError(f"{type_name(fault.error)}: {redact(words(fault.error))}"[:MESSAGE_MAX])
+
+
+def _renew(*roles: object) -> None:
+    """Give models a whole budget: it bounds a plan, or a first iteration, as it bounds a job."""
+    for role in roles:
+        budget = getattr(getattr(role, "models", None), "budget", None)
+        if budget is not None:
+            budget.renew()
 
 
 @lru_cache(maxsize=4096)
@@ -120,14 +167,17 @@ def teach_by(cell: Cell, *, planner: object, reflector: object) -> Taught:
 
     Raises:
         StopEpisode: where a role could not go on for a reason that is not its own, such as an endpoint that is down.
+        Fault: what a role raised.
     """
     env = kitchen(cell)
     agent = remac_agents.make("REMAC", planner=planner, reflector=reflector)  # its first iteration, one robot
     observations, infos = env.reset(seed=cell.seed)
-    agent.reset(observations, infos)
-    while env.agents:
-        observations, _, _, _, infos = env.step(agent.act(observations, infos))
-    agent.close_episode(observations, infos)
+    _renew(planner, reflector)
+    with blaming("agent"):
+        agent.reset(observations, infos)
+        while env.agents:
+            observations, _, _, _, infos = env.step(agent.act(observations, infos))
+        agent.close_episode(observations, infos)
     broken = agent.report().infrastructure
     if broken is not None:
         raise StopEpisode(broken, infrastructure=True)

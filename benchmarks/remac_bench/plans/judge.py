@@ -42,6 +42,14 @@ class Judgement:
         """The same as values that json.dumps takes."""
         return asdict(self)
 
+    @classmethod
+    def from_json(cls, told: Mapping[str, Any]) -> Judgement:
+        """What `as_json` made, read again."""
+        plan, error = told["plan"], told["error"]
+        rows = None if plan is None else {robot: tuple(row) for robot, row in plan.items()}
+        numbers = {name: told[name] for name in ("valid", "optimal", "rounds", "optimum")}
+        return cls(plan=rows, error=None if error is None else Fault(**error), **numbers)
+
 
 @dataclass(frozen=True)
 class _Course:
