@@ -25,7 +25,7 @@ from remac_agents.plan import Plan, PlanError
 from remac_agents.roles import Roles, StopEpisode
 from remac_env.errors import OptionError, check_choice, whole_number
 from remac_env.files import prepare_file
-from remac_env.values import python_value
+from remac_env.values import python_value, python_values
 
 __all__ = [
     "Agent",
@@ -101,10 +101,7 @@ def make(
     """
     name, lead, helper = map(python_value, (name, lead, helper))
     check_choice("method", name, METHODS)
-    retries = whole_number("retries", retries, 0)
-    max_adjustments = whole_number("max_adjustments", max_adjustments, 0)
-    max_rounds = whole_number("max_rounds", max_rounds, 0)
-    models = {option: python_value(value) for option, value in models.items()}
+    bounds = _bounds(rounds=max_rounds, retries=retries, adjustments=max_adjustments)
     iterations = None if iterations is None else whole_number("iterations", iterations, 0)
     given = {
         "planner": planner,
@@ -115,10 +112,17 @@ def make(
         "handover": handover,
         "summariser": summariser,
     }
-    bounds = Bounds(rounds=max_rounds, retries=retries, adjustments=max_adjustments)
-    roles = fill_roles(given, read_options(models), asks_again=METHODS[name].asks_again)
+    roles = fill_roles(given, read_options(python_values(models)), asks_again=METHODS[name].asks_again)
     return Agent(
         METHODS[name], roles, memory=_memory(memory), bounds=bounds, lead=lead, helper=helper, iterations=iterations
+    )
+
+
+def _bounds(*, rounds: int, retries: int, adjustments: int) -> Bounds:
+    return Bounds(
+        rounds=whole_number("max_rounds", rounds, 0),
+        retries=whole_number("retries", retries, 0),
+        adjustments=whole_number("max_adjustments", adjustments, 0),
     )
 
 

@@ -39,7 +39,8 @@ def experiment(server: ChaosServer, *more: str, count: int = 6) -> Any:
 
 @pytest.mark.parametrize(
     ("act", "told"),
-    [(refuses(402, "pay first"), "402|pay|money|balance"), (refuses(401, "who are you"), "unauthorised"), (refuses(418, "teapot"), "418|teapot")],
+    [(refuses(402, "pay first"), "402|pay|money|balance"),
+     (refuses(401, "who are you"), "unauthorised"), (refuses(418, "teapot"), "418|teapot")],
     ids=["no money", "wrong key", "an odd status"],
 )
 def test_one_plan_that_nobody_could_make(act: Act, told: str, server: ChaosServer, tmp_path: Path) -> None:

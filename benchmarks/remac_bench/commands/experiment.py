@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from remac_bench.command import joined, whole
-from remac_bench.console import INTERRUPTED, clean_errors, console
-from remac_bench.errors import UsageError
+from remac_bench.command import whole
+from remac_bench.console import clean_errors
 from remac_bench.flags import (
     BaseUrl,
     Cassette,
@@ -26,18 +23,12 @@ from remac_bench.flags import (
     Via,
 )
 
-if TYPE_CHECKING:
-    from remac_bench.experiments.book import Book
-    from remac_bench.experiments.desk import Result
-
 Names = Annotated[str, typer.Argument(help="reflection, wording or validity.")]
 Planners = Annotated[
     list[str] | None, typer.Option("--planner", help="As for `remac plan`; may be repeated. By default all offline.")
 ]
 MOST = 10_000
 """Starts a task at most: more is a slip of the keyboard."""
-
-OFFLINE = ("literal", "oracle", "random", "noop")
 
 
 @clean_errors
@@ -73,66 +64,6 @@ def experiment(
     extensions: Extensions = None,
 ) -> None:
     """Ask planners for plans only, and judge them by the skill table: seconds, no physics."""
-    import remac_env
-    from remac_bench import agents
-    from remac_bench.commands.reaching import Reach, tell_unscored
-    from remac_bench.experiments.book import Book
-    from remac_bench.experiments.desk import Trial, Unscored
-    from remac_bench.experiments.tables import as_json, tables
-    from remac_bench.experiments.trials import EXPERIMENTS
-    from remac_bench.extensions import find_local_modules, load_extensions
-    from remac_bench.jobs import parse_names
-    from remac_env.errors import check_choice
-    from remac_env.files import prepare_file
-    from remac_env.kitchen.starts import STARTS
-    from remac_env.tasks import get
+    from remac_bench.commands.planning import experiment_command
 
-    if file is not None:
-        prepare_file(file, "--json")
-    find_local_modules()
-    load_extensions(extensions or ())
-    check_choice("experiment", name, EXPERIMENTS)
-    check_choice("reflections", reflections, ("own", "rule"))
-    kinds = parse_names(joined(starts, "starts") or "paper", "starts")
-    for kind in kinds:
-        check_choice("starts", kind, STARTS)
-    crews = parse_names(joined(robots, "robots") or "1", "robots")
-    if not set(crews) <= {"1", "2"}:
-        raise UsageError(f"robots {','.join(crews)!r} is not valid; valid: 1, 2, or 1,2")
-    known = remac_env.tasks()
-    named = joined(tasks, "tasks")
-    chosen = parse_names(named, "tasks") if named else [task for task in known if get(task).in_table]
-    for task in chosen:
-        check_choice("task", task, known)
-    reach = Reach.of(context)
-    planners = {text: reach.fill("planner", text) for text in map(reach.routed, planner or OFFLINE)}
-    sizes = [int(crew) for crew in crews]
-    settings = {"command": f"experiment {name}", "planners": list(planners), "tasks": chosen, "n": count,
-                "robots": sizes, "starts": kinds, "reflections": reflections}  # fmt: skip
-    lines = file.with_suffix(".jsonl") if out is None and file is not None else out
-    book = Book(lines, settings)
-    reach.check(planners)
-    own = {text: reach.fill("reflector", agents.reflector_of(text, providers=providers)) for text in planners}
-    reflectors = own if reflections == "own" else None
-    where: dict[str, Any] = {"count": count, "robots": sizes, "starts": kinds}
-    results = _collected(EXPERIMENTS[name](planners, chosen, **where, reflectors=reflectors, book=book), book)
-    trials = [result for result in results if isinstance(result, Trial)]
-    for part in tables(name, trials):
-        console().print(part, crop=False)
-    if file is not None and file != lines:
-        file.write_text(json.dumps(as_json(name, trials), indent=1) + "\n", "utf-8")
-    tell_unscored([f"{each.planner}: {each.why}" for each in results if isinstance(each, Unscored)])
-
-
-def _collected(made: Iterator[Result], book: Book) -> list[Result]:
-    """All results; after Ctrl-C it is said what is kept.
-
-    Raises:
-        typer.Exit: 130 after Ctrl-C.
-    """
-    try:
-        return list(made)
-    except KeyboardInterrupt:
-        kept = f"{book.path} holds {len(book)} findings; the same command goes on" if book.path else "nothing is kept"
-        typer.echo(f"stopped: {kept}", err=True)
-        raise typer.Exit(INTERRUPTED) from None
+    experiment_command(context)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -67,43 +66,6 @@ def plan(
     extensions: Extensions = None,
 ) -> None:
     """Ask a planner for one plan and print it as JSON: valid, optimal, rounds, optimum and its first error."""
-    from remac_bench import agents
-    from remac_bench.commands.reaching import Reach, tell_unscored
-    from remac_bench.experiments.book import Book
-    from remac_bench.experiments.desk import Desk, Unscored
-    from remac_bench.experiments.teaching import lesson, teachers
-    from remac_bench.extensions import find_local_modules, load_extensions
-    from remac_bench.plans.ask import Cell
-    from remac_env.errors import check_choice
+    from remac_bench.commands.planning import plan_command
 
-    find_local_modules()
-    load_extensions(extensions or ())
-    cell = Cell(
-        task=task,
-        robots=robots,
-        seed=seed,
-        starts=starts,
-        wording=wording,
-        style=style,
-        layout=layout,
-        naming=naming,
-    )
-    check_choice("reflections-by", by, ("own", "rule"))
-    reach = Reach.of(context)
-    named = reach.routed(planner or "literal")
-    filled = reach.fill("planner", named)
-    book = Book(out, {"command": "plan", "planner": named, "reflections": by if taught else None})
-    desk = Desk({named: filled}, book)
-    if not desk.knows(named, cell, told=taught, own=by == "own"):
-        reach.check({"planner": filled})
-    lessons = None
-    if taught:
-        own = by == "own"
-        reflector = reach.fill("reflector", agents.reflector_of(named, providers=providers)) if own else None
-        (teacher,) = teachers({named: filled}, {named: reflector} if own else None, book).values()
-        lessons = lesson(teacher, cell)
-    found = desk.trial(named, cell, lessons, own=by == "own")
-    if isinstance(found, Unscored):
-        tell_unscored([found.why])
-    else:
-        typer.echo(json.dumps(found.judgement.as_json()))
+    plan_command(context)

@@ -30,11 +30,13 @@ class Reach:
     max_seconds: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a replay of nothing.
+        """Refuse a provider, or a file of providers, that is not valid, and a replay of nothing.
 
         Raises:
+            UnknownNameError, OptionError: naming what is valid.
             UsageError: for --replay without --cassette.
         """
+        agents.check_reach(via=self.via, providers=self.providers)
         if self.replay and self.cassette is None:
             raise UsageError("--replay needs --cassette FILE")
 
@@ -42,14 +44,6 @@ class Reach:
     def of(cls, context: typer.Context) -> Reach:
         """From the flags of a command."""
         return cls(**{field.name: context.params[field.name] for field in fields(cls)})
-
-    def __post_init__(self) -> None:
-        """Refuse a provider, or a file of providers, that is not valid.
-
-        Raises:
-            UnknownNameError, OptionError: naming what is valid.
-        """
-        agents.check_reach(via=self.via, providers=self.providers)
 
     def routed(self, text: str) -> str:
         """A role's text, in which a model of the paper goes by its route.
