@@ -151,8 +151,8 @@ def test_odd_reasoning_spoils_no_answer(odd: Any, kit: Kit) -> None:
     assert kit.reply(says("yes", reasoning_details=odd)).text == "yes"
 
 
-ENDINGS = [*((word, "") for word in STOPS), *((word, "cut_short") for word in LENGTHS)]
-ENDINGS += [*((word, "filtered") for word in FILTERED), *((word, "tool_call") for word in TOOLS)]
+ENDINGS = [*((word, "") for word in sorted(STOPS)), *((word, "cut_short") for word in sorted(LENGTHS))]
+ENDINGS += [*((word, "filtered") for word in sorted(FILTERED)), *((word, "tool_call") for word in sorted(TOOLS))]
 ENDINGS += [(word, "") for word in ("STOP", "FINISH_REASON_STOP", "<|im_end|>", "End-Turn", " eos ")]
 ENDINGS += [("MAX_TOKENS", "cut_short"), ("SAFETY", "filtered"), ("abort", "unfinished"), ("error", "unfinished")]
 ENDINGS += [("insufficient_system_resource", "unfinished"), ("vanished", "unfinished")]

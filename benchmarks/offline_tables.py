@@ -1,0 +1,141 @@
+"""Prints the tables of docs/experiments.md and README that need no physics: `python benchmarks/offline_tables.py NAME`."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from remac_bench.extensions import load_extensions
+from remac_bench.jobs import make_jobs
+from remac_bench.metrics import Row, overall, summarise
+from remac_bench.plans.ask import Cell, optimum
+from remac_bench.runner import Settings, run_jobs
+from remac_bench.store import Store
+
+TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
+FLOORS = ("reader", "memorised", "random")
+OUTSIDERS = Path(__file__).resolve().parents[1] / "tests" / "agents" / "outsiders_registered.py"
+
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, help="Tables of the symbolic backend.")
+
+Seeds = Annotated[int, typer.Option(help="Starts a task.")]
+
+
+@app.command()
+def lengths() -> None:
+    """Shortest plans of paper starts, by exact search."""
+    rows = [[task, *(str(optimum(Cell(task=task, robots=robots))) for robots in (1, 2))] for task in TASKS]
+    _print(["task", "one robot", "two robots"], rows)
+
+
+@app.command()
+def mixed(seeds: Seeds = 50) -> None:
+    """Mixed starts with offline roles: success and plan lengths by task."""
+    methods = ("BASE", "CC", "RE", "REMAC")
+    rows = _rows(methods, seeds=seeds, starts="mixed")
+    lines = []
+    for task in TASKS:
+        base, cc, re, remac = (rows[task, method] for method in methods)
+        told = [f"{_rate(cc)}, {_mean(cc.fpl)}", f"{_rate(re)}, {_mean(re.ipl)}", f"{_rate(remac)}, {_mean(remac.ipl)}"]
+        lines.append([task, _rate(base), *told])
+    _print(["task", "BASE", "CC: success, FPL", "RE: success, IPL", "REMAC: success, IPL"], lines)
+
+
+@app.command()
+def floors(seeds: Seeds = 50) -> None:
+    """What reads the goal, what knows plans by heart and what rolls dice, beside BASE: success by task and starts."""
+    lines = []
+    for starts in ("paper", "mixed"):
+        for planner in (None, *FLOORS):
+            rows = _rows(("BASE",), seeds=seeds, starts=starts, agent={} if planner is None else {"planner": planner})
+            name = planner or "literal (BASE)"
+            problems = sum(rows[task, "BASE"].problems for task in TASKS)
+            lines.append([starts, name, *(_rate(rows[task, "BASE"]) for task in TASKS), str(problems)])
+    _print(["starts", "planner", *TASKS, "problems"], lines)
+
+
+@app.command()
+def methods(seeds: Seeds = 50) -> None:
+    """Every method: success on paper and mixed starts, and rounds of the final plan."""
+    names = ("BASE", "CC", "RE", "REMAC", "SMART-LLM", "REFLECT", "REFLECT+CC", "CAPE", "BASE-BEST", "CC-BEST")
+    paper, other = (_rows(names, seeds=seeds, starts=starts) for starts in ("paper", "mixed"))
+    lines = []
+    for name in names:
+        both = [f"{_rate(paper[task, name])} / {_rate(other[task, name])}" for task in TASKS]
+        ends = [_mean(rows["all tasks", name].fpl) for rows in (paper, other)]
+        lines.append([name, *both, " / ".join(ends)])
+    _print(["method", *TASKS, "FPL"], lines)
+
+
+@app.command()
+def noisy(seeds: Seeds = 50) -> None:
+    """Success with a checker that errs at rate P either way."""
+    names, rates = ("CC", "RE", "REMAC"), (0.0, 0.05, 0.1, 0.2, 0.3)
+    found = {}
+    for rate in rates:
+        checker = {"checker": f"noisy,false_alarm={rate},miss={rate}"} if rate else {}
+        found[rate] = _rows(names, seeds=seeds, starts="paper", agent=checker)
+    lines = [[task, name, *(_rate(found[rate][task, name]) for rate in rates)] for task in TASKS for name in names]
+    _print(["task", "method", *(f"P = {rate:g}" for rate in rates)], lines)
+
+
+@app.command()
+def outsiders(seeds: Seeds = 20) -> None:
+    """Tasks made up without knowing the rule-based roles: rounds over the optimum for one robot, means."""
+    load_extensions((str(OUTSIDERS),))
+    tasks = ("FetchSponge", "RoastBun", "BoilEgg", "RinseCrab", "StashTwo", "CrowdedOven", "ShutLarder", "WashHerb")
+    names = ("BASE", "CC", "RE", "REMAC")
+    found = {s: _rows(names, tasks=tasks, seeds=seeds, starts=s, optimum=True) for s in ("paper", "mixed")}
+    lines = []
+    for task in tasks:
+        rates = [" / ".join(_rate(found[starts][task, name]) for starts in found) for name in names]
+        best = {starts: rows[task, "RE"].rounds for starts, rows in found.items()}
+        ratio = " / ".join(_mean(rows[task, "RE"].optimum, 2) for rows in found.values())
+        rounds = " / ".join(_mean(best[starts]) for starts in found)
+        lines.append([task, *rates, rounds, ratio])
+    _print(["task", *(f"{name}, paper / mixed" for name in names), "RE: rounds", "RE: over the optimum"], lines)
+
+
+def _rows(
+    methods: Sequence[str],
+    *,
+    seeds: int,
+    starts: str,
+    tasks: Sequence[str] = TASKS,
+    agent: Mapping[str, Any] | None = None,
+    optimum: bool = False,
+) -> dict[tuple[str, str], Row]:
+    """(task or "all tasks", method) -> its row."""
+    jobs = make_jobs(
+        tasks=tasks,
+        methods=methods,
+        seeds=range(seeds),
+        kitchen={"backend": "symbolic", "starts": starts},
+        agent=agent or {},
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        run_jobs(jobs, folder, Settings(optimum=optimum))
+        records = Store(folder).read()
+    return {(row.task, row.method): row for row in (*summarise(records), *overall(records))}
+
+
+def _rate(row: Row) -> str:
+    return f"{row.successes / row.n:.0%}" if row.n else "-"
+
+
+def _mean(value: float | None, digits: int = 1) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def _print(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """A table in Markdown."""
+    marks = ["---", *("---:" for _ in heads[1:])]
+    for line in (heads, marks, *rows):
+        typer.echo(f"| {' | '.join(line)} |")
+
+
+if __name__ == "__main__":
+    app()
