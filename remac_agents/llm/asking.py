@@ -191,7 +191,7 @@ class Asker:
             self.limiter.succeeded()
         elif outcome.kind == "rate_limited":
             self.limiter.rate_limited(wait_before(1, outcome.retry_after, self.jitter))
-        elif KINDS[outcome.kind].weighs:
-            self.limiter.failed()
+        elif KINDS[outcome.kind].weighs and not booking.unsent(outcome):
+            self.limiter.failed()  # who is not there needs no rest, and is told of at once
 
 

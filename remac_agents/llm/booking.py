@@ -31,14 +31,18 @@ def cost(outcome: ChatReply | ChatError, request: ChatRequest) -> Cost:
 def bill(outcome: ChatReply | ChatError, request: ChatRequest) -> Bill:
     """One request, for the record: nothing is estimated, and what is not known is said to be so."""
     money = 0.0 if _refused(outcome) else _money(outcome, request)
-    unsent = isinstance(outcome, ChatError) and outcome.tokens_in == 0 and outcome.status is None
     return Bill(
-        requests=int(not unsent),
+        requests=int(not unsent(outcome)),
         tokens_in=outcome.tokens_in or 0,
         tokens_out=outcome.tokens_out or 0,
         money=money or 0.0,
         unpriced=int(money is None),
     )
+
+
+def unsent(outcome: ChatReply | ChatError) -> bool:
+    """Whether nothing of a request was sent: nobody was there to talk to, or no time."""
+    return isinstance(outcome, ChatError) and outcome.tokens_in == 0 and outcome.status is None
 
 
 def _money(outcome: ChatReply | ChatError, request: ChatRequest) -> float | None:

@@ -13,7 +13,7 @@ import pytest
 from chaos_server import DONE, USAGE, ChaosServer, chunk, drips, event, hangs, refuses, says, sends, streams, thinks
 from llm_kit import KEY, Kit, fault
 
-from remac_agents.llm import Limiter
+from remac_agents.llm import Bill, Limiter
 from remac_agents.llm.retry import LONGEST_WAIT_S
 from remac_agents.llm.wire import Caps
 
@@ -27,10 +27,17 @@ def no_connection_is_unavailable(kit: Kit) -> None:
         closed = gone.url
     tls = kit.server.url.replace("http:", "https:")
     for url in (closed, "http://nobody.invalid/v1", tls):
+        kit.time.slept.clear()
         error = kit.error(base_url=url)
-        assert (error.kind, error.attempts, error.infrastructure) == ("endpoint_unavailable", 6, True), url
-    assert 0 < sum(kit.time.slept) < 180
+        assert (error.kind, 2 <= error.attempts <= 6, error.infrastructure) == ("endpoint_unavailable", True, True), url
+        assert url in error.detail and error.bill == Bill(), "nothing was sent, and nothing paid"
+        assert 0 < sum(kit.time.slept) < 10, "a server that is not there is told of at once"
     assert kit.server.asked == []
+    limiter = Limiter(start=4, clock=kit.time.clock)
+    for _ in range(5):
+        kit.time.slept.clear()
+        kit.error(base_url=closed, limiter=limiter)
+        assert sum(kit.time.slept) < 10, "nor does anyone wait for it to recover"
 
 
 @fault(2)
