@@ -66,8 +66,8 @@ class Agent:
     @property
     def picture_viewers(self) -> tuple[str, ...]:
         """The roles that the method asks and that look at pictures: their kitchen needs obs="state+images"."""
-        viewers = self.roles.picture_viewers()
-        return tuple(role for role in viewers if role == "planner" or self.method.checks)
+        asked = {name: role for name, role in self.roles.named().items() if name == "planner" or self.method.checks}
+        return tuple(name for name, role in asked.items() if getattr(role, "needs_images", False))
 
     def reset(self, obs: Told, infos: Told) -> None:
         """Begin an episode; one that was never closed is closed first, as a failure.

@@ -296,7 +296,3 @@ class Roles:
     def named(self) -> dict[str, object]:
         """Role -> who fills it."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
-
-    def picture_viewers(self) -> tuple[str, ...]:
-        """The roles that look at pictures."""
-        return tuple(name for name, role in self.named().items() if getattr(role, "needs_images", False))
