@@ -27,8 +27,9 @@ from remac_agents.llm.clock import Clock
 from remac_agents.llm.outcomes import Bill
 from remac_agents.roles import StopEpisode
 
-LIMITS: dict[str, float] = {"calls": 1000, "tokens": 5_000_000, "seconds": 6 * 3600.0}
-"""Bounds of a job where none are given. An episode with a model in every role takes about 60 calls."""
+LIMITS: dict[str, float] = {"calls": 1000, "tokens": 5_000_000, "seconds": 24 * 3600.0}
+"""Bounds of a job where none are given. An episode with a model in every role takes about 60 calls, and a model
+that reasons minutes for each: a job is not to fail because its model is slow."""
 
 STOPPING = ("over_budget",)
 """Kinds of errors that end the episode as a failure of the agent; those of the infrastructure end it unjudged."""
