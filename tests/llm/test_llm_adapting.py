@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,11 @@ from chaos_server import chunk, event, refuses, says, sends, streams
 from endpoints import BOUNDS, CONTEXT, FULL, REFUSALS, Picky, llamacpp, openai
 from llm_kit import ASK, Kit, open_kit
 
-from remac_agents.llm import KINDS, Budget, Cassette, ChatError, ChatReply, Manners, Picture
+from remac_agents.llm import KINDS, Bill, Budget, Cassette, ChatError, ChatReply, Manners, Picture
 from remac_agents.llm.adapting import Manner, respond
+from remac_agents.llm.cassette import _check
 from remac_agents.llm.refusals import refusal
-from remac_agents.llm.request import ChatRequest
+from remac_agents.llm.request import ChatRequest, digest
 from remac_agents.llm.wordings import tokens_told
 
 EVERYTHING: dict[str, Any] = {"max_tokens": 8192, "seed": 3, "response_format": {"type": "json_object"}}
@@ -286,3 +288,22 @@ def test_a_cassette_keeps_the_question_as_it_was_asked(kit: Kit) -> None:
 def test_every_kind_that_our_own_request_may_cause_is_infrastructure() -> None:
     blamed = {kind for kind, told in KINDS.items() if not told.infrastructure}
     assert blamed == {"oversized", "empty", "cut_short", "filtered", "tool_call", "over_budget"}
+
+
+def test_questions_keep_the_keys_that_they_always_had(kit: Kit) -> None:
+    endpoint = kit.client(base_url="http://127.0.0.1:9/v1", model="m").endpoint
+    asked = ChatRequest(endpoint, (("system", "You plan."), ("user", "Is it done?")), max_tokens=50, seed=3, label="x")
+    asked = replace(asked, response_format={"type": "json_object"}, versions={"a": "1"}, stream=True)
+    assert digest(asked.canonical()) == "f1f70f4e5d96e12da12ae0cb763bfeefb95ce2a53341fa6fb21c1a95ae4373c8"
+
+
+def test_cassettes_of_before_are_played(kit: Kit) -> None:
+    path = kit.folder / "c.jsonl"
+    told = kit.reply(says("yes"), cassette=Cassette(path))
+    entry = json.loads(path.read_text())
+    entry["value"] = {name: value for name, value in entry["value"].items() if name not in ("bill", "adaptations")}
+    entry["check"] = _check(entry)
+    path.write_text(json.dumps(entry) + "\n")
+    played = kit.reply(cassette=Cassette(path, mode="replay"))
+    assert (played.text, played.tokens_in, played.adaptations) == (told.text, told.tokens_in, ())
+    assert played.bill == Bill(requests=1, tokens_in=10, tokens_out=5, money=0.0, unpriced=1)
