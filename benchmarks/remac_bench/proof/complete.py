@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from remac_bench import agents, sight
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_bench.jobs import Job
@@ -90,7 +91,21 @@ def _listed(suite: Suite, jobs: Sequence[Job], providers: str | None) -> list[Jo
         entry = {name: value for name, value in job.agent.items() if given.get(name) != value}
         if not (set(entry) == {"planner"} and entry["planner"] in suite.floors):
             access = Access(base_url=job.access.base_url, providers=providers)
-            entries[json.dumps(entry, sort_keys=True, default=str)] = entry, access
+            entries[_text(entry)] = entry, access
     if not entries:
         return suite.jobs(backend=backend)
-    return [job for entry, access in entries.values() for job in suite.jobs([entry], backend=backend, access=access)]
+    named = [(entry, access) for entry, access in entries.values() if not _follows(entry, access, entries)]
+    return [job for entry, access in named for job in suite.jobs([entry], backend=backend, access=access)]
+
+
+def _text(entry: Mapping[str, Any]) -> str:
+    return json.dumps(entry, sort_keys=True, default=str)
+
+
+def _follows(entry: Mapping[str, Any], access: Access, entries: Mapping[str, Any]) -> bool:
+    """Whether an entry is another one of these in the methods that check, where who checks follows from the model."""
+    base = {name: value for name, value in entry.items() if name != "checker"}
+    if len(base) == len(entry) or _text(base) not in entries:
+        return False
+    checking = next(method for method in agents.methods() if sight.checks(method))
+    return sight.with_checker(checking, base, access) == dict(entry)
