@@ -1,4 +1,4 @@
-"""Prints the tables of docs/experiments.md and README that need no physics: `python benchmarks/offline_tables.py NAME`."""
+"""Prints the tables of docs/experiments.md and README without physics: `python benchmarks/offline_tables.py NAME`."""
 
 from __future__ import annotations
 

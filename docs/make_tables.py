@@ -10,8 +10,9 @@ A table stands between two comments, of which the first holds its command; what 
     ...
     <!-- end of table -->
 
-`table slow` takes longer than some seconds, or prints times; `text` puts what is printed into a block of its own. DIR in a
-command stands for a folder that is made for it; parts with && between them run one after the other, and the last prints.
+`table slow` takes longer than some seconds, or prints times; `text` puts what is printed into a block of its own. DIR
+in a command stands for a folder that is made for it; parts with && between them run one after the other, and the last
+prints.
 """
 
 from __future__ import annotations
