@@ -9,6 +9,7 @@ from typing import Any
 
 from remac_bench.judging.checkers import checkers_of
 from remac_bench.judging.episodes import cap_rounds, cap_seconds, cell, distinct, idle_share, problem, setting
+from remac_bench.judging.readers import given_of
 from remac_bench.judging.statistics import mean, wilson
 from remac_bench.records import Record
 from remac_env.oracle import LITTER_ROUNDS
@@ -28,6 +29,7 @@ class Row:
     Attributes:
         setting, task, agent, method, robots: what was played, and by whom.
         checker: who judged its conditions; "" where nobody is asked.
+        given: planners, and roles that were chosen, that were given rules or the truth (`judging.readers`).
         tries: episodes that a job has, the scored one included: the agent's budget.
         tasks, cells, problems: how many different ones there are among the scored episodes.
         n, successes: scored episodes, and those in which the goal held at the end.
@@ -56,6 +58,7 @@ class Row:
     agent: str
     method: str
     checker: str
+    given: str
     robots: int
     tries: int
     tasks: int
@@ -137,6 +140,7 @@ def _row(key: tuple[str, str, str], group: Sequence[Record], single: dict[Spot, 
         agent=agent,
         method=group[0].method,
         checker=checkers_of(group)[agent],
+        given=given_of(group)[agent],
         robots=max(record.robots for record in group),
         tries=1 + max(record.iteration for record in group),
         tasks=len({record.task for record in scored}),

@@ -20,6 +20,7 @@ from remac_bench.console import plain
 from remac_bench.errors import UsageError
 from remac_bench.judging.checkers import with_checkers
 from remac_bench.judging.episodes import code_note
+from remac_bench.judging.readers import with_readers
 from remac_bench.judging.results import results_sheets
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.records import Record
@@ -27,7 +28,7 @@ from remac_bench.store import FILE, Store
 from remac_env.files import prepare_file, prepare_folder
 
 COMPACT = (
-    *("task", "agent", "checker", "n", "problems", "tsr", "interval", "scr", "seconds", "ipl", "fpl"),
+    *("task", "agent", "checker", "given", "n", "problems", "tsr", "interval", "scr", "seconds", "ipl", "fpl"),
     *("crashed", "infrastructure"),
 )
 """Columns of the results that stand in the main table; the others come with `--all`."""
@@ -94,6 +95,7 @@ def tables(rows: Sequence[Row], *, note: str = "") -> list[RenderableType]:
         note: of which code the records are; see `remac_bench.judging.episodes.code_note`.
     """
     sheets = with_checkers(results_sheets(rows, (), folder="DIR"), {row.agent: row.checker for row in rows})
+    sheets = with_readers(sheets, {row.agent: row.given for row in rows})
     legend = f"[dim]{escape(plain(f'{LEGEND} {note}'))}[/dim]"
     return [*(_table(sheet, _loud(sheet, compact(sheet))) for sheet in sheets), legend]
 

@@ -13,6 +13,7 @@ from remac_bench.judging.episodes import code_note, distinct
 from remac_bench.judging.evolution import evolution_sheets
 from remac_bench.judging.published import paper_sheets, phase_sheets
 from remac_bench.judging.ranking import ranking_sheets
+from remac_bench.judging.readers import given_of, with_readers
 from remac_bench.judging.results import results_sheets
 from remac_bench.metrics import overall, summarise
 from remac_bench.records import Record
@@ -31,4 +32,5 @@ def assemble(records: Iterable[Record], *, blames: Sequence[Blame], title: str, 
         *audit_sheets(known, folder=folder),
         *blame_sheets(blames, folder=folder),
     ]
-    return Board(title=title, note=code_note(known), sheets=tuple(with_checkers(sheets, checkers_of(known))))
+    told = with_readers(with_checkers(sheets, checkers_of(known)), given_of(known))
+    return Board(title=title, note=code_note(known), sheets=tuple(told))

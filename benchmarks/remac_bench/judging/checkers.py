@@ -31,16 +31,18 @@ def need_naming(checkers: Iterable[str]) -> bool:
 
 def with_checkers(sheets: Sequence[Sheet], checkers: Mapping[str, str]) -> list[Sheet]:
     """The sheets with a column behind the agent's that says who checks, where that must be said."""
-    return [_named(sheet, checkers) for sheet in sheets] if need_naming(checkers.values()) else list(sheets)
+    named = need_naming(checkers.values())
+    return [behind_agent(sheet, COLUMN, checkers) for sheet in sheets] if named else list(sheets)
 
 
-def _named(sheet: Sheet, checkers: Mapping[str, str]) -> Sheet:
-    keys = [column.key for column in sheet.columns]
-    if "agent" not in keys or COLUMN.key in keys:
+def behind_agent(sheet: Sheet, column: Column, texts: Mapping[str, str]) -> Sheet:
+    """The sheet with a column behind the agent's: agent -> text. One without agents stays as it is."""
+    keys = [each.key for each in sheet.columns]
+    if "agent" not in keys or column.key in keys:
         return sheet
     behind = keys.index("agent") + 1
-    columns = (*sheet.columns[:behind], COLUMN, *sheet.columns[behind:])
-    names = [checkers.get(row["agent"].text, "") if "agent" in row else "" for row in sheet.rows]
+    columns = (*sheet.columns[:behind], column, *sheet.columns[behind:])
+    names = [texts.get(row["agent"].text, "") if "agent" in row else "" for row in sheet.rows]
     cells = [word(name) if name else DASH for name in names]
-    rows = [only_known({**row, COLUMN.key: cell}) for row, cell in zip(sheet.rows, cells, strict=True)]
+    rows = [only_known({**row, column.key: cell}) for row, cell in zip(sheet.rows, cells, strict=True)]
     return replace(sheet, columns=columns, rows=tuple(rows))
