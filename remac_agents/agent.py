@@ -12,7 +12,7 @@ from remac_agents.checked import checked, everyone
 from remac_agents.coalitions import skills_of
 from remac_agents.correspondence import Correspondence
 from remac_agents.episode import Episode
-from remac_agents.grants import readers, reads_rules, reads_truth
+from remac_agents.grants import isolation, readers, reads_rules, reads_truth
 from remac_agents.ledger import Check, EpisodeReport, Ledger
 from remac_agents.memory import Memory, Run
 from remac_agents.methods import Method
@@ -163,6 +163,7 @@ class Agent:
             reflections=tuple(ledger.reflections),
             truth_readers=readers(self._checked.named(), reads_truth),
             rule_readers=readers(self._checked.named(), reads_rules),
+            isolated=isolation(self.roles.named()),
             errors=tuple(ledger.errors),
             infrastructure=self._infrastructure,
             **self._correspondence.fields(),

@@ -146,8 +146,26 @@ def looks_at_pictures(role: str, given: object, *, providers: Path | str | None 
     return bool(getattr(_find(role, name), "needs_images", False))
 
 
+def is_plugin(role: str, given: object, *, providers: Path | str | None = None) -> bool:
+    """Whether a text names code from outside: no name of ours, no model, no address, no file of answers."""
+    name = given.get("name", "") if isinstance(given, Mapping) else given
+    if not isinstance(name, str) or name.partition(",")[0].strip() in ROLES[role]:
+        return False
+    bare = name.partition(",")[0].strip()
+    ours = role == "planner" and name.startswith(("http://", "https://", "answers:"))
+    return ":" in name and not ours and not (role in MODEL_ROLES and _is_model(bare, providers))
+
+
+def find_plugin(role: str, given: object) -> Any:
+    """The class, object or function that a text names, with its module imported; errors as those of `make_role`."""
+    told = given if isinstance(given, Mapping) else read_role(str(given))
+    return _find(role, str(told.get("name", "")))
+
+
 class FunctionRole:
     """A plain function in place of a role's only verb."""
+
+    outside = True
 
     def __init__(self, function: Any, verb: str) -> None:
         self._function = function

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from remac_agents.answers import MOST_LESSONS, Answers
-from remac_agents.grants import reads_truth
+from remac_agents.grants import is_ours, reads_truth
 from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summary
 from remac_agents.plan import PlanError
 from remac_agents.printable import words
@@ -53,7 +53,7 @@ class CheckedRole:
     def __init__(self, name: str, role: Any) -> None:
         self.role, self.answers = role, Answers(name, role)
         self.needs_truth, self.needs_rules = reads_truth(role), bool(getattr(role, "needs_rules", False))
-        self._told_seed = self.needs_truth or type(role).__module__.startswith("remac_agents.")
+        self._told_seed = self.needs_truth or is_ours(role)
 
     def begin_episode(self, seed: int, public_seed: int, iteration: int) -> None:
         """An episode begins. Its seed leads to its start: only who may know that is given it."""

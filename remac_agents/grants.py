@@ -18,3 +18,14 @@ def reads_rules(role: object) -> bool:
 def readers(roles: Mapping[str, object], reads: Callable[[object], bool]) -> tuple[str, ...]:
     """The names of the roles that do."""
     return tuple(name for name, role in roles.items() if reads(role))
+
+
+def is_ours(role: object) -> bool:
+    """Whether a role is one of this package, and not code from outside."""
+    return type(role).__module__.startswith("remac_agents.") and not getattr(role, "outside", False)
+
+
+def isolation(roles: Mapping[str, object]) -> bool | None:
+    """Whether all code from outside runs in processes of its own; None where there is none."""
+    outside = [role for role in roles.values() if not is_ours(role)]
+    return all(bool(getattr(role, "isolated", False)) for role in outside) if outside else None

@@ -139,6 +139,7 @@ class EpisodeReport:
         retries: how many steps were second or later tries.
         reflections: what this episode taught.
         truth_readers, rule_readers: the roles that were given the WorldState, and those that were given the Rules.
+        isolated: whether roles that are code from outside ran in processes of their own; None where none is.
         errors: replies of the planner that were no plans, other answers of models that were of no use, and why the
             episode was ended, if a role had to.
         usage, exchanges: what language models were asked, and what that took.
@@ -167,6 +168,7 @@ class EpisodeReport:
     pictures: Mapping[str, bytes] = field(default_factory=dict)
     infrastructure: str | None = None
     rule_readers: tuple[str, ...] = ()
+    isolated: bool | None = None
 
     @property
     def adaptations(self) -> tuple[str, ...]:

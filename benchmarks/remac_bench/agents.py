@@ -5,15 +5,18 @@ from __future__ import annotations
 import inspect
 import threading
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from remac_bench.errors import UsageError
+from remac_bench.outside import Servers
 from remac_env.errors import OptionError, check_choice
 
 if TYPE_CHECKING:
     from remac_bench.jobs import Job
+    from remac_bench.watch import Deadline
 
 DEFAULT_ITERATIONS = 2
 """RE and REMAC play iterations 0, 1, 2: learn, plan with what was learnt, share the work."""
@@ -31,25 +34,28 @@ OPTIONS = (*ROLES, "model", *BUDGET, "retries", "max_adjustments", "max_rounds",
 
 @dataclass(frozen=True, kw_only=True)
 class Access:
-    """How language models are reached.
+    """How language models, and roles that are code from outside, are reached.
 
     Attributes:
         base_url: of models that may be anywhere.
         providers: file that adds to the providers that are built in, or overrides them.
         cassette: file in which exchanges are recorded, and from which those that it holds are played.
         replay: nothing is asked for; what the cassette does not hold ends an episode unscored.
+        isolated: code from outside runs in processes of its own.
     """
 
     base_url: str | None = None
     providers: str | None = None
     cassette: str | None = None
     replay: bool = False
+    isolated: bool = True
 
     @property
     def told(self) -> dict[str, Any]:
         """For the record: files without their folders, and the digest of the providers'."""
         name = None if self.cassette is None else Path(self.cassette).name
         told = {"base_url": self.base_url, "cassette": name, "replay": self.replay}
+        told |= {} if self.isolated else {"isolated": False}
         if self.providers is None:
             return told
         from remac_agents.llm.provider_files import digest
@@ -72,6 +78,12 @@ class Lines:
         self._limiters: dict[str, Any] = {}
         self._cassettes: dict[Access, Any] = {}
         self._manners: Any = None
+        self.servers = Servers()
+
+    def outside(self, job: Job, deadline: Deadline) -> AbstractContextManager[dict[str, Any]]:
+        """The roles of this job that run in a process of their own, which ends with the block; see `Servers.roles`."""
+        given = plugins(job.agent, providers=job.access.providers) if job.access.isolated else {}
+        return self.servers.roles(given, deadline)
 
     def keywords(self, job: Job) -> dict[str, Any]:
         """Keywords of `remac_agents.make` for this job; none where no model is asked.
@@ -112,19 +124,28 @@ class Agent(Protocol):
         """What the episode leaves behind: remac_agents' EpisodeReport."""
 
 
-def make(job: Job, shared: Mapping[str, Any]) -> Agent:
+def make(job: Job, shared: Mapping[str, Any], outside: Mapping[str, Any] | None = None) -> Agent:
     """The job's agent, with a memory of its own that lives in this process.
 
     Args:
         shared: what it shares with others, from `Lines.keywords`.
+        outside: role -> who fills it, for roles that run in processes of their own.
 
     Raises:
         UnknownNameError, OptionError: for a method, planner, other role or model that does not exist.
     """
     import remac_agents
 
-    agent: Agent = remac_agents.make(job.method, **job.agent, **shared, iterations=job.iterations)
+    roles = {**job.agent, **(outside or {})}
+    agent: Agent = remac_agents.make(job.method, **roles, **shared, iterations=job.iterations)
     return agent
+
+
+def plugins(agent: Mapping[str, Any], *, providers: str | None = None) -> dict[str, Any]:
+    """Role -> who fills it, for the roles of an agent with these options that are code from outside."""
+    from remac_agents.catalogue import is_plugin
+
+    return {name: agent[name] for name in ROLES if name in agent and is_plugin(name, agent[name], providers=providers)}
 
 
 def asked_models(agent: Mapping[str, Any], *, providers: str | None = None) -> list[str]:

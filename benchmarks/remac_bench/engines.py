@@ -75,8 +75,11 @@ def play_all(
         return
     if picked == "here":
         lines = Lines()
-        for work in works:
-            yield work, _play_here(work, lines)
+        try:
+            for work in works:
+                yield work, _play_here(work, lines)
+        finally:
+            lines.servers.close()
     elif picked == "threads":
         yield from threads.play(works, count=min(engine.workers or THREADS, len(works)), watch=watch)
     elif picked == "ray":

@@ -40,6 +40,7 @@ def report_fields(report: Any) -> dict[str, Any]:
         "reflections": list(report.reflections),
         "truth_readers": list(report.truth_readers),
         "rule_readers": list(report.rule_readers),
+        "isolated": report.isolated,
         "planner_errors": [redact(text)[:MESSAGE_MAX] for text in report.errors],
         "usage": _copy(UsageEntry, report.usage),
         "adaptations": list(report.adaptations),

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from remac_agents.isolation.remote import RemoteError
 from remac_agents.printable import printable, type_name, words
 from remac_bench.agents import Agent
 from remac_bench.entries import MESSAGE_MAX, EndpointError, report_fields, save_pictures
@@ -42,11 +43,13 @@ class Fault(Exception):
     def entry(self) -> ErrorEntry:
         """The exception for the record: places without folders, and no value of a key that is set here."""
         frames = [(frame.f_code, line) for frame, line in traceback.walk_tb(self.error.__traceback__)][-FRAMES_MAX:]
+        places = [printable(f"{os.path.basename(c.co_filename)}:{line} in {c.co_name}") for c, line in frames]
+        places += self.error.where if isinstance(self.error, RemoteError) else []
         return ErrorEntry(
             kind=self.kind,
             type=type_name(self.error),
             message=redact(words(self.error))[:MESSAGE_MAX],
-            where=[printable(f"{os.path.basename(c.co_filename)}:{line} in {c.co_name}") for c, line in frames],
+            where=places[-FRAMES_MAX:],
         )
 
 

@@ -129,6 +129,10 @@ Jobs = Annotated[
 ]
 Video = Annotated[str, _run("none, failed, all, or first: the first seed's scored episode.")]
 Optimum = Annotated[bool, _run("Also search each episode's shortest plan.", "--optimum/--no-optimum")]
+Isolation = Annotated[
+    bool,
+    _run("Code from outside runs in processes of its own; tables name it where not.", "--isolation/--no-isolation"),
+]
 JobSeconds = Annotated[
     float | None,
     _run(

@@ -10,6 +10,7 @@ from typing import Any
 from remac_bench import agents, sight
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
+from remac_bench.watch import JOB_SECONDS, Deadline
 from remac_env.options import Options
 from remac_env.seeding import SEED_MAX, digest
 from remac_env.values import python_values
@@ -89,6 +90,8 @@ class Job:
         facts: dict[str, object] = {n: v for n, v in self.agent.items() if n not in given or given[n] != v}
         if self.options.robots != agents.default_robots(self.method):
             facts["robots"] = self.options.robots
+        if not self.access.isolated and agents.plugins(self.agent, providers=self.access.providers):
+            facts["isolated"] = "false"
         if self.iterations != agents.default_iterations(self.method):
             facts["iterations"] = self.iterations
         named = ", ".join(f"{name}={value}" for name, value in sorted(facts.items()))
@@ -204,7 +207,11 @@ def check_jobs(jobs: Sequence[Job]) -> None:
     for task, options in sorted(kitchens, key=str):
         remac_env.parallel_env(task, **asdict(options)).close()
     lines = agents.Lines()
-    for job in {(job.method, str(job.agent)): job for job in jobs}.values():
-        agents.make(job, lines.keywords(job))
+    try:
+        for job in {(job.method, str(job.agent)): job for job in jobs}.values():
+            with lines.outside(job, Deadline.within(JOB_SECONDS)) as outside:
+                agents.make(job, lines.keywords(job), outside)
+    finally:
+        lines.servers.close()
     if any(job.iterations < 0 for job in jobs):
         raise UsageError("iterations must be 0 or more: the number of the last iteration")

@@ -127,6 +127,7 @@ class Record(Model):
         worlds: the WorldState at the start and after each round, as plain values.
         truth_readers, rule_readers: the roles that were given the WorldState, and those that were given what the skill
             table enforces or advises; older records say nothing of the latter.
+        isolated: whether code from outside ran in processes of its own; None where there is none, or nobody knows.
         usage, exchanges: what language models were asked, and what that took.
         adaptations: how questions were sent otherwise than asked, because of what endpoints refuse, such as
             "max_tokens -> max_completion_tokens"; each once.
@@ -177,6 +178,7 @@ class Record(Model):
     reflections: list[str] = Field(default_factory=list)
     truth_readers: list[str] = Field(default_factory=list)
     rule_readers: list[str] = Field(default_factory=list)
+    isolated: bool | None = None
     planner_errors: list[str] = Field(default_factory=list)
     usage: UsageEntry = Field(default_factory=UsageEntry)
     exchanges: list[ExchangeEntry] = Field(default_factory=list)

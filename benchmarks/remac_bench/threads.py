@@ -56,6 +56,7 @@ def play(works: Sequence[Work], *, count: int, watch: Watch) -> Iterator[tuple[W
             yield work, records
     finally:
         stopped.set()
+        lines.servers.close()
 
 
 def _serve(waiting: SimpleQueue[Work], ended: SimpleQueue[Ended], stopped: threading.Event, lines: Lines) -> None:

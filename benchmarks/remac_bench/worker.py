@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from multiprocessing.connection import Connection
 from typing import Any
@@ -53,6 +54,8 @@ def serve(connection: Connection, extensions: Sequence[str]) -> None:
             connection.send([record.line() for record in play_job(work, lines)])
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
+    finally:
+        lines.servers.close()
 
 
 def play_job(work: Work, lines: Lines | None = None) -> list[Record]:
@@ -67,10 +70,13 @@ def play_job(work: Work, lines: Lines | None = None) -> list[Record]:
             env = _make_env(job)
     except Fault as fault:
         return [make_record(job, 0, course=Course(), report={}, fault=fault)]
+    own = Lines() if lines is None else None
     try:
-        return _play_iterations(work, env, lines, deadline)
+        return _play_iterations(work, env, lines or own or Lines(), deadline)
     finally:
         env.close()
+        if own is not None:
+            own.servers.close()
 
 
 def timed_out(work: Work) -> Record:
@@ -79,18 +85,24 @@ def timed_out(work: Work) -> Record:
     return make_record(work.job, work.job.iterations, course=Course(), report={}, fault=fault)
 
 
-def _play_iterations(work: Work, env: Any, lines: Lines | None, deadline: Deadline) -> list[Record]:
+def _play_iterations(work: Work, env: Any, lines: Lines, deadline: Deadline) -> list[Record]:
     job = work.job
     try:
         with blaming("infrastructure"):
-            shared = (lines or Lines()).keywords(job)
+            shared = lines.keywords(job)
     except Fault as fault:
         return [make_record(job, 0, course=Course(), report={}, fault=fault)]
-    try:
-        with blaming("agent"):
-            agent = agents.make(job, shared)
-    except Fault as fault:
-        return [make_record(job, job.iterations, course=Course(), report={}, fault=fault)]
+    with ExitStack() as stack:
+        try:
+            with blaming("agent"):
+                agent = agents.make(job, shared, stack.enter_context(lines.outside(job, deadline)))
+        except Fault as fault:
+            return [make_record(job, job.iterations, course=Course(), report={}, fault=fault)]
+        return _iterations(work, env, agent, deadline)
+
+
+def _iterations(work: Work, env: Any, agent: agents.Agent, deadline: Deadline) -> list[Record]:
+    job = work.job
     records: list[Record] = []
     for iteration in range(job.iterations + 1):
         name = f"{job.task}-{job.label}-seed{job.seed}-iteration{iteration}-{job.key}"

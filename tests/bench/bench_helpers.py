@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from remac_bench.agents import Access
 from remac_bench.jobs import Job, make_jobs
 from remac_bench.records import Record
 from remac_bench.store import Store
@@ -20,15 +21,21 @@ TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
 
 
 def jobs(
-    methods: str = "BASE", tasks: str = "HeatOnStove", seeds: range = range(2), **agent: Any
+    methods: str = "BASE",
+    tasks: str = "HeatOnStove",
+    seeds: range = range(2),
+    *,
+    isolated: bool = False,
+    **agent: Any,
 ) -> list[Job]:
-    """Symbolic jobs; names with commas between them."""
+    """Symbolic jobs; names with commas between them. Planners of the tests run in the worker unless `isolated`."""
     return make_jobs(
         tasks=tasks.split(","),
         methods=methods.split(","),
         seeds=seeds,
         kitchen={"backend": "symbolic"},
         agent=agent,
+        access=Access(isolated=isolated),
     )
 
 

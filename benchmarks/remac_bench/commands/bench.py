@@ -69,6 +69,7 @@ def run(
     address: flags.Address = None,
     jobs: flags.Jobs = None,
     job_seconds: flags.JobSeconds = None,
+    isolation: flags.Isolation = True,
     optimum: flags.Optimum = False,
     extensions: flags.Extensions = None,
 ) -> None:

@@ -32,7 +32,8 @@ def run_command(context: typer.Context) -> None:
     load_extensions(given["extensions"] or ())
     if given["out"] is None and given["suite"] is None:
         raise UsageError("--out is missing: a folder for the records; only a suite has one of its own")
-    access = Access(**{name: given[name] for name in ("base_url", "providers", "cassette", "replay")})
+    reached = {name: given[name] for name in ("base_url", "providers", "cassette", "replay")}
+    access = Access(**reached, isolated=given["isolation"])
     if access.replay and access.cassette is None:
         raise UsageError("--replay needs --cassette FILE")
     entries = _entries(context)

@@ -1,0 +1,56 @@
+"""Lines over a socket, with a bound on how long one may be and how long one is waited for."""
+
+from __future__ import annotations
+
+import select
+import socket
+from collections.abc import Callable
+
+LONGEST = 64_000_000
+"""Bytes of a line: a request with pictures has a few million."""
+
+
+class Ended(Exception):
+    """The other side is gone, or sends what is no line."""
+
+
+class Lines:
+    """One end of a socket."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self.socket, self._rest = end, bytearray()
+
+    def send(self, line: bytes) -> None:
+        """Send a line; Ended where nobody listens."""
+        try:
+            self.socket.sendall(line)
+        except OSError as error:
+            raise Ended from error
+
+    def receive(self, left: Callable[[], float | None] = lambda: None) -> bytes:
+        """The next line.
+
+        Args:
+            left: seconds that it may still take; None: as long as it takes.
+
+        Raises:
+            Ended: when the other side is gone, or a line is too long.
+            TimeoutError: when the time is up.
+        """
+        while True:
+            line, end, rest = self._rest.partition(b"\n")
+            if end:
+                self._rest = rest
+                return bytes(line)
+            if len(self._rest) > LONGEST:
+                raise Ended
+            seconds = left()
+            if seconds is not None and not select.select([self.socket], [], [], max(0.0, seconds))[0]:
+                raise TimeoutError
+            try:
+                part = self.socket.recv(1 << 20)
+            except OSError as error:
+                raise Ended from error
+            if not part:
+                raise Ended
+            self._rest += part

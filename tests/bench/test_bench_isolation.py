@@ -1,0 +1,119 @@
+"""Code from outside runs in processes of its own: each attack fails there, and works without."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from bench_helpers import jobs, odd_scene, read, timeless
+from remac_bench.report import read_rows
+from remac_bench.runner import Settings, Summary, run_jobs
+
+HERE = Settings(workers=0)
+
+
+def found(folder: Path, listed: list[Any], settings: Settings = HERE) -> list[Any]:
+    """What the spies wrote down while these jobs were played."""
+    assert run_jobs(listed, folder / "out", settings).infrastructure == ()
+    lines = (folder / "found.jsonl").read_text().splitlines()
+    return [json.loads(line) for line in lines]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where spies write."""
+    monkeypatch.setenv("SPY_FOLDER", str(tmp_path))
+    monkeypatch.setenv("ODD_SCENE", odd_scene())
+    return tmp_path
+
+
+@pytest.mark.parametrize("spy", ["WalksFrames", "CollectsGarbage", "Remembers"])
+def test_attacks_that_work_without_isolation(folder: Path, spy: str) -> None:
+    listed = jobs(seeds=range(2), planner=f"spying_planners:{spy}")
+    assert any(found(folder, listed))
+    assert {entry.isolated for entry in read(folder / "out")} == {False}
+    assert {row.agent for row in read_rows(folder / "out")} == {f"BASE (isolated=false, planner=spying_planners:{spy})"}
+
+
+@pytest.mark.parametrize("spy", ["WalksFrames", "CollectsGarbage", "ReadsModules", "ReadsRequests", "Remembers"])
+def test_attacks_that_isolation_withstands(folder: Path, spy: str) -> None:
+    listed = jobs(seeds=range(2), planner=f"spying_planners:{spy}", isolated=True)
+    assert found(folder, listed) == [[], []]
+    assert {entry.isolated for entry in read(folder / "out")} == {True}
+    assert {row.agent for row in read_rows(folder / "out")} == {f"BASE (planner=spying_planners:{spy})"}
+
+
+def test_a_request_leads_to_no_start_in_this_process_either(folder: Path) -> None:
+    assert found(folder, jobs(seeds=range(2), planner="spying_planners:ReadsRequests")) == [[], []]
+
+
+def test_who_declares_it_is_given_rules_and_truth(folder: Path) -> None:
+    listed = jobs(seeds=range(1), planner="spying_planners:Told", isolated=True)
+    assert found(folder, listed) == [["Scene", "WorldState", "All", False]]
+    (entry,) = read(folder / "out")
+    assert "planner" in entry.truth_readers and "planner" in entry.rule_readers
+
+
+ROLES = {
+    "planner": "remac_agents.planners.literal:LiteralPlanner",
+    "conditions": "remac_agents.conditions.rule:RuleConditions",
+    "checker": "remac_agents.checkers.truth:TruthChecker",
+    "adjuster": "remac_agents.adjusters.rule:RuleAdjuster",
+    "reflector": "remac_agents.reflectors.rule:RuleReflector",
+    "handover": "remac_agents.handovers.reflections:ReflectionHandover",
+    "summariser": "remac_agents.summarisers.rule:RuleSummariser",
+}
+PLAYED = ("outcomes", "worlds", "initial_plan", "final_plan", "pre_checks", "post_checks", "reflections", "success")
+
+
+@pytest.mark.parametrize("method", ["CC", "REMAC", "REFLECT"])
+def test_every_role_answers_the_same_in_a_process_of_its_own(folder: Path, method: str) -> None:
+    given = {**ROLES, **({"planner": f"{ROLES['planner']},mends=true"} if method == "REFLECT" else {})}
+    run_jobs(jobs(method, seeds=range(1), isolated=True, **given), folder / "apart", HERE)
+    run_jobs(jobs(method, seeds=range(1)), folder / "here", HERE)
+    apart, here = timeless(read(folder / "apart")), timeless(read(folder / "here"))
+    assert [entry["error"] for entry in apart] == [None] * len(here)
+    assert [{name: entry[name] for name in PLAYED} for entry in apart] == [
+        {name: entry[name] for name in PLAYED} for entry in here
+    ]
+
+
+@pytest.mark.parametrize(
+    ("deed", "type_", "message"),
+    [
+        ("leaves", "RoleDiedError", "the process of the roles ended with status 0"),
+        ("fails", "RoleDiedError", "the process of the roles ended with status -11"),
+        ("exits", "SystemExit", "enough"),
+        ("stops", "KeyboardInterrupt", ""),
+        ("deep", "Deep", ""),
+        ("odd", "Odd", "<unprintable Odd>"),
+        ("half", "Half", "half a pair: \\ud83d"),
+        ("sour", "", ""),
+        ("sour row", "", ""),
+        ("counts", "JobTimeoutError", "timeout: the job was not through after 5 s (--job-seconds)"),
+    ],
+)
+def test_what_roles_do_in_their_process_costs_their_episode(folder: Path, deed: str, type_: str, message: str) -> None:
+    settings = Settings(workers=0, job_seconds=5.0)
+    listed = jobs("CC", seeds=range(3), planner=f"odd_planners:Misbehaves,deed={deed}", isolated=True)
+    assert run_jobs(listed, folder, settings) == Summary(0, 3, ())
+    scored = {entry.seed: entry for entry in read(folder) if entry.scored}
+    assert {seed: entry.success for seed, entry in scored.items()} == {0: True, 1: False, 2: True}
+    error = scored[1].error
+    if type_ and error is not None:
+        assert (error.kind, error.type, error.message) == ("agent", type_, message)
+    assert (error is not None) == (type_ != "") or error is None or error.kind == "agent"
+
+
+def test_a_role_that_died_lives_again_in_the_next_iteration(folder: Path) -> None:
+    planner = "odd_planners:Misbehaves,deed=leaves"
+    run_jobs(jobs("RE", seeds=range(1, 2), planner=planner, isolated=True), folder, HERE)
+    assert [entry.error.type for entry in read(folder) if entry.error] == ["RoleDiedError"] * 3
+
+
+def test_processes_and_threads_isolate_too(folder: Path) -> None:
+    listed = jobs(seeds=range(2), planner="spying_planners:CollectsGarbage", isolated=True)
+    assert found(folder, listed, Settings(workers=1)) == [[], []]
+    assert found(folder / ".", listed, Settings(workers=2, engine="threads", fresh=True)) == [[]] * 4
