@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from remac_bench.errors import UsageError
-from remac_bench.outside import Servers
+from remac_bench.outside import Servers, plugins
 from remac_env.errors import OptionError, check_choice
 
 if TYPE_CHECKING:
@@ -141,13 +141,6 @@ def make(job: Job, shared: Mapping[str, Any], outside: Mapping[str, Any] | None 
     return agent
 
 
-def plugins(agent: Mapping[str, Any], *, providers: str | None = None) -> dict[str, Any]:
-    """Role -> who fills it, for the roles of an agent with these options that are code from outside."""
-    from remac_agents.catalogue import is_plugin
-
-    return {name: agent[name] for name in ROLES if name in agent and is_plugin(name, agent[name], providers=providers)}
-
-
 def asked_models(agent: Mapping[str, Any], *, providers: str | None = None) -> list[str]:
     """The language models that an agent with these options asks; none for an offline one.
 
@@ -162,12 +155,6 @@ def asked_models(agent: Mapping[str, Any], *, providers: str | None = None) -> l
         if text and text not in KNOWN[name] and is_model(text, providers):
             named.append(text)
     return sorted(set(named))
-
-
-def asks_around(agent: Mapping[str, Any], *, providers: str | None = None) -> bool:
-    """Whether an agent with these options waits for others: a language model, an HTTP address, a person."""
-    planner = str(agent.get("planner", ""))
-    return bool(asked_models(agent, providers=providers)) or planner.startswith(("http://", "https://", "human"))
 
 
 def is_model(text: str, providers: str | None = None) -> bool:

@@ -10,6 +10,7 @@ from typing import Any
 from remac_bench import agents, sight
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
+from remac_bench.outside import plugins
 from remac_bench.watch import JOB_SECONDS, Deadline
 from remac_env.options import Options
 from remac_env.seeding import SEED_MAX, digest
@@ -90,7 +91,7 @@ class Job:
         facts: dict[str, object] = {n: v for n, v in self.agent.items() if n not in given or given[n] != v}
         if self.options.robots != agents.default_robots(self.method):
             facts["robots"] = self.options.robots
-        if not self.access.isolated and agents.plugins(self.agent, providers=self.access.providers):
+        if not self.access.isolated and plugins(self.agent, providers=self.access.providers):
             facts["isolated"] = "false"
         if self.iterations != agents.default_iterations(self.method):
             facts["iterations"] = self.iterations

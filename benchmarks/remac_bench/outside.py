@@ -6,11 +6,45 @@ import json
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from remac_agents.isolation.remote import ForkServer
     from remac_bench.watch import Deadline
+
+
+def plugins(agent: Mapping[str, Any], *, providers: str | None = None) -> dict[str, Any]:
+    """Role -> who fills it, for the roles of an agent with these options that are code from outside.
+
+    Args:
+        providers: see `agents.Access`.
+    """
+    from remac_agents.catalogue import ROLES, is_plugin
+
+    return {name: agent[name] for name in ROLES if name in agent and is_plugin(name, agent[name], providers=providers)}
+
+
+def facts_of(role: str, given: object) -> dict[str, Any]:
+    """What a role that is code from outside says of itself (`needs_images` ...), without it being imported here.
+
+    Raises:
+        UnknownNameError, OptionError: for one that cannot be imported or made; what else it raises too.
+    """
+    return dict(_facts(role, json.dumps(given)))
+
+
+@lru_cache(maxsize=64)
+def _facts(role: str, given: str) -> Mapping[str, Any]:
+    from remac_bench.watch import JOB_SECONDS, Deadline
+
+    servers = Servers()
+    try:
+        with servers.roles({role: json.loads(given)}, Deadline.within(JOB_SECONDS)) as roles:
+            made = roles[role]
+            return {name: getattr(made, name) for name in ("needs_truth", "needs_rules", "needs_images")}
+    finally:
+        servers.close()
 
 
 class Servers:

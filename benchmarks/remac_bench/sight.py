@@ -7,6 +7,7 @@ from typing import Any
 
 from remac_bench import agents
 from remac_bench.errors import UsageError
+from remac_bench.outside import facts_of, plugins
 from remac_bench.records import Record
 
 IMAGE_SIZE = 512
@@ -43,7 +44,14 @@ def viewers(method: str, agent: Mapping[str, Any], access: agents.Access) -> tup
     from remac_agents.catalogue import looks_at_pictures
 
     filled = {role: who for role, who in _fillers(agent, access).items() if role == "planner" or checks(method)}
-    return tuple(role for role, who in filled.items() if looks_at_pictures(role, who, providers=access.providers))
+    outside = plugins(filled, providers=access.providers) if access.isolated else {}
+
+    def sees(role: str, who: object) -> bool:
+        if role in outside:
+            return bool(facts_of(role, who)["needs_images"])
+        return looks_at_pictures(role, who, providers=access.providers)
+
+    return tuple(role for role, who in filled.items() if sees(role, who))
 
 
 def kitchen_for(viewers: tuple[str, ...], kitchen: Mapping[str, Any]) -> dict[str, Any]:

@@ -31,11 +31,18 @@ LOOKS = 0.5
 """Between two looks at what is running, s."""
 
 
+def asks_around(agent: Mapping[str, Any], *, providers: str | None = None) -> bool:
+    """Whether an agent with these options waits for others: a language model, an HTTP address, a person."""
+    planner = str(agent.get("planner", ""))
+    asked = bool(agents.asked_models(agent, providers=providers))
+    return asked or planner.startswith(("http://", "https://", "human"))
+
+
 def job_seconds(given: float | None, agent: Mapping[str, Any], *, providers: str | None = None) -> float:
     """The bound on a job's wall time: what is given, else by who is asked; `providers` as in `agents.Access`."""
     if given is not None:
         return given
-    return ASKING_SECONDS if agents.asks_around(agent, providers=providers) else JOB_SECONDS
+    return ASKING_SECONDS if asks_around(agent, providers=providers) else JOB_SECONDS
 
 
 @dataclass(frozen=True)

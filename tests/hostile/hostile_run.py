@@ -120,8 +120,8 @@ def _player(folder: Path, agent: Mapping[str, Any], access: Access) -> Callable[
     kitchen = {"backend": "symbolic", "max_rounds": 6}
 
     def play(label: str) -> None:
-        chat = {"access": access} if "model" in agent else {}
-        jobs = make_jobs(tasks=[TASK], methods=METHODS, seeds=[0], kitchen=kitchen, agent=agent, **chat)
+        reached = access if "model" in agent else Access(isolated=False)  # in sight of the hook
+        jobs = make_jobs(tasks=[TASK], methods=METHODS, seeds=[0], kitchen=kitchen, agent=agent, access=reached)
         run_jobs(jobs, folder / label.replace(" ", "_"), Settings(workers=0))
 
     return play

@@ -95,7 +95,7 @@ class Reach:
         if self.preflight and any(hasattr(role, "client") for role in roles.values()):
             from remac_bench.commands.preflight import check_models
 
-            known = {"base_url": self.base_url, "providers": self.providers}
+            known: dict[str, Any] = {"base_url": self.base_url, "providers": self.providers}
             check_models(roles, agents.Access(**known, cassette=self.cassette, replay=self.replay))
 
 
