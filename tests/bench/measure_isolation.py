@@ -1,0 +1,31 @@
+"""Prints what a process of its own takes for each job of a role from outside: `python tests/bench/measure_isolation.py`."""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import time
+
+from remac_agents.isolation.remote import ForkServer, Host
+
+JOBS = 50
+
+
+def main() -> None:
+    """Start a server, and for each job a process that makes its roles."""
+    began = time.perf_counter()
+    server = ForkServer({"planner": "remac_agents.planners.literal:LiteralPlanner"})
+    imported = time.perf_counter() - began
+    taken = []
+    for _ in range(JOBS):
+        began = time.perf_counter()
+        host = Host(server)
+        host.roles()
+        host.end()
+        taken.append(1000 * (time.perf_counter() - began))
+    server.close()
+    sys.stdout.write(f"server {imported:.2f} s, once a worker; a job: median {statistics.median(taken):.0f} ms of {JOBS}\n")
+
+
+if __name__ == "__main__":
+    main()
