@@ -1,4 +1,4 @@
-"""Prints what a process of its own takes for each job of a role from outside: `python tests/bench/measure_isolation.py`."""
+"""Prints what a process of its own takes for a job of a role from outside: `python tests/bench/measure_isolation.py`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ def main() -> None:
         host.end()
         taken.append(1000 * (time.perf_counter() - began))
     server.close()
-    sys.stdout.write(f"server {imported:.2f} s, once a worker; a job: median {statistics.median(taken):.0f} ms of {JOBS}\n")
+    middle = statistics.median(taken)
+    sys.stdout.write(f"server {imported:.2f} s, once a worker; a job: median {middle:.0f} ms of {JOBS}\n")
 
 
 if __name__ == "__main__":
