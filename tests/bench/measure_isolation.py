@@ -1,4 +1,4 @@
-"""Prints what a process of its own takes for a job of a role from outside: `python tests/bench/measure_isolation.py`."""
+"""Prints what a process of its own takes for a job: `python tests/bench/measure_isolation.py`."""
 
 from __future__ import annotations
 
