@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import tomllib
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -70,9 +70,10 @@ class _Job:
 
 
 def run_chain(
-    chain: Mapping[str, Any], seed: int, *, style: str | None, layout: str | None, perception_noise: float
+    chain: Mapping[str, Any], seed: int, *, style: str | None, layout: str | None, perception_noise: float,
+    before: Callable[[PhysicsBackend, str], None] | None = None,
 ) -> list[Trial]:
-    """Run one chain on one seed; the first tries of its steps."""
+    """Run one chain on one seed; the first tries of its steps. ``before`` is called with every command that is run."""
     worlds = TaskWorlds(_spec(chain))
     start, _ = worlds.start(
         seed, style=style, layout=layout, starts="paper", robots=(ROBOT,), perception_noise=perception_noise
@@ -86,6 +87,8 @@ def run_chain(
             trials.append(Trial(text, seed, None))
             continue
         label = _label(start.scene, world, subtask)
+        if before is not None:
+            before(backend, text)
         result = backend.run_round({ROBOT: subtask})
         trials.append(Trial(label, seed, result.outcomes[ROBOT]))
         if not result.outcomes[ROBOT].success and _can_be_tried(start.scene, result.world, subtask):

@@ -42,8 +42,13 @@ SPEED = np.array([0.5, 0.5, 0.8, 0.2, *[1.6] * 7])
 # Position servos: stiffness, damping, largest force.
 ARM_STIFFNESS = (4500.0, 4500.0, 3500.0, 3500.0, 2000.0, 2000.0, 2000.0)
 ARM_DAMPING = (450.0, 450.0, 350.0, 350.0, 200.0, 200.0, 200.0)
-# The maker gives 12 for the last three; 40 lets the wrist hold a full pan by its handle without sagging.
-ARM_FORCE = (87.0, 87.0, 87.0, 87.0, 40.0, 40.0, 40.0)
+# N m, the maker's largest torques (Franka Emika, Panda datasheet and FCI documentation), gravity compensation included.
+ARM_FORCE = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
+# N, of each finger: what the hand's maker allows continuously (70 N; up to 140 N for a moment).
+FINGER_FORCE = 70.0
+# N along each axis: together no more than wheels with a friction of 0.5 give the robot's 105 kg on a floor.
+BASE_FORCE = 350.0
+BASE_ACCELERATION = 2.5  # m/s2 in drives, which the base can follow with that force
 
 # Postures of the arm (7 joints).
 HOME_ARM = np.array([0.0, -0.35, 0.0, -2.3, 0.0, 1.95, math.pi / 4])

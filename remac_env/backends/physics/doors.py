@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remac_env.backends.physics.collision import OTHER, TARGET
 from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import STEP_LIMIT
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
@@ -25,12 +26,18 @@ _PLANNED = 0.05  # rad beyond, in planning
 _BEYOND = 0.06  # rad by which the command may go beyond
 # rad/s; slower where a leaf is nearly shut: a hand that still leads presses bar and panel on the fingers, which then
 # do not open.
-_SPEED, _SHUTTING = 0.7, 0.35
+_SPEED, _SHUTTING, _LANDING = 0.7, 0.35, 0.15
+_STARTING = 12  # control periods in which the hand comes up to speed
+_LAST = 0.12  # rad before it is shut over which a leaf lands
 _LEAD = 0.22  # rad by which the command may run ahead of the door
 _STALLED = 25  # control periods without progress
 # Share of the door's turn that the hand follows; the round bar turns in the fingers.
 _OPENING_FOLLOWS, _CLOSING_FOLLOWS = (0.5, 0.8, 0.3), (0.3, 0.5, 0.15, 0.65)
+# Share, each period, of what forces hold the hand off the arc by which the command yields to them, across the bar's way.
+_YIELD, _YIELD_MOST = 0.3, 0.03  # the latter in m
+_PALM = 0.025  # m along the hand from the bar's middle to the palm, with a little air
 _NARROW_GRIP = 0.024  # m of finger travel with which the inner finger fits between bar and panel
+_SQUEEZE = 0.005  # m by which each finger is commanded into the bar: 20 N of the servo's 4000 N/m; a door needs 3 N
 _BAR_GRIP = 0.010  # m of finger travel around the bar
 # How much the base helps along the arc: as ever, or hardly where another robot stands close by.
 _HELP = (DOOR_WEIGHTS, DOOR_WEIGHTS * np.array([0.1, 0.1, 0.1, *[1.0] * 8]))
@@ -39,18 +46,34 @@ _DISTANCES, _SIDES, _TURNS = (0.58, 0.5, 0.66, 0.74), (-0.05, 0.1, -0.2, 0.25, 0
 
 @dataclass(frozen=True)
 class _Door:
-    """A leaf's geometry: hinge line, handle in the leaf's frame; sign: 1 where it is hinged on the left, else -1."""
+    """A leaf's geometry: hinge line, handle in the leaf's frame; sign: 1 where it is hinged on the left, else -1.
+
+    half, radius: of the bar, an upright rod, m.
+    """
 
     joint: str
     hinge: Array
     bar: Array
+    half: float
+    radius: float
     sign: float
     address: int
     geoms: tuple[int, ...]
 
-    def at(self, angle: float) -> Array:
-        """Position of the handle's middle."""
-        return self.hinge + self.turn(angle) @ self.bar
+    def at(self, angle: float, higher: float = 0.0) -> Array:
+        """Position of the handle's middle, or of a place so much higher on it (m)."""
+        return self.hinge + self.turn(angle) @ self.bar + [0.0, 0.0, higher]
+
+    def outward(self, angle: float) -> Array:
+        """Horizontal direction (3,), of length 1, from the hinge to the handle."""
+        way = (self.turn(angle) @ self.bar) * [1.0, 1.0, 0.0]
+        return np.asarray(way / np.linalg.norm(way))
+
+    def clear_of_palm(self, pitch: float) -> float:
+        """How much higher (m) a hand pitched down by so much (rad) takes the bar, whose end would meet its palm."""
+        if pitch >= 0.0:
+            return 0.0
+        return max(0.0, self.half - max(0.0, _PALM - self.radius) / math.sin(-pitch))
 
     def turn(self, angle: float) -> Array:
         """Rotation (3, 3) of the door when it has been opened by an angle, rad."""
@@ -59,10 +82,11 @@ class _Door:
 
 @dataclass(frozen=True)
 class _DoorGrasp(Grasp):
-    """A grasp of the bar, with the share of the door's turn that the hand follows."""
+    """A grasp of the bar, so much above its middle (m), with the share of the door's turn that the hand follows."""
 
     follows: float
     weights: Array
+    higher: float
 
 
 def open_door(here: Surroundings, name: str) -> Steps:
@@ -119,8 +143,11 @@ def _door(here: Surroundings, leaf: Door) -> _Door:
     joint = model.joint(leaf.joint)
     hinge = np.array(model.body(leaf.joint).pos) + here.shift(leaf.grip)
     bar = np.array(model.site(leaf.grip).pos)
+    radius, half, _ = model.geom(leaf.grip).size
     geoms = tuple(here.simulation.geoms(leaf.joint))
-    return _Door(leaf.joint, hinge, bar, -float(joint.axis[2]), int(joint.qposadr[0]), geoms)
+    return _Door(
+        leaf.joint, hinge, bar, float(half), float(radius), -float(joint.axis[2]), int(joint.qposadr[0]), geoms
+    )
 
 
 def _swing_leaf(here: Surroundings, door: _Door, target: float) -> Steps:
@@ -129,7 +156,8 @@ def _swing_leaf(here: Surroundings, door: _Door, target: float) -> Steps:
     here.begin()
     yield from tuck(here)
     start = simulation.joint(door.joint)
-    here.begin(door.geoms[1:])
+    bar, posts = door.geoms[1:2], door.geoms[2:]
+    here.begin(bar)
     robot.grip = panda.FINGER_OPEN if target > start else _NARROW_GRIP
     scratch.fingers(robot.grip)
     grasps = _grasps(door, start, closing=target < start)
@@ -137,7 +165,9 @@ def _swing_leaf(here: Surroundings, door: _Door, target: float) -> Steps:
     def after(goal: Array, grasp: Grasp) -> bool | None:
         if not isinstance(grasp, _DoorGrasp):
             return None
+        scratch.mark(posts, TARGET)  # which the bar may turn against the fingers, once they hold it
         free = _arc_is_free(here, door, goal, grasp, start, target)
+        scratch.mark(posts, OTHER)
         scratch.data.qpos[door.address] = start
         scratch.fingers(robot.grip)
         return True if free else None
@@ -188,17 +218,19 @@ def _grasps(door: _Door, angle: float, *, closing: bool) -> list[_DoorGrasp]:
     To open, the hand starts square to the panel. To close, it starts turned from the wall by its share of the door's
     angle, so that it ends square: the mirror of opening, and the robot stays in front of the fixture.
     """
-    at = door.at(angle)
-    pitches = (0.0, -0.4, -0.8) if at[2] > 1.25 else (-0.8, -0.5, 0.0)
+    pitches = (0.0, -0.4, -0.8) if door.bar[2] > 1.25 else (-0.8, -0.5, 0.0)
     found: list[_DoorGrasp] = []
     for pitch in pitches:
+        higher = door.clear_of_palm(pitch)
+        at = door.at(angle, higher)
         for follows in _CLOSING_FOLLOWS if closing else _OPENING_FOLLOWS:
             turn = door.turn(follows * angle if closing else angle)
             for side in (1.0, -1.0):
                 approach = turn @ np.array([0.0, math.cos(pitch), math.sin(pitch)])
                 hand = grip_frame(approach, turn @ np.array([side, 0.0, 0.0]))
                 for help_ in _HELP:
-                    found.append(_DoorGrasp(at + hand[:, 2] * 0.004, hand, at - hand[:, 2] * 0.12, follows, help_))
+                    before = at - hand[:, 2] * 0.12
+                    found.append(_DoorGrasp(at + hand[:, 2] * 0.004, hand, before, follows, help_, higher))
     return sorted(found, key=lambda grasp: grasp.weights is not _HELP[0])
 
 
@@ -215,7 +247,7 @@ def _arc_is_free(
         angle = start + (beyond - start) * k / count
         at = door.turn(grasp.follows * (angle - start)) @ grasp.rotation
         step = planner.kinematics.track(
-            q, door.at(angle), at, weights=grasp.weights, iterations=6, largest=1.7 * STEP_LIMIT
+            q, door.at(angle, grasp.higher), at, weights=grasp.weights, iterations=6, largest=1.7 * STEP_LIMIT
         )
         q = step.q
         panel = {door.address: max(angle, 0.0)}
@@ -237,21 +269,36 @@ def _follow_arc(here: Surroundings, door: _Door, grasp: _DoorGrasp, start: float
     """Lead the bar along its arc until the door is there or stops moving."""
     simulation, planner, robot = here.simulation, here.planner, here.robot
     sign = math.copysign(1.0, target - start)
-    angle, last, stalled = start, start, 0
-    for _ in range(300):
+    angle, last, stalled, shift = start, start, 0, np.zeros(3)
+    for period in range(1, 301):
         now = simulation.joint(door.joint)
         limit = min(sign * now + _LEAD, sign * target + _BEYOND)
-        speed = _SHUTTING if 0.0 > sign * angle > -_LEAD else _SPEED
+        speed = min(1.0, period / _STARTING) * (_pace(sign * angle) if sign < 0.0 else _SPEED)
         angle = sign * min(sign * angle + speed * CONTROL_PERIOD, limit)
         at = door.turn(grasp.follows * (angle - start)) @ grasp.rotation
-        step = planner.kinematics.track(robot.q, door.at(angle), at, weights=grasp.weights, largest=STEP_LIMIT)
+        robot.grip = max(0.0, 0.5 * robot.opening - _SQUEEZE)
+        bar = door.at(angle, grasp.higher) + shift
+        step = planner.kinematics.track(robot.q, bar, at, weights=grasp.weights, largest=STEP_LIMIT)
         yield from here.mover.step(step.q)
+        shift = _yielding(shift + _YIELD * here.mover.deflection(), door.outward(now))
         reached = sign * now >= sign * target - (0.005 if sign < 0 else 0.0)
         if reached:
-            return
+            break
         if sign * now > sign * last + 0.004:
             last, stalled = now, 0
         else:
             stalled += 1
         if stalled > _STALLED:
-            return
+            break
+    robot.q = robot.measured  # no longer pressing on, so that the fingers let go easily
+
+
+def _pace(angle: float) -> float:
+    """How fast (rad/s) a leaf is shut that stands at ``-angle``."""
+    return _SPEED if angle < -_LEAD else _SHUTTING if angle < -_LAST else _LANDING
+
+
+def _yielding(shift: Array, outward: Array) -> Array:
+    """The parts of a shift (3,) along the leaf and upwards: along its way the hand has to pull."""
+    along = float(np.clip(shift @ outward, -_YIELD_MOST, _YIELD_MOST))
+    return along * outward + [0.0, 0.0, float(np.clip(shift[2], -_YIELD_MOST, _YIELD_MOST))]

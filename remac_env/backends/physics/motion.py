@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Generator, Sequence
 
@@ -16,8 +17,21 @@ Steps = Generator[None, None, None]
 
 LAG_LIMIT = 0.08  # rad or m by which a joint may miss all of the latest commands
 LAG_PERIODS = 6  # the servos follow 0.1 s late at steady speed, and later while they accelerate
+SERVO_LAG = 2  # periods by which the servos follow late at steady speed (damping over stiffness: 0.1 s)
 LAG_PATIENCE = 12  # control periods
 _GENTLE = 0.0018  # m by which each finger is commanded into the thing: 7 N of the servo's 4000 N/m
+
+
+def periods_between(start: Array, corner: Array, speed: float = 1.0) -> int:
+    """Control periods in which a motion from ``start`` to ``corner`` keeps to ``speed`` (share of the usual speeds).
+
+    The motion is a smooth step, whose greatest speed is 1.5 and greatest acceleration 6 times its mean: the base, which
+    is heavy, keeps to an acceleration too.
+    """
+    change = np.abs(corner - start)
+    longest = 1.5 * float(np.max(change / (panda.SPEED * speed)))
+    pull = math.sqrt(6.0 * float(np.hypot(change[0], change[1])) / panda.BASE_ACCELERATION)
+    return int(np.ceil(max(longest, pull) / CONTROL_PERIOD))
 
 
 class StuckError(Exception):
@@ -47,12 +61,18 @@ class Mover:
             self._late = 0
             raise StuckError(f"the robot is {lag:.2f} off its command")
 
+    def deflection(self) -> Array:
+        """How far (3,) forces hold the hand off its way (m): from where the command of two periods ago would have it."""
+        if len(self._commands) < LAG_PERIODS:
+            return np.zeros(3)
+        wanted, _ = self._kinematics.forward(self._commands[-1 - SERVO_LAG])
+        return np.asarray(self.robot.grip_pose()[0] - wanted)
+
     def go(self, corners: Sequence[Array], speed: float = 1.0) -> Steps:
         """Through joint way points, slowing down at each; ``speed`` scales the usual speeds."""
         for corner in corners:
             start = self.robot.q.copy()
-            longest = float(np.max(np.abs(corner - start) / (panda.SPEED * speed)))
-            count = max(2, int(np.ceil(longest * 1.5 / CONTROL_PERIOD)))
+            count = max(2, periods_between(start, corner, speed))
             for k in range(1, count + 1):
                 u = k / count
                 yield from self.step(start + u * u * (3 - 2 * u) * (corner - start))

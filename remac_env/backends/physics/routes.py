@@ -9,8 +9,8 @@ from itertools import pairwise, product
 
 import numpy as np
 
+from remac_env.backends.physics.motion import periods_between
 from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.backends.physics.skill import Surroundings
 from remac_env.kitchen.fixtures.base import Block
 from remac_env.kitchen.frame import Frame
@@ -174,8 +174,8 @@ def sampled(corners: Path) -> Path:
 
 def _count(start: Array, corner: Array) -> int:
     """Control periods from corner to corner, none where they are the same."""
-    longest = float(np.max(np.abs(corner - start) / panda.SPEED))
-    return max(2, math.ceil(longest * 1.5 / CONTROL_PERIOD)) if longest >= 1e-6 else 0
+    same = float(np.max(np.abs(corner - start) / panda.SPEED)) < 1e-6
+    return 0 if same else max(2, periods_between(start, corner))
 
 
 @dataclass(frozen=True)
