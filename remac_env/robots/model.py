@@ -23,8 +23,9 @@ CONTROL_PERIOD = 0.05  # s; servo setpoints ramp linearly over one period
 # hides so much of what contacts do that the pads bounce on a hard handle for ever, 3 mm deep, until it slides out.
 FINGER_INERTIA = 1.0
 
+PAD_FRICTION = 1.0
 PAD: Mapping[str, object] = MappingProxyType({
-    "friction": [1.0, 0.01, 0.001], "condim": 4, "priority": 1, "solref": [0.01, 1.0],
+    "friction": [PAD_FRICTION, 0.01, 0.001], "condim": 4, "priority": 1, "solref": [0.01, 1.0],
     "solimp": [0.97, 0.99, 0.001, 0.5, 2.0],
 })  # fmt: skip
 """How the pads of the fingers touch things.
@@ -145,7 +146,7 @@ def _add_servos(spec: mujoco.MjSpec, name: str) -> None:
         servo = _servo(spec, f"{name}/{part}", stiffness, damping, force)
         servo.dyntype = mujoco.mjtDyn.mjDYN_INTEGRATOR
     for part in panda.FINGERS:
-        _servo(spec, f"{name}/{part}", 4000.0, 80.0, panda.FINGER_FORCE)
+        _servo(spec, f"{name}/{part}", panda.FINGER_STIFFNESS, 80.0, panda.FINGER_FORCE)
     coupling = np.zeros(11)
     coupling[1] = 1.0
     spec.add_equality(

@@ -46,6 +46,7 @@ ARM_DAMPING = (450.0, 450.0, 350.0, 350.0, 200.0, 200.0, 200.0)
 ARM_FORCE = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
 # N, of each finger: what the hand's maker allows continuously (70 N; up to 140 N for a moment).
 FINGER_FORCE = 70.0
+FINGER_STIFFNESS = 4000.0  # N/m
 # N along each axis: together no more than wheels with a friction of 0.5 give the robot's 105 kg on a floor.
 BASE_FORCE = 350.0
 BASE_ACCELERATION = 2.5  # m/s2 in drives, which the base can follow with that force

@@ -37,7 +37,7 @@ _OPENING_FOLLOWS, _CLOSING_FOLLOWS = (0.5, 0.8, 0.3), (0.3, 0.5, 0.15, 0.65)
 _YIELD, _YIELD_MOST = 0.3, 0.03  # the latter in m
 _PALM = 0.025  # m along the hand from the bar's middle to the palm, with a little air
 _NARROW_GRIP = 0.024  # m of finger travel with which the inner finger fits between bar and panel
-_SQUEEZE = 0.005  # m by which each finger is commanded into the bar: 20 N of the servo's 4000 N/m; a door needs 3 N
+_SQUEEZE = 20.0  # N with which each finger holds the bar; a door needs 3 N
 _BAR_GRIP = 0.010  # m of finger travel around the bar
 # How much the base helps along the arc: as ever, or hardly where another robot stands close by.
 _HELP = (DOOR_WEIGHTS, DOOR_WEIGHTS * np.array([0.1, 0.1, 0.1, *[1.0] * 8]))
@@ -276,7 +276,7 @@ def _follow_arc(here: Surroundings, door: _Door, grasp: _DoorGrasp, start: float
         speed = min(1.0, period / _STARTING) * (_pace(sign * angle) if sign < 0.0 else _SPEED)
         angle = sign * min(sign * angle + speed * CONTROL_PERIOD, limit)
         at = door.turn(grasp.follows * (angle - start)) @ grasp.rotation
-        robot.grip = max(0.0, 0.5 * robot.opening - _SQUEEZE)
+        robot.grip = here.mover.squeezed(_SQUEEZE)
         bar = door.at(angle, grasp.higher) + shift
         step = planner.kinematics.track(robot.q, bar, at, weights=grasp.weights, largest=STEP_LIMIT)
         yield from here.mover.step(step.q)

@@ -10,6 +10,7 @@ import numpy as np
 
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.colliders import WALL_PIECES
+from remac_env.robots.model import PAD_FRICTION
 from remac_env.robots.rotation import Array, about_z, grip_frame
 
 OPENINGS = {"side": 0.04, "rim": 0.016, "handle": 0.03}
@@ -25,12 +26,23 @@ class Grasp:
     before: Array
 
 
+_GENTLE = 7.0  # N a finger: tapered things, which are light, creep out of a harder grip
+_SURE = 8.0  # times the force with which a heavy thing would just not slide
+_GRAVITY = 9.81  # m/s2
+
 DOWN = np.array([0.0, 0.0, -1.0])
 _UP = np.array([0.0, 0.0, 1.0])
 _STAND_OFF, _HANDLE_STAND_OFF = 0.12, 0.10
 # Taken with the hand leaning along it, a long thing lies nearly level in a hand that reaches forward into a cavity.
 _LYING_LEANS = (0.45, 0.35, 0.0, 0.7)
 _ANY_YAW = (0.0, 0.25 * math.pi, 0.5 * math.pi, -0.25 * math.pi)
+
+
+def squeeze(thing: Category) -> float | None:
+    """With what force (N a finger) a thing is held once the hand has closed; None: as hard as it can."""
+    if thing.grasp.mode != "side":
+        return None
+    return max(_GENTLE, _SURE * thing.mass * _GRAVITY / (2.0 * PAD_FRICTION))
 
 
 def candidates(thing: Category, position: Array, rotation: Array) -> list[Grasp]:

@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from remac_env.backends.physics.collision import TARGET
-from remac_env.backends.physics.grasps import OPENINGS, tip_depth
+from remac_env.backends.physics.grasps import OPENINGS, squeeze, tip_depth
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.place import release, upright_poses
 from remac_env.backends.physics.skill import (
@@ -113,7 +113,7 @@ def take_out(here: Surroundings, body: str, *, vessel: str | None = None) -> Ste
     found = _way_to(here, thing, position, rotation, vessel)
     yield from _enter(here, found)
     yield from here.mover.settle(0.001, 20)
-    yield from here.mover.grasp(gently=thing.grasp.mode == "side")
+    yield from here.mover.grasp(squeeze(thing))
     yield from here.mover.play(_up(here))
     if here.robot.opening < EMPTY:
         yield from here.mover.fingers(opening, 6)

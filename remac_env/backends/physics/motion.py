@@ -19,7 +19,6 @@ LAG_LIMIT = 0.08  # rad or m by which a joint may miss all of the latest command
 LAG_PERIODS = 6  # the servos follow 0.1 s late at steady speed, and later while they accelerate
 SERVO_LAG = 2  # periods by which the servos follow late at steady speed (damping over stiffness: 0.1 s)
 LAG_PATIENCE = 12  # control periods
-_GENTLE = 0.0018  # m by which each finger is commanded into the thing: 7 N of the servo's 4000 N/m
 
 
 def periods_between(start: Array, corner: Array, speed: float = 1.0) -> int:
@@ -92,11 +91,15 @@ class Mover:
             if np.linalg.norm(wanted - self.robot.grip_pose()[0]) < tolerance:
                 return
 
-    def grasp(self, *, gently: bool) -> Steps:
-        """Close the hand. ``gently`` eases off once it has closed: tapered things creep out of a hard grip."""
+    def grasp(self, force: float | None) -> Steps:
+        """Close the hand; once it has closed ease off to ``force`` (N a finger), or, where None, hold on hard."""
         yield from self.fingers(0.0, 11)
-        if gently and self.robot.opening > 2 * _GENTLE:
-            yield from self.fingers(0.5 * self.robot.opening - _GENTLE, 2)
+        if force is not None and self.robot.opening > 2 * force / panda.FINGER_STIFFNESS:
+            yield from self.fingers(self.squeezed(force), 2)
+
+    def squeezed(self, force: float) -> float:
+        """The finger opening to command (m) so that each finger presses with ``force`` (N) on what it touches."""
+        return max(0.0, 0.5 * self.robot.opening - force / panda.FINGER_STIFFNESS)
 
     def fingers(self, opening: float, periods: int) -> Steps:
         """Move each finger to ``opening`` (m) from the middle and wait, ``periods`` in all."""

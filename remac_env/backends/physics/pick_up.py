@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remac_env.backends.physics.collision import IGNORED, TARGET
-from remac_env.backends.physics.grasps import OPENINGS, Grasp, candidates
+from remac_env.backends.physics.grasps import OPENINGS, Grasp, candidates, squeeze
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
 from remac_env.backends.physics.skill import (
@@ -55,7 +55,7 @@ def pick_up(
     yield from go_to_grasp(here, found)
     if thing.grasp.mode == "rim":
         yield from here.mover.settle(_RIM_TOLERANCE, 20)
-    yield from here.mover.grasp(gently=thing.grasp.mode == "side")
+    yield from here.mover.grasp(squeeze(thing))
     yield from here.mover.play(found.after)
     risen = simulation.pose(body)[0][2] - position[2]
     if here.robot.opening < EMPTY or risen < _LEAST_RISE:
