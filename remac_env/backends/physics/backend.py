@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from remac_env.backends.base import Counters, RoundResult
 from remac_env.backends.physics.crew import Crew, Round
+from remac_env.backends.physics.happened import Happened
 from remac_env.backends.physics.separation import NEAR_MISS
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, SUBSTEPS, Simulation
 from remac_env.backends.physics.snapshot import read_world
@@ -22,7 +23,7 @@ from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import Worlds
-from remac_env.marks import washed
+from remac_env.marks import SEASONED, washed
 from remac_env.rounds import settle_claims
 from remac_env.start import Start
 from remac_env.state import WorldState
@@ -114,8 +115,7 @@ class _Episode:
         self.simulation = Simulation(_model(self._layout, robots, tuple(self._things.items())), robots, before)
         self._marks = {name: state.marks for name, state in start.world.objects.items()}
         on = frozenset().union(*(state.on for state in start.world.fixtures.values()))
-        # Knobs and levers show whether they are on; what a push button started has to be remembered.
-        self._running = frozenset(s for s in on if self._layout.switch_owner(s).kind == "microwave")
+        self._happened = Happened(self.simulation, start.scene, self._layout, self._things, on)
         self._rounds = 0
         pose_start(self.simulation, self._layout, self._things, start)
         self._settle(_START_LEAST)
@@ -146,14 +146,13 @@ class _Episode:
                     self._crew.finished(robot)
             if not attempts:
                 break
-            self.simulation.tick()
+            self._tick()
             if watch is not None:
                 watch()
             distance = self._crew.separation.of_world()
             contacts += distance <= 0.0
             misses += distance < NEAR_MISS
         self._settle()
-        self._remember(subtasks, outcomes)
         self._rounds += 1
         self.world = self._read()
         judged = {robot: self._judged(robot, subtasks[robot], before, outcomes[robot]) for robot in subtasks}
@@ -166,24 +165,12 @@ class _Episode:
         for count in range(_REST_MOST):
             if count >= least and self.simulation.moving() < _REST_SPEED:
                 return
-            self.simulation.tick()
+            self._tick()
 
-    def _remember(self, subtasks: Mapping[str, Subtask], outcomes: Mapping[str, Outcome]) -> None:
-        """Keep what geometry does not show: seasoning, and what a push button started or an opened door stopped."""
-        for robot, subtask in subtasks.items():
-            if not outcomes[robot].success:
-                continue
-            if subtask.skill == "season":
-                self._marks[subtask.target] = self._marks[subtask.target] | {"seasoned"}
-            fixture = self._layout.fixtures.get(subtask.target)
-            if fixture is not None and fixture.kind == "microwave":
-                if subtask.skill == "turn on":
-                    self._running |= frozenset(fixture.switches)
-                elif subtask.skill == "turn off":
-                    self._running -= frozenset(fixture.switches)
-        for fixture in self._layout.fixtures.values():
-            if fixture.read(self.simulation.model, self.simulation.data).door not in (None, "closed"):
-                self._running -= frozenset(fixture.switches)
+    def _tick(self) -> None:
+        """One control period."""
+        self.simulation.tick()
+        self._happened.update()
 
     def _read(self) -> WorldState:
         """The world now."""
@@ -192,9 +179,11 @@ class _Episode:
         return world
 
     def _seen(self) -> WorldState:
-        """What geometry shows now, with the marks and what runs as remembered."""
+        """What geometry shows now, with what happened."""
+        happened = self._happened
+        marks = {n: marks | {SEASONED} if n in happened.seasoned else marks for n, marks in self._marks.items()}
         return read_world(
-            self.simulation, self.start.scene, self._layout, self._things, marks=self._marks, running=self._running
+            self.simulation, self.start.scene, self._layout, self._things, marks=marks, running=happened.running
         )
 
     def _achieved(self, robot: str, subtask: Subtask) -> bool:

@@ -1,0 +1,122 @@
+"""What happened and where things are does not show: buttons that were pressed, and things that were seasoned.
+
+Both are read from the simulation at every control step. What a controller believes to have done plays no part.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
+from remac_env.kitchen.fixtures import Fixture
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots.rotation import Array
+from remac_env.state import Scene
+
+_LET_GO = 3  # control periods for which a button has to be out before it can be pressed again
+
+# A shaker gives grains when it is jerked with its top down. Hands shake with 5 m/s2 and more; a hand that carries it
+# stays below 2 m/s2 and does not tip it.
+JERK = 2.0  # m/s2, of the shaker along the vertical
+TIPPED = -0.1  # z component of its axis from which on its top points down
+JERKS = 4  # of them, to and fro in turn, season what lies below
+THROW = 0.2  # m that grains fly at most in the direction in which the top points: 1 m/s for the 0.2 s of a fall
+SPREAD = 0.06  # m by which they scatter to the sides, so much further than the thing's own half width
+HIGHEST = 0.45  # m of the shaker over a thing from which grains still land on it
+
+
+@dataclass
+class _Button:
+    """A push button's fixture, and for how many control periods it has been out."""
+
+    fixture: Fixture
+    out: int = _LET_GO
+
+
+@dataclass
+class _Shaker:
+    """How a shaker moved: height and vertical speed at the last step, and jerks since it was tipped, by thing below."""
+
+    height: float = math.nan
+    speed: float = math.nan
+    side: float = 0.0
+    jerks: dict[str, int] = field(default_factory=dict)
+
+
+class Happened:
+    """``running``: switches that push buttons have left on. ``seasoned``: things over which a shaker was shaken.
+
+    ``update`` is to be called after every control step.
+    """
+
+    def __init__(
+        self, simulation: Simulation, scene: Scene, layout: Layout, things: Mapping[str, Category], on: Collection[str]
+    ) -> None:
+        self._simulation, self._scene, self._things = simulation, scene, things
+        self._buttons = [_Button(fixture) for fixture in layout.fixtures.values() if fixture.buttons]
+        self._shakers = {name: _Shaker() for name, kind in things.items() if kind.seasons}
+        pushed = {switch for button in self._buttons for switch in button.fixture.switches}
+        self.running = frozenset(on) & pushed
+        self.seasoned: frozenset[str] = frozenset()
+
+    def update(self) -> None:
+        """Take the last control step into account."""
+        for button in self._buttons:
+            self._watch_button(button)
+        for name, shaker in self._shakers.items():
+            self._watch_shaker(name, shaker)
+
+    def _watch_button(self, button: _Button) -> None:
+        """A press starts what stands still and stops what runs; a door that is not shut stops what runs only shut."""
+        fixture, simulation = button.fixture, self._simulation
+        reading = fixture.read(simulation.model, simulation.data)
+        if reading.pressed and button.out >= _LET_GO:
+            self.running = self.running ^ reading.pressed
+        button.out = 0 if reading.pressed else button.out + 1
+        facts = self._scene.fixtures.get(fixture.name)
+        if facts is not None and facts.shut_to_run and reading.door not in (None, "closed"):
+            self.running -= frozenset(fixture.switches)
+
+    def _watch_shaker(self, name: str, shaker: _Shaker) -> None:
+        """Count jerks that change sides, for what lies where the grains fall."""
+        position, rotation = self._simulation.pose(name)
+        height, before = float(position[2]), shaker.height
+        speed, last = (height - before) / CONTROL_PERIOD, shaker.speed
+        shaker.height, shaker.speed = height, speed
+        if rotation[2, 2] > TIPPED:
+            shaker.jerks, shaker.side = {}, 0.0
+            return
+        pull = (speed - last) / CONTROL_PERIOD
+        side = math.copysign(1.0, pull)
+        if not abs(pull) >= JERK or side == shaker.side:
+            return
+        shaker.side = side
+        for thing in self._below(name, position, rotation):
+            shaker.jerks[thing] = shaker.jerks.get(thing, 0) + 1
+            if shaker.jerks[thing] >= JERKS:
+                self.seasoned |= {thing}
+
+    def _below(self, name: str, position: Array, rotation: Array) -> Iterator[str]:
+        """Things on which grains land that leave the shaker's top now."""
+        top = position + rotation[:, 2] * 2.0 * self._things[name].size[2]
+        for thing, kind in self._things.items():
+            at, _ = self._simulation.pose(thing)
+            if thing != name and 0.0 < top[2] - at[2] < HIGHEST:
+                miss = strip_distance(at[:2] - top[:2], rotation[:2, 2])
+                if miss <= max(kind.size[:2]) + SPREAD:
+                    yield thing
+
+
+def strip_distance(point: Array, way: Array) -> float:
+    """Distance (m) of a point (2,) from where grains land, seen from a shaker's top; ``way`` (2,): where that points."""
+    length = float(np.linalg.norm(way))
+    if length < 1e-9:
+        return float(np.linalg.norm(point))
+    along = way / length
+    flown = float(np.clip(point @ along, 0.0, THROW * length))
+    return float(np.linalg.norm(point - flown * along))
