@@ -13,6 +13,8 @@ from remac_env.kitchen import style as styles
 from remac_env.kitchen.builder import build_spec, show_switches
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
+from remac_env.kitchen.objects.drawing import show_seasoned
+from remac_env.marks import SEASONED
 from remac_env.rendering.cameras import FRONT, SIDE, WIDE, WRIST, add_cameras
 from remac_env.rendering.posing import pose
 from remac_env.rendering.renderer import BEAUTY, CLOSE, OBSERVATION, Quality, Renderer
@@ -57,7 +59,7 @@ class Stage:
         """Take over joint positions, qpos of the physics model; switches as `world` says."""
         self._drawn.clear()
         self._data.qpos[:] = positions
-        self._show_switches(world)
+        self._show_state(world)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
 
@@ -65,7 +67,7 @@ class Stage:
         """Pose the kitchen by what is true in it."""
         self._drawn.clear()
         pose(self._model, self._data, self._layout, self._categories, start, world)
-        self._show_switches(world)
+        self._show_state(world)
 
     def picture(self, *, quality: Quality = BEAUTY, size: tuple[int, int] = RENDER_SIZE) -> Picture:
         """The whole kitchen, uint8 (height, width, 3)."""
@@ -102,8 +104,10 @@ class Stage:
             self._drawn[shot] = self._renderers[key].render(self._data, camera).copy()
         return self._drawn[shot].copy()
 
-    def _show_switches(self, world: WorldState) -> None:
+    def _show_state(self, world: WorldState) -> None:
+        """Water, flames and lamps of what is on, and grains on what has been seasoned."""
         show_switches(self._model, frozenset().union(*(state.on for state in world.fixtures.values())))
+        show_seasoned(self._model, {noun for noun, item in world.objects.items() if SEASONED in item.marks})
 
 
 def stage_key(start: Start) -> Any:

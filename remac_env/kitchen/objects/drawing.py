@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import mujoco
@@ -9,6 +10,7 @@ import mujoco
 from remac_env.kitchen.materials import add_material
 from remac_env.kitchen.mesh import add_mesh
 from remac_env.kitchen.objects.catalogue import Category
+from remac_env.kitchen.objects.grains import SEASONED_GEOM, finish, grains
 from remac_env.kitchen.objects.shapes import shape
 from remac_env.kitchen.style import Finish
 
@@ -26,6 +28,28 @@ def draw(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Categor
         add_mesh(spec, name, part.mesh)
         add_material(spec, name, part.finish, part.picture)
         body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=name, **_DRAWN)
+    _draw_grains(spec, body, noun, category)
+
+
+def _draw_grains(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Category) -> None:
+    """Grains of seasoning, invisible until `show_seasoned` shows them."""
+    name = f"{noun}{SEASONED_GEOM}"
+    parts = shape(category.look)
+    look = finish(parts)
+    add_mesh(spec, name, grains(category.name, parts))
+    add_material(spec, name, look, None)
+    hidden = [*look.color, 0.0]
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_MESH, name=name, meshname=name, material=name, rgba=hidden, **_DRAWN
+    )
+
+
+def show_seasoned(model: mujoco.MjModel, seasoned: Collection[str]) -> None:
+    """Make the grains on these things visible in a model with looks, and those on all others invisible."""
+    for geom in range(model.ngeom):
+        noun, mark, _ = model.geom(geom).name.partition(SEASONED_GEOM)
+        if mark:
+            model.geom_rgba[geom, 3] = float(noun in seasoned)
 
 
 def _draw_colliders(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Category) -> None:

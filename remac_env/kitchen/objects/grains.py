@@ -1,0 +1,50 @@
+"""Grains of seasoning on a thing: one drawn mesh, seen only while the thing has been seasoned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from remac_env.kitchen.mesh import Floats, Mesh, merge
+from remac_env.kitchen.objects.part import DrawnPart
+from remac_env.kitchen.style import Finish
+from remac_env.seeding import generator
+
+SEASONED_GEOM = "/seasoned"
+"""After a thing's name, in the name of the geom of its grains."""
+
+_PEPPER = Finish(color=(0.10, 0.07, 0.05), specular=0.1, shininess=0.2)
+_SALT = Finish(color=(0.97, 0.95, 0.88), specular=0.1, shininess=0.2)
+_PALE = 0.35  # mean brightness of a thing, 0..1, from which on pepper stands out better than salt
+
+_COUNT = 110
+_SIZE = (0.0025, 0.0055)  # m, half a flake: large enough to be told in a picture of 128 pixels
+_CORNERS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3.0)
+_SIDES = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+
+
+def finish(parts: Sequence[DrawnPart]) -> Finish:
+    """Pepper or salt, whichever stands out on a thing."""
+    means = [
+        np.mean(part.finish.color) if part.picture is None else np.mean(part.picture) / 255.0 for part in parts
+    ]
+    weights = [len(part.mesh.faces) for part in parts]
+    return _PEPPER if np.average(means, weights=weights) > _PALE else _SALT
+
+
+def grains(name: str, parts: Sequence[DrawnPart]) -> Mesh:
+    """Grains scattered over the surface of a thing (frame of its body); ``name`` seeds the draw.
+
+    They lie on all sides, as nobody knows which side will be up.
+    """
+    chance = generator(0, "grains", name)
+    whole = merge(*(Mesh(part.mesh.vertices, part.mesh.faces) for part in parts))
+    corners = whole.vertices[whole.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    picks = chance.choice(len(areas), _COUNT, p=areas / areas.sum())
+    shares = chance.dirichlet((1.0, 1.0, 1.0), _COUNT)
+    places: Floats = np.einsum("nk,nkj->nj", shares, corners[picks])
+    sizes = chance.uniform(*_SIZE, _COUNT)
+    return merge(*(Mesh(place + size * _CORNERS, _SIDES) for place, size in zip(places, sizes, strict=True)))
