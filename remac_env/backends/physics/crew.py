@@ -14,7 +14,7 @@ from remac_env.backends.physics.navigate import parking
 from remac_env.backends.physics.paths import Planner
 from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation, View
-from remac_env.backends.physics.skill import Hand, SkillFailure, Steps, Surroundings, go_home, handled
+from remac_env.backends.physics.skill import Hand, SkillFailure, Steps, Surroundings, go_home
 from remac_env.backends.physics.traffic import Convoy, Errand
 from remac_env.kitchen.layout import Layout, Station
 from remac_env.kitchen.layout_checks import work_floor
@@ -137,8 +137,10 @@ class Crew:
         for here in self.robots.values():
             place = [round(float(value), 3) for value in here.robot.standing[:2]]
             chance = generator(self._start.seed, "perception", now.number, *place)
-            seen = (*here.things, *handled(self._layout))
-            here.shifts = {name: np.append(chance.normal(0.0, noise, 2), 0.0) for name in seen}
+            here.simulation.sight.draw(chance, noise, self._layout, here.things, here.hand.body)
+            if here.hand.body is not None:
+                here.simulation.hold(here.hand.body)
+            here.scratch.look()
 
     def _goals(self, now: Round) -> dict[str, Station]:
         """Where driving robots go; those that step aside and find no free parking place are left out."""

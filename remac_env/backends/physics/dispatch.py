@@ -89,10 +89,10 @@ def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, targ
         raise SkillFailure("blocked", f"there is no room on the {target} for the {here.hand.body}")
     if place.relation == "vessel":
         slot, vessel = _slot_of(here, world, place.where), place.where
-        point: Array = here.seen(vessel)[0] + [0.0, 0.0, here.things[vessel].inside_height]
+        point: Array = here.simulation.pose(vessel)[0] + [0.0, 0.0, here.things[vessel].inside_height]
     else:
         slot, vessel = here.layout.slots[place.where], None
-        point = np.array(slot.center)
+        point = here.simulation.located(slot.fixture, np.array(slot.center))
     if slot.kind == "cavity":
         yield from insert(here, point, vessel=vessel)
     else:

@@ -33,7 +33,7 @@ _LEAD = 0.22  # rad by which the command may run ahead of the door
 _STALLED = 25  # control periods without progress
 # Share of the door's turn that the hand follows; the round bar turns in the fingers.
 _OPENING_FOLLOWS, _CLOSING_FOLLOWS = (0.5, 0.8, 0.3), (0.3, 0.5, 0.15, 0.65)
-# Share, each period, of what forces hold the hand off the arc by which the command yields to them, across the bar's way.
+# Share of what forces hold the hand off the arc by which, each period, the command yields to them across the bar's way.
 _YIELD, _YIELD_MOST = 0.3, 0.03  # the latter in m
 _PALM = 0.025  # m along the hand from the bar's middle to the palm, with a little air
 _NARROW_GRIP = 0.024  # m of finger travel with which the inner finger fits between bar and panel
@@ -59,6 +59,7 @@ class _Door:
     sign: float
     address: int
     geoms: tuple[int, ...]
+    seen: float  # rad by which the wall seems to be turned
 
     def at(self, angle: float, higher: float = 0.0) -> Array:
         """Position of the handle's middle, or of a place so much higher on it (m)."""
@@ -77,7 +78,7 @@ class _Door:
 
     def turn(self, angle: float) -> Array:
         """Rotation (3, 3) of the door when it has been opened by an angle, rad."""
-        return about_z(-self.sign * angle)
+        return about_z(self.seen - self.sign * angle)
 
 
 @dataclass(frozen=True)
@@ -141,12 +142,13 @@ def _there(angle: float, target: float) -> bool:
 def _door(here: Surroundings, leaf: Door) -> _Door:
     model = here.simulation.model
     joint = model.joint(leaf.joint)
-    hinge = np.array(model.body(leaf.joint).pos) + here.shift(leaf.grip)
+    hinge = here.simulation.located(leaf.joint, np.array(model.body(leaf.joint).pos))
     bar = np.array(model.site(leaf.grip).pos)
     radius, half, _ = model.geom(leaf.grip).size
     geoms = tuple(here.simulation.geoms(leaf.joint))
     return _Door(
-        leaf.joint, hinge, bar, float(half), float(radius), -float(joint.axis[2]), int(joint.qposadr[0]), geoms
+        leaf.joint, hinge, bar, float(half), float(radius), -float(joint.axis[2]), int(joint.qposadr[0]), geoms,
+        here.simulation.turned(leaf.joint),
     )
 
 
@@ -245,7 +247,7 @@ def _arc_is_free(
     scratch.fingers(_BAR_GRIP)
     for k in range(1, count + 1):
         angle = start + (beyond - start) * k / count
-        at = door.turn(grasp.follows * (angle - start)) @ grasp.rotation
+        at = about_z(-door.sign * grasp.follows * (angle - start)) @ grasp.rotation
         step = planner.kinematics.track(
             q, door.at(angle, grasp.higher), at, weights=grasp.weights, iterations=6, largest=1.7 * STEP_LIMIT
         )
@@ -275,7 +277,7 @@ def _follow_arc(here: Surroundings, door: _Door, grasp: _DoorGrasp, start: float
         limit = min(sign * now + _LEAD, sign * target + _BEYOND)
         speed = min(1.0, period / _STARTING) * (_pace(sign * angle) if sign < 0.0 else _SPEED)
         angle = sign * min(sign * angle + speed * CONTROL_PERIOD, limit)
-        at = door.turn(grasp.follows * (angle - start)) @ grasp.rotation
+        at = about_z(-door.sign * grasp.follows * (angle - start)) @ grasp.rotation
         robot.grip = here.mover.squeezed(_SQUEEZE)
         bar = door.at(angle, grasp.higher) + shift
         step = planner.kinematics.track(robot.q, bar, at, weights=grasp.weights, largest=STEP_LIMIT)

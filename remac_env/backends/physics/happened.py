@@ -113,7 +113,7 @@ class Happened:
 
 
 def strip_distance(point: Array, way: Array) -> float:
-    """Distance (m) of a point (2,) from where grains land, seen from a shaker's top; ``way`` (2,): where that points."""
+    """Distance (m) of a point (2,) from where grains land, seen from a shaker's top that points ``way`` (2,)."""
     length = float(np.linalg.norm(way))
     if length < 1e-9:
         return float(np.linalg.norm(point))

@@ -109,7 +109,7 @@ def take_out(here: Surroundings, body: str, *, vessel: str | None = None) -> Ste
     opening = OPENINGS[thing.grasp.mode]
     here.robot.grip = opening
     here.begin(here.simulation.geoms(body))
-    position, rotation = here.seen(body)
+    position, rotation = here.simulation.pose(body)
     found = _way_to(here, thing, position, rotation, vessel)
     yield from _enter(here, found)
     yield from here.mover.settle(0.001, 20)

@@ -61,7 +61,7 @@ class Mover:
             raise StuckError(f"the robot is {lag:.2f} off its command")
 
     def deflection(self) -> Array:
-        """How far (3,) forces hold the hand off its way (m): from where the command of two periods ago would have it."""
+        """How far (3,) forces hold the hand off its way (m): off where the command of two periods ago would have it."""
         if len(self._commands) < LAG_PERIODS:
             return np.zeros(3)
         wanted, _ = self._kinematics.forward(self._commands[-1 - SERVO_LAG])

@@ -38,7 +38,7 @@ def pick_up(
     here.begin()
     yield from tuck(here)
     here.begin(simulation.geoms(body) + (simulation.geoms(vessel) if vessel else []))
-    position, rotation = here.seen(body)
+    position, rotation = here.simulation.pose(body)
     opening = OPENINGS[thing.grasp.mode]
     here.scratch.fingers(opening)
     here.robot.grip = opening
@@ -72,7 +72,7 @@ def _lift(here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float,
     """Off the surface unchecked for the thing itself, then up, or slanting out from under something."""
     scratch, planner = here.scratch, here.planner
     at = planner.kinematics.forward(goal)
-    pose = here.seen(body)
+    pose = here.simulation.pose(body)
     scratch.hold(body, at, pose, meets=False)
     off = planner.line(goal, grasp.position + [0.0, 0.0, 0.03], grasp.rotation, speed=0.15)
     path: Path | None = None

@@ -16,7 +16,8 @@ from remac_env.robots.rotation import Array, about_z, from_rotation_vector
 
 _HEIGHT = (0.22, 0.28, 0.34)  # m of the shaker's frame over the food
 _TIPS = (2.0, 1.8, 2.3)  # rad from upright
-_AHEAD, _AHEAD_IN = (0.05,), (0.20, 0.14, 0.10, 0.23)  # m from the shaker's top to the food, as grains fly; into an opening
+# m from the shaker's top to the food, as grains fly; into an opening.
+_AHEAD, _AHEAD_IN = (0.05,), (0.20, 0.14, 0.10, 0.23)
 _TURNS_IN = (math.pi, 2.7, -2.7, 2.3, -2.3)
 _SHAKES, _SHAKE, _SHAKING = 4, 0.04, 0.5  # times, m up and down, m/s
 _FIRM = 30.0  # N a finger with which a shaker is held that is to be shaken
@@ -30,7 +31,7 @@ def season(here: Surroundings, food: str, *, inside: str | None = None) -> Steps
         raise SkillFailure("hands_empty", "there is no shaker in the hand")
     here.begin()
     robot, planner = here.robot, here.planner
-    over = here.seen(food)[0]
+    over = here.simulation.pose(food)[0]
     # Behind an opening, the shaker stays in front of it and points in.
     turns, ahead = (_TURNS_IN, _AHEAD_IN) if inside else (_TURNS, _AHEAD)
     grasps = _over(here, over, turns=turns, ahead=ahead)

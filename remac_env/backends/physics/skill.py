@@ -31,7 +31,6 @@ EMPTY = 0.002  # m between fingers that hold nothing; the thinnest wall that the
 _SLIPPED = 0.06  # m by which a thing may move in the hand and still be held
 _LADEN = 0.6  # share of the usual speeds at which a full hand is drawn in
 _RISES = (0.08, 0.16, 0.24)  # m by which a hand is raised that cannot be folded where it is
-_SWITCH_PARTS = {"faucet": "lever", "microwave": "button"}
 _FLOOR_THING = 0.4  # m; things lower than this have fallen down
 
 
@@ -70,7 +69,6 @@ class Surroundings:
     mover: Mover
     hand: Hand
     station: Station
-    shifts: dict[str, Array] = field(default_factory=dict)  # errors (3,) of things, handles and knobs as seen
 
     def enter(self, station: Station) -> None:
         """Take ``station`` (world frame) for the robot's own; from now on all is told in the frame of its wall."""
@@ -98,15 +96,6 @@ class Surroundings:
         """The base pose (3,) at the station."""
         return np.array([self.station.x, self.station.y, self.station.yaw])
 
-    def seen(self, body: str) -> tuple[Array, Array]:
-        """The pose of a thing as the controllers see it."""
-        position, rotation = self.simulation.pose(body)
-        return position + self.shift(body), rotation
-
-    def shift(self, name: str) -> Array:
-        """The error (3,) with which controllers see a thing, or what is handled on a fixture (m)."""
-        return self.shifts.get(name, np.zeros(3))
-
     def fixture(self, name: str) -> Fixture:
         """A fixture of the layout."""
         return self.layout.fixtures[name]
@@ -123,16 +112,6 @@ class Surroundings:
             if body != self.hand.body and self.simulation.pose(body)[0][2] < _FLOOR_THING:
                 self.scratch.mark(self.simulation.geoms(body), IGNORED)
         self.scratch.fingers(self.robot.grip if self.hand.body is None else 0.5 * self.robot.opening)
-
-
-def handled(layout: Layout) -> tuple[str, ...]:
-    """What hands take hold of on fixtures: handles, knobs, levers and buttons, as they are called in the model."""
-    names: list[str] = []
-    for name, fixture in layout.fixtures.items():
-        names += [leaf.grip for leaf in fixture.leaves]
-        names += getattr(fixture, "knobs", ())
-        names += [f"{name}/{_SWITCH_PARTS[fixture.kind]}"] if fixture.kind in _SWITCH_PARTS else []
-    return tuple(names)
 
 
 def stances(
@@ -158,6 +137,7 @@ def take(here: Surroundings, body: str, upright: Array, contents: tuple[str, ...
     """Note that the hand has taken ``body``, which stood as ``upright`` (3, 3) with ``contents`` in it."""
     here.hand.body, here.hand.upright, here.hand.contents = body, upright, contents
     here.hand.away = _away(here, body)
+    here.simulation.hold(body)
 
 
 def check_held(here: Surroundings) -> None:

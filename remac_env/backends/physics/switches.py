@@ -38,18 +38,19 @@ class _Turn:
 def turn_knob(here: Surroundings, joint: str, *, on: bool) -> Steps:
     """Turn a knob (joint, body and site of one name) on or off."""
     model = here.simulation.model
-    at = np.array(model.body(joint).pos) + np.array(model.site(joint).pos) + here.shift(joint)
+    at = here.simulation.located(joint, np.array(model.body(joint).pos) + np.array(model.site(joint).pos))
     start, above = here.simulation.joint(joint), abs(float(model.joint(joint).axis[2])) > 0.5
+    seen = about_z(here.simulation.turned(joint))
 
     def turn_by(angle: float) -> Array:
         """Rotation of the knob: clockwise as seen from the robot, or from above."""
-        return about_z(-angle) if above else about_y(angle)
+        return about_z(-angle) if above else seen @ about_y(angle) @ seen.T
 
     grasps = []
     for pitch in (0.0, 0.3, -0.3):
         for side in (1.0, -1.0):
             approach = [0.0, math.sin(pitch), -math.cos(pitch)] if above else [0.0, math.cos(pitch), -math.sin(pitch)]
-            hand = grip_frame(approach, turn_by(start) @ [side, 0.0, 0.0])
+            hand = grip_frame(seen @ approach, turn_by(start) @ seen @ [side, 0.0, 0.0])
             grasps.append(Grasp(at, hand, at - hand[:, 2] * 0.12))
     target, beyond = (KNOB_ON, 0.15) if on else (0.0, -0.10)
     turn = _Turn(joint, joint, lambda _: at, turn_by, target, beyond, 1.2, 0.035, 0.0)
@@ -60,13 +61,14 @@ def turn_knob(here: Surroundings, joint: str, *, on: bool) -> Steps:
 def turn_lever(here: Surroundings, fixture: str, *, on: bool) -> Steps:
     """Lift or lower the lever of a faucet, pinched from above and below: the hand is wide along its fingers."""
     joint = f"{fixture}/lever"
-    hinge = np.array(here.simulation.model.body(joint).pos) + here.shift(joint)
+    hinge = here.simulation.located(joint, np.array(here.simulation.model.body(joint).pos))
+    seen = about_z(here.simulation.turned(joint))
     start = here.simulation.joint(joint)
 
     def at(angle: float) -> Array:
-        return hinge + about_x(-angle) @ np.array([0.0, -_LEVER_GRIP, 0.0])
+        return hinge + seen @ about_x(-angle) @ np.array([0.0, -_LEVER_GRIP, 0.0])
 
-    tilted, grasps = about_x(-start), []
+    tilted, grasps = seen @ about_x(-start), []
     for pitch in (0.0, 0.3, 0.6, -0.3):
         for yaw in (0.0, -0.4, -0.8, 0.4):
             for side in (1.0, -1.0):
@@ -75,7 +77,7 @@ def turn_lever(here: Surroundings, fixture: str, *, on: bool) -> Steps:
                 grasps.append(Grasp(at(start), hand, at(start) - hand[:, 2] * 0.10))
     for pitch in (0.8, 1.1):
         for side in (1.0, -1.0):
-            hand = grip_frame([0.0, math.cos(pitch), -math.sin(pitch)], [side, 0.0, 0.0])
+            hand = seen @ grip_frame([0.0, math.cos(pitch), -math.sin(pitch)], [side, 0.0, 0.0])
             grasps.append(Grasp(at(start), hand, at(start) - hand[:, 2] * 0.12))
     target, beyond = (LEVER_ON, 0.2) if on else (0.0, -0.15)
     turn = _Turn(joint, joint, at, lambda a: about_x(-0.6 * a), target, beyond, 0.8, 0.03, 0.004)
@@ -93,19 +95,20 @@ def press_button(here: Surroundings, fixture: str) -> Steps:
     yield from here.mover.fingers(0.0, 8)
     here.begin(simulation.geoms(name))
     here.scratch.fingers(0.0)
-    face = np.array(simulation.model.body(name).pos) + np.array(simulation.model.site(name).pos) + here.shift(name)
+    face = np.array(simulation.model.body(name).pos) + np.array(simulation.model.site(name).pos)
+    face, seen = simulation.located(name, face), about_z(simulation.turned(name))
     grasps = []
     for pitch in (0.5, 0.8, 0.3, 0.0):
         for yaw in (0.0, 0.4, -0.4):
             for side in (1.0, -1.0):
                 approach = about_z(yaw) @ [0.0, math.cos(pitch), -math.sin(pitch)]
-                hand = grip_frame(approach, about_z(yaw) @ [side, 0.0, 0.0])
+                hand = seen @ grip_frame(approach, about_z(yaw) @ [side, 0.0, 0.0])
                 # The fingertips end 17 mm beyond the grip site.
                 at = face - hand[:, 2] * 0.021
                 grasps.append(Grasp(at, hand, at - hand[:, 2] * 0.10))
 
     def after(goal: Array, grasp: Grasp) -> Path | None:
-        push = grasp.position + [0.0, 0.018, 0.0]
+        push = grasp.position + seen @ [0.0, 0.018, 0.0]
         return planner.line(goal, push, grasp.rotation, speed=0.05, check=False)
 
     stands = stances(here, face, (0.66, 0.74, 0.58, 0.82), (0.0, -0.12, 0.12, -0.25, 0.25))
