@@ -7,7 +7,7 @@ circles around the robots' parts and, where those come near, with the real shape
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, islice, pairwise, permutations, product
 
@@ -25,7 +25,7 @@ from remac_env.robots.rotation import Array, quaternion
 
 _SAMPLE = 3  # control periods between checks
 _DELAYS = tuple(range(0, 112, 7))  # of the same
-_TRIES = 4000  # combinations checked in space and time
+_SOON, _TRIES = 150, 3850  # combinations checked in space and time: at first, and where all else has failed
 _LANES = 3  # ways of one sort that are tried where several robots drive
 _REFUGES = 6  # places to which a robot may withdraw that are tried, nearest first
 _APART = NEAR_MISS + 0.005  # m
@@ -65,6 +65,10 @@ class _Driver:
     goal: Station
 
 
+_Combination = tuple[tuple[_Way, ...], tuple[int, ...]]
+"""A way for each robot, and by how many samples each starts late."""
+
+
 class Convoy:
     """The drives of one round. ``plan`` once, then run every robot's ``steps``.
 
@@ -74,6 +78,7 @@ class Convoy:
     def __init__(self, separation: Separation, errands: Mapping[str, Errand], rooms: Sequence[Block]) -> None:
         self._separation, self._errands, self._rooms = separation, dict(errands), tuple(rooms)
         self._timed: dict[str, Path] | None = None
+        self._met: dict[tuple[_Way, _Way], Encounter] = {}
         self._failed = False
 
     def held_up(self, robot: str) -> bool:
@@ -109,7 +114,13 @@ class Convoy:
         going = sorted(drivers, key=lambda name: places[name])
         if len(going) > 1:
             together = {name: drivers[name] for name in going}
-            timed = self._together(together) or self._by_turns(together)
+            tries = self._combinations(list(together.values()))
+            # What is not found soon is mostly found at once with the robots one after the other.
+            timed = (
+                self._together(together, islice(tries, _SOON))
+                or self._by_turns(together)
+                or self._together(together, islice(tries, _TRIES))
+            )
             if timed:
                 return timed
         for name in going:
@@ -169,13 +180,12 @@ class Convoy:
             found += islice(free, _LANES)
         return found
 
-    def _together(self, drivers: Mapping[str, _Driver]) -> dict[str, Path] | None:
-        """The combination of ways and delays that ends first and keeps the robots apart all the time."""
+    def _together(self, drivers: Mapping[str, _Driver], tries: Iterable[_Combination]) -> dict[str, Path] | None:
+        """The first combination of ways and delays that keeps the robots apart all the time."""
         names = list(drivers)
-        encounters: dict[tuple[_Way, _Way], Encounter] = {}
-        for ways, delays in islice(self._combinations(list(drivers.values())), _TRIES):
+        for ways, delays in tries:
             if all(
-                self._encounter(drivers, names, (i, ways[i]), (j, ways[j]), encounters).passes((delays[i], delays[j]))
+                self._encounter(drivers, names, (i, ways[i]), (j, ways[j]), self._met).passes((delays[i], delays[j]))
                 for i, j in combinations(range(len(names)), 2)
             ):
                 return {
@@ -184,7 +194,7 @@ class Convoy:
                 }
         return None
 
-    def _combinations(self, drivers: Sequence[_Driver]) -> Iterator[tuple[tuple[_Way, ...], tuple[int, ...]]]:
+    def _combinations(self, drivers: Sequence[_Driver]) -> Iterator[_Combination]:
         """Ways with delays, in the order in which they end; everyone's quickest, at once, before others are checked."""
         quickest = [way for driver in drivers for way in islice((w for w in driver.ways if self._path(driver, w)), 1)]
         if len(quickest) == len(drivers):
@@ -259,7 +269,7 @@ def _held(here: Surroundings, q: Array) -> tuple[int, Array] | None:
     return attached.address, np.concatenate([position + rotation @ attached.position, turned])
 
 
-def _ordered(ways: Sequence[Sequence[_Way]]) -> list[tuple[tuple[_Way, ...], tuple[int, ...]]]:
+def _ordered(ways: Sequence[Sequence[_Way]]) -> list[_Combination]:
     """Ways with delays, of which at least one is zero, by the last arrival and then by all arrivals together."""
     found: list[tuple[int, int, int, tuple[_Way, ...], tuple[int, ...]]] = []
     for chosen in product(*ways):
