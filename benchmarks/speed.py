@@ -1,4 +1,4 @@
-"""How fast everything is: `python benchmarks/speed.py [--json FILE]`. Medians of CPU time, never a test.
+"""How fast everything is: `python benchmarks/speed.py [--json FILE]`. Medians of CPU time, warm, never a test.
 
 Beside each figure stands what the project aims at. Wall and CPU time depend on the machine and on what else runs; the
 counters (mj_step calls, contacts, constraint rows) do not.
@@ -38,6 +38,7 @@ from remac_env.tasks.goals import Goal
 
 TASK = "OpenMicrowavePnP"
 REPEATS = 5
+_WARM = 50  # steps of robosuite before it is timed: the first ones compile its controllers with numba
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,7 @@ def main(
 
 def physics() -> Iterator[Figure]:
     """Whole episodes of two robots, and what a control step costs while both move."""
+    _team_episode(REPEATS)  # warm: what is imported and made once a process is not what a step costs
     runs = [_team_episode(seed) for seed in range(REPEATS)]
     rates = [run["control steps"] / run["seconds"] for run in runs]
     yield Figure("two robots: control steps a second, planning included", median(rates), "1/s", ">= 600")
@@ -139,7 +141,10 @@ def _peer(own: float) -> Iterator[Figure]:
         "TwoArmLift", robots=["Panda", "Panda"], has_renderer=False, has_offscreen_renderer=False, use_camera_obs=False
     )
     peer.reset()
-    action, began = np.zeros(peer.action_dim), process_time()
+    action = np.zeros(peer.action_dim)
+    for _ in range(_WARM):
+        peer.step(action)
+    began = process_time()
     for _ in range(100):
         peer.step(action)
     rate = 100 / (process_time() - began)

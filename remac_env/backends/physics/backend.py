@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from remac_env.backends.base import Counters, RoundResult
 from remac_env.backends.physics.crew import Crew, Round
+from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.happened import Happened
 from remac_env.backends.physics.separation import NEAR_MISS
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, SUBSTEPS, Simulation
@@ -156,6 +157,10 @@ class _Episode:
         self._rounds += 1
         self.world = self._read()
         judged = {robot: self._judged(robot, subtasks[robot], before, outcomes[robot]) for robot in subtasks}
+        for name, robots in fallen(scene, before, self.world, subtasks):
+            for robot in robots:
+                if judged[robot].success:
+                    judged[robot] = failure("dropped", f"the {name} fell", seconds=judged[robot].seconds)
         ticks = self.simulation.ticks - began
         seconds = max((outcome.seconds for outcome in judged.values()), default=0.0)
         return RoundResult(self.world, judged, seconds, Counters(ticks, ticks * SUBSTEPS, contacts, misses))
