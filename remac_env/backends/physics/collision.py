@@ -118,7 +118,7 @@ class Scratch:
         """
         self.release()
         self.data.qpos[:] = self.simulation.data.qpos
-        for body in self.simulation.sight.things:
+        for body in self.simulation.perception.things:
             address = int(self.simulation.model.joint(body).qposadr[0])
             position, rotation = self.simulation.in_world(body)
             self.data.qpos[address : address + 7] = [*position, *quaternion(rotation)]
@@ -135,7 +135,7 @@ class Scratch:
         """Stand the fixtures where the robot sees them."""
         model, truth = self.model, self.simulation.model
         for body, name in enumerate(self._body_names):
-            error = self.simulation.sight.fixtures.get(name.partition("/")[0])
+            error = self.simulation.perception.fixtures.get(name.partition("/")[0])
             ground = truth.body_parentid[body]
             if error is None or truth.body_parentid[ground] != 0 or not self._body_names[ground].startswith("wall/"):
                 continue

@@ -137,7 +137,7 @@ class Crew:
         for here in self.robots.values():
             place = [round(float(value), 3) for value in here.robot.standing[:2]]
             chance = generator(self._start.seed, "perception", now.number, *place)
-            here.simulation.sight.draw(chance, noise, self._layout, here.things, here.hand.body)
+            here.simulation.perception.draw(chance, noise, self._layout, here.things, here.hand.body)
             if here.hand.body is not None:
                 here.simulation.hold(here.hand.body)
             here.scratch.look()

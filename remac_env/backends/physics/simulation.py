@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 import mujoco
 import numpy as np
 
-from remac_env.backends.physics.sight import Sight
+from remac_env.backends.physics.perception import Perception
 from remac_env.errors import PhysicsError
 from remac_env.kitchen.frame import WORLD, Frame
 from remac_env.robots import panda
@@ -161,10 +161,10 @@ class Simulation:
 
 
 class View:
-    """The simulation as one robot sees it: poses are told in the robot's frame and as ``sight`` misjudges them."""
+    """The simulation as one robot sees it: poses are told in the robot's frame and as ``perception`` misjudges them."""
 
     def __init__(self, simulation: Simulation, robot: RobotHandle) -> None:
-        self._simulation, self._robot, self.sight = simulation, robot, Sight()
+        self._simulation, self._robot, self.perception = simulation, robot, Perception()
         self.model, self.data, self.robots = simulation.model, simulation.data, simulation.robots
         self.geoms, self.joint = simulation.geoms, simulation.joint
 
@@ -174,15 +174,15 @@ class View:
 
     def in_world(self, body: str) -> tuple[Array, Array]:
         """The same in the world."""
-        return self.sight.thing(body, *self._simulation.pose(body))
+        return self.perception.thing(body, *self._simulation.pose(body))
 
     def hold(self, body: str) -> None:
         """Note that the robot's hand has taken a thing, which it goes on misjudging as it does now."""
-        self.sight.hold(body, self._simulation.pose(body)[1])
+        self.perception.hold(body, self._simulation.pose(body)[1])
 
     def located(self, part: str, point: Array) -> Array:
         """Where a point (3,) of a fixture, robot's frame, is seen; ``part``: a name that begins with the fixture's."""
-        error = self.sight.fixtures.get(part.partition("/")[0])
+        error = self.perception.fixtures.get(part.partition("/")[0])
         if error is None:
             return point
         frame = self._robot.frame
@@ -191,7 +191,7 @@ class View:
 
     def turned(self, part: str) -> float:
         """By how much a fixture seems to be turned about the vertical (rad)."""
-        error = self.sight.fixtures.get(part.partition("/")[0])
+        error = self.perception.fixtures.get(part.partition("/")[0])
         return 0.0 if error is None else error.turn
 
 

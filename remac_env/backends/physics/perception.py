@@ -46,7 +46,7 @@ class HeldError:
     rotation: Array
 
 
-class Sight:
+class Perception:
     """What one robot misjudges. ``things`` and ``fixtures``: errors by name; none where perception is perfect."""
 
     def __init__(self) -> None:
