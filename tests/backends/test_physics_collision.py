@@ -8,7 +8,7 @@ import pytest
 
 from remac_env.backends.physics.collision import Fence, Scratch
 from remac_env.backends.physics.paths import Planner
-from remac_env.backends.physics.simulation import Simulation
+from remac_env.backends.physics.simulation import Simulation, View
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.robots import panda
@@ -25,7 +25,8 @@ def kitchen() -> tuple[Simulation, Scratch, Planner]:
     simulation.robots["robot_1"].put(panda.tucked(1.5, -2.3, 0.5 * np.pi))
     simulation.place("vegetable", np.array([0.11, 0.24, 0.928]), np.array([1.0, 0.0, 0.0, 0.0]))
     mujoco.mj_forward(model, simulation.data)
-    scratch = Scratch(simulation, simulation.robots["robot_0"], Kinematics())
+    robot = simulation.robots["robot_0"]
+    scratch = Scratch(View(simulation, robot), robot, Kinematics())
     return simulation, scratch, Planner(scratch, np.random.default_rng(0))
 
 

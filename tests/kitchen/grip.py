@@ -13,7 +13,7 @@ from remac_env.robots.model import FINGER_INERTIA, PAD
 
 LIFT = 0.20  # m
 _APPROACH = 0.12  # m
-_FORCE = 30.0  # N a finger
+_FORCE = 70.0  # N a finger, as the robot does
 
 
 @dataclass(frozen=True)

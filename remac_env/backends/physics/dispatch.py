@@ -70,14 +70,14 @@ def _pick_up(here: Surroundings, scene: Scene, world: WorldState, target: str) -
     vessel = place.where if place.relation == "vessel" else None
     inner = tuple(contents(world, target))
     if slot.kind == "cavity" and here.things[target].vessel:
-        yield from pick_up(here, target, contents=inner, lift=_CAVITY_LIFT, lifts=_OUTWARDS)
+        yield from pick_up(here, target, kind=slot.kind, contents=inner, lift=_CAVITY_LIFT, lifts=_OUTWARDS)
     elif slot.kind == "cavity":
         yield from take_out(here, target, vessel=vessel)
     else:
         big = here.things[target].vessel
         lift = 0.26 if slot.kind == "basin" else 0.20 if big else 0.14
         lifts = _OUT_OF_BASIN if slot.kind == "basin" and big else LIFTS
-        yield from pick_up(here, target, vessel=vessel, contents=inner, lift=lift, lifts=lifts)
+        yield from pick_up(here, target, kind=slot.kind, vessel=vessel, contents=inner, lift=lift, lifts=lifts)
 
 
 def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, target: str) -> Steps:

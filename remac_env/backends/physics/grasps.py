@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -35,6 +36,8 @@ _UP = np.array([0.0, 0.0, 1.0])
 _STAND_OFF, _HANDLE_STAND_OFF = 0.12, 0.10
 # Taken with the hand leaning along it, a long thing lies nearly level in a hand that reaches forward into a cavity.
 _LYING_LEANS = (0.45, 0.35, 0.0, 0.7)
+_ASKEW, _AWAY = (0.0, 0.2, -0.2, 0.35, -0.35), (-0.3, -0.5)  # rad
+_FITS = 0.074  # m between fingers that open to 0.08 m, with a little air
 _ANY_YAW = (0.0, 0.25 * math.pi, 0.5 * math.pi, -0.25 * math.pi)
 
 
@@ -52,21 +55,47 @@ def candidates(thing: Category, position: Array, rotation: Array) -> list[Grasp]
 
 
 def _sides(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
-    # A long thing that came to stand on end is taken across its other axis.
+    for lean, turn in product(_leans(thing, rotation), _ANY_YAW if thing.grasp.any_yaw else (0.0,)):
+        yield from _side(thing, position, _along(rotation) + turn, lean)
+
+
+def awkward(thing: Category, position: Array, rotation: Array) -> list[Grasp]:
+    """Further grasps of a long thing, askew or leaning the other way, for where a hand square to it has no room."""
+    if thing.grasp.mode != "side" or thing.grasp.any_yaw:
+        return []
+    turns = [turn for turn in _ASKEW if _width(thing, turn) <= _FITS]
+    every = product(turns, (*_leans(thing, rotation), *_AWAY))
+    return [grasp for turn, lean in every for grasp in _side(thing, position, _along(rotation) + turn, lean)]
+
+
+def _along(rotation: Array) -> float:
+    """The direction of a thing's long axis (rad); of one that came to stand on end, that of its other axis."""
     axis = rotation[:, 0] if abs(rotation[2, 0]) < 0.8 else rotation[:, 1]
-    yaw = math.atan2(axis[1], axis[0])
+    return math.atan2(axis[1], axis[0])
+
+
+def _leans(thing: Category, rotation: Array) -> tuple[float, ...]:
     lying = abs(rotation[2, 0]) < 0.8 and thing.size[0] > 1.3 * thing.size[1] and not thing.grasp.any_yaw
-    for lean in _LYING_LEANS if lying else thing.grasp.lean:
-        for turn in _ANY_YAW if thing.grasp.any_yaw else (0.0,):
-            for side in (0.5 * math.pi, -0.5 * math.pi):
-                finger = about_z(yaw + turn + side)[:, 0]
-                # Lean about the finger axis only, so that both fingertips stay level.
-                out = np.cross(_UP, finger)
-                out = out if out[1] >= 0 else -out
-                hand = grip_frame(out * math.sin(lean) + DOWN * math.cos(lean), finger)
-                height = max(thing.grasp.height + 0.008 * math.sin(lean), tip_depth(lean) - thing.rest_height)
-                at = position + _UP * height
-                yield Grasp(at, hand, at - hand[:, 2] * _STAND_OFF)
+    return _LYING_LEANS if lying else thing.grasp.lean
+
+
+def _side(thing: Category, position: Array, yaw: float, lean: float) -> Iterator[Grasp]:
+    """Hands over a thing, the fingers to either side of the direction ``yaw``, leaning from the vertical."""
+    for side in (0.5 * math.pi, -0.5 * math.pi):
+        finger = about_z(yaw + side)[:, 0]
+        # Lean about the finger axis only, so that both fingertips stay level.
+        out = np.cross(_UP, finger)
+        out = out if out[1] >= 0 else -out
+        hand = grip_frame(out * math.sin(lean) + DOWN * math.cos(lean), finger)
+        tilt = abs(lean)
+        height = max(thing.grasp.height + 0.008 * math.sin(tilt), tip_depth(tilt) - thing.rest_height)
+        at = position + _UP * height
+        yield Grasp(at, hand, at - hand[:, 2] * _STAND_OFF)
+
+
+def _width(thing: Category, turn: float) -> float:
+    """How far (m) the fingers open for a long thing that they take askew."""
+    return max(thing.grasp.width, 2.0 * math.hypot(thing.size[1] * math.cos(turn), thing.size[0] * math.sin(turn)))
 
 
 def tip_depth(lean: float) -> float:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from remac_env.backends.physics.collision import IGNORED, TARGET
-from remac_env.backends.physics.grasps import OPENINGS, Grasp, candidates, squeeze
+from remac_env.backends.physics.grasps import OPENINGS, Grasp, awkward, candidates, squeeze
 from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.reach import go_to_grasp, reach_in_slot
 from remac_env.backends.physics.skill import (
     EMPTY,
     SkillFailure,
@@ -15,14 +15,11 @@ from remac_env.backends.physics.skill import (
     Surroundings,
     check_held,
     go_home,
-    stances,
     take,
     tuck,
 )
 from remac_env.robots.rotation import Array
 
-DISTANCES = (0.55, 0.48, 0.62, 0.70)
-SIDES = (0.0, -0.12, 0.12, -0.24, 0.24)
 Lifts = tuple[tuple[float, float], ...]
 LIFTS: Lifts = ((0.0, 1.0), (-0.08, 1.0), (-0.14, 1.0), (-0.15, 0.6), (-0.25, 0.4))
 _LEAST_RISE = 0.02
@@ -30,10 +27,13 @@ _RIM_TOLERANCE = 0.001  # m; a hand that closes 3 mm too high holds only a rim's
 
 
 def pick_up(
-    here: Surroundings, body: str, *, vessel: str | None = None, contents: tuple[str, ...] = (), lift: float = 0.14,
-    lifts: Lifts = LIFTS,
+    here: Surroundings, body: str, *, kind: str, vessel: str | None = None, contents: tuple[str, ...] = (),
+    lift: float = 0.14, lifts: Lifts = LIFTS,
 ) -> Steps:
-    """Grasp ``body`` where it stands, lift it and come home with it. ``vessel``: what it lies in."""
+    """Grasp ``body`` where it stands, lift it and come home with it.
+
+    ``kind``: of the slot in which it stands. ``vessel``: what it lies in.
+    """
     simulation, thing = here.simulation, here.things[body]
     here.begin()
     yield from tuck(here)
@@ -50,8 +50,8 @@ def pick_up(
 
     grasps = candidates(thing, position, rotation)
     # A handle lies well in front of its pan; too near to it the arm could not draw the pan in.
-    stands = stances(here, grasps[0].position if thing.grasp.mode == "handle" else position, DISTANCES, SIDES)
-    found = plan_reach(here, stands, grasps, after)
+    target = grasps[0].position if thing.grasp.mode == "handle" else position
+    found = reach_in_slot(here, kind, target, grasps, after, awkward=awkward(thing, position, rotation))
     yield from go_to_grasp(here, found)
     if thing.grasp.mode == "rim":
         yield from here.mover.settle(_RIM_TOLERANCE, 20)

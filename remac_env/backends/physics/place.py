@@ -8,14 +8,15 @@ from itertools import product
 from remac_env.backends.physics.collision import TARGET
 from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.pick_up import DISTANCES, SIDES
-from remac_env.backends.physics.reach import go_to_grasp, plan_reach
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, check_held, go_home, lowest, stances
+from remac_env.backends.physics.reach import go_to_grasp, reach_in_slot
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, check_held, go_home, lowest
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array, about_x, about_z, from_rotation_vector, rotation_vector
 
 _RELEASE = 0.008  # m above the surface at which the hand opens
-_LEANS = (0.0, 0.35, 0.6)  # leaning back brings wrist and forearm out from under a wall cabinet
+# Leaning back brings wrist and forearm out from under a wall cabinet; in a basin a hand that took a thing leaning has
+# to be set upright, or its forearm would meet the front edge: the thing slides off it into place.
+_LEANS = ((0.0, 0.35, 0.6), (0.0, -0.35, -0.6, 0.35, 0.6))
 _TURNS = (0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2)
 _LEVEL_TURNS = (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.8, -0.8, 1.0, -1.0, 1.4, -1.4, 2.0, -2.0)
 # Vessels are set down beside and behind a basin's middle, with the hand at their side: at the middle the forearm
@@ -51,8 +52,7 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
         here.scratch.hold(body, grip, pose)
         return out
 
-    stands = stances(here, point, DISTANCES, SIDES)
-    found = plan_reach(here, stands, grasps, after, carry=robot.q.copy())
+    found = reach_in_slot(here, kind, point, grasps, after, carry=robot.q.copy())
     yield from go_to_grasp(here, found, speed=0.7)
     check_held(here)
     yield from release(here)
@@ -89,12 +89,12 @@ def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
         goals = [goals[0] + [dx, dy, 0.0] for dx, dy in _BASIN_SHIFTS]
     found = []
     above = _OVER_RIM if kind == "basin" else _FROM_ABOVE
-    leans, turns = (0.0,) if thing.vessel else _LEANS, _turns(thing, kind)
+    leans, turns = (0.0,) if thing.vessel else _LEANS[kind == "basin"], _turns(thing, kind)
     for (upright, edge), goal, lean, turn in product(zip(stood, edges, strict=True), goals, leans, turns):
         hand = about_x(lean) @ about_z(turn) @ upright @ turned.T
-        shift = [0.0, -0.05 * lean, _RELEASE + 0.035 * math.sin(lean) + edge]
+        shift = [0.0, -0.05 * lean, _RELEASE + 0.035 * math.sin(abs(lean)) + edge]
         at = goal + shift - hand @ offset
-        found.append(Grasp(at, hand, at + [0.0, -0.08 * math.sin(lean), above]))
+        found.append(Grasp(at, hand, at + [0.0, -0.08 * math.sin(max(0.0, lean)), above]))
     if not thing.vessel and point[2] > 0.85 and _covered(here, point):
         # Under something low every upright hand would be tried in vain: lean first.
         found = found[len(found) // 3 :] + found[: len(found) // 3]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +12,13 @@ import numpy as np
 
 from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, drive_to
+from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, drive_to, stances
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array
 
+DISTANCES = (0.55, 0.48, 0.62, 0.70)  # m
+SIDES = (0.0, -0.12, 0.12, -0.24, 0.24)  # m
+_STEEP, _TURNS = (0.42, 0.48, 0.55, 0.36), (0.0, 0.3, -0.3)  # m, rad
 CHECKS = 9000  # collision checks (about 80 us each) after which a search gives up
 
 After = Callable[[Array, Grasp], Any]
@@ -67,6 +71,24 @@ def plan_reach(
             if drivable is False:
                 break
     raise _given_up(why)
+
+
+def reach_in_slot(
+    here: Surroundings, kind: str, target: Array, grasps: Sequence[Grasp], after: After, *,
+    awkward: Sequence[Grasp] = (), carry: Array | None = None,
+) -> Reach:
+    """A way to something in a slot of this ``kind``: into a basin at last turned, so that the forearm clears its front.
+
+    ``target`` (3,): what to stand before. ``awkward``: grasps to be tried where there is no other way. Raises
+    SkillFailure as :func:`plan_reach` does.
+    """
+    usual = stances(here, target, DISTANCES, SIDES)
+    if kind != "basin":
+        return plan_reach(here, usual, grasps, after, carry=carry)
+    with suppress(SkillFailure):
+        return plan_reach(here, usual, grasps, after, carry=carry, checks=CHECKS // 2)
+    steep = stances(here, target, _STEEP, SIDES, _TURNS)
+    return plan_reach(here, steep, [*grasps, *awkward], after, carry=carry, checks=2 * CHECKS)
 
 
 def _try_goal(
