@@ -24,7 +24,7 @@ def told(env: KitchenParallelEnv, *commands: str) -> list[str | None]:
     reasons = []
     for command in commands:
         _, _, _, _, infos = env.step({"robot_0": env.vocabulary.encode(command)})
-        reasons.append(infos["robot_0"]["outcome"]["reason"])
+        reasons.append(infos["robot_0"]["outcome"]["reason"] or None)
     return reasons
 
 
