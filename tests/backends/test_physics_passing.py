@@ -12,6 +12,7 @@ import pytest
 
 import remac_env
 from remac_env.backends.physics.crew import Crew
+from remac_env.backends.physics.encounters import Encounter
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.backends.physics.skill import SkillFailure
 from remac_env.backends.physics.traffic import Convoy, Errand
@@ -94,3 +95,35 @@ def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
         return True
 
     assert [drive for drive in drives(layout, chance) if not way(drive)] == []
+
+
+def test_many_pairs_of_ways_are_not_tried_before_one_robot_makes_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no pair of ways passes, the robots go one after the other after few tries, and not after thousands."""
+    name, tried, asked = "one_wall_large", [0], []
+    env = remac_env.parallel_env("OpenCabinetPnP", layout=name, robots=2, backend="symbolic")
+    env.reset(seed=1)
+    layout = layouts.load(name)
+    simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, looks=False), ROBOTS)
+    crew = Crew(simulation, layout, {}, env.start)
+    swap = {"robot_0": ("sink", "stove"), "robot_1": ("stove", "sink")}
+    for robot, (place, _) in swap.items():
+        station, here = layout.stations[place], crew.robots[robot]
+        here.robot.put(panda.tucked(station.x, station.y, station.yaw))
+        here.enter(station)
+    mujoco.mj_forward(simulation.model, simulation.data)
+    crew.separation.refresh()
+
+    def never(self: Encounter, delays: tuple[int, int]) -> bool:
+        tried[0] += 1
+        return False
+
+    def by_turns(self: Convoy, drivers: object) -> None:
+        asked.append(tried[0])
+
+    monkeypatch.setattr(Encounter, "passes", never)
+    monkeypatch.setattr(Convoy, "_by_turns", by_turns)
+    errands = {robot: Errand(crew.robots[robot], layout.stations[goal]) for robot, (_, goal) in swap.items()}
+    with pytest.raises(SkillFailure):
+        next(Convoy(crew.separation, errands, ()).steps("robot_0"))
+    assert len(asked) == 1 and 0 < asked[0] <= 200
+    assert tried[0] > 500, "after that the others are tried all the same"

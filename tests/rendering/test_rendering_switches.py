@@ -61,6 +61,19 @@ def test_what_is_on_is_seen_to_be_on(env: remac_env.KitchenParallelEnv, stage: S
             assert not changed.any(), name
 
 
+def test_what_was_seasoned_shows_grains(env: remac_env.KitchenParallelEnv, stage: Stage) -> None:
+    place = env.world.objects["vegetable"].place
+    camera = SIDE.format(station=env.start.scene.slots[place.where].station)
+    bare = stage._render(camera, (128, 128), OBSERVATION)
+    stage.show_world(env.start, env.world.with_object("vegetable", marks=frozenset({"washed"})))
+    assert not differs(stage._render(camera, (128, 128), OBSERVATION), bare).any()
+    stage.show_world(env.start, env.world.with_object("vegetable", marks=frozenset({"seasoned"})))
+    seasoned = differs(stage._render(camera, (128, 128), OBSERVATION), bare)
+    assert seasoned.sum() >= 4
+    stage.show_world(env.start, env.world)
+    assert not differs(stage._render(camera, (128, 128), OBSERVATION), bare).any()
+
+
 def test_robots_share_the_view_of_the_whole_kitchen(
     env: remac_env.KitchenParallelEnv, stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
