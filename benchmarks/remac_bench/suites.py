@@ -8,13 +8,15 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+from remac_agents.option_text import MOST_SPENT
 from remac_bench import agents
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_bench.jobs import Job, SuiteMark, check_jobs, make_jobs, parse_seeds
+from remac_bench.suite_numbers import check_finite, number
 from remac_env.errors import RemacError
 from remac_env.files import read_text
-from remac_env.options import Options
+from remac_env.options import MAX_ROBOTS, Options
 from remac_env.seeding import digest
 
 KEPT_SEEDS = 900_000
@@ -31,6 +33,9 @@ BLOCK = ("tasks", "seeds", "cells", "methods", "robots", "iterations", "kitchen"
 KITCHEN = tuple(f.name for f in fields(Options) if f.name not in ("robots", "style", "layout", "render_mode"))
 FLOOR_METHOD = "BASE"
 """Floors plan once and look at nothing."""
+
+MOST_ITERATIONS = 1000
+"""More is a slip of the keyboard."""
 
 BUDGET = (*agents.BUDGET, "retries", "max_adjustments", "max_rounds")
 """The keys of a suite, of one of its blocks of jobs, and of their tables."""
@@ -188,12 +193,15 @@ def _cells(task: str, which: str) -> list[dict[str, str]]:
 
 def _read(file: str, data: Mapping[str, Any]) -> Suite:
     _check_keys(file, "", data, TOP)
+    check_finite(file, "", data)
     for key in ("name", "version", "methods", "jobs"):
         if key not in data:
             raise UsageError(f"{file}: {key} is missing; valid: {', '.join(TOP)}")
     name, version = _value(file, "name", data["name"], str), _value(file, "version", data["version"], int)
     roles = _table(file, "roles", data.get("roles", {}), agents.ROLES)
     budget = _table(file, "budget", data.get("budget", {}), BUDGET)
+    for key, bound in budget.items():
+        number(file, f"budget.{key}", bound, MOST_SPENT, whole=key not in ("max_money", "max_seconds"))
     blocks = _value(file, "jobs", data["jobs"], list)
     content = {key: value for key, value in data.items() if key != "about"}
     return Suite(
@@ -229,8 +237,8 @@ def _block(file: str, where: str, data: Any, methods: Any) -> Block:
         methods=_check_names(file, f"{where}.methods", data.get("methods", methods), agents.methods()),
         kitchen=kitchen,
         cells=cells,
-        robots=_optional(file, f"{where}.robots", data.get("robots")),
-        iterations=_optional(file, f"{where}.iterations", data.get("iterations")),
+        robots=number(file, f"{where}.robots", data.get("robots"), MAX_ROBOTS, least=1),
+        iterations=number(file, f"{where}.iterations", data.get("iterations"), MOST_ITERATIONS),
     )
 
 
@@ -271,10 +279,6 @@ def _check_names(file: str, where: str, given: Any, valid: Sequence[str]) -> tup
 def _table(file: str, where: str, data: Any, valid: Sequence[str]) -> dict[str, Any]:
     _check_keys(file, f"{where}.", _value(file, where, data, dict), valid)
     return dict(data)
-
-
-def _optional(file: str, where: str, value: Any) -> int | None:
-    return None if value is None else _value(file, where, value, int)
 
 
 def _value(file: str, where: str, value: Any, kind: type) -> Any:

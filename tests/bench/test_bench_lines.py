@@ -193,6 +193,7 @@ WRITERS: dict[str, tuple[str, ...]] = {
                    "http://127.0.0.1:9/v1", "--out", "{out}", "--cassette", "{to}"),
     "demo": ("demo", "--seeds", "0", "--out", "{to}"),
     "experiment": ("experiment", "validity", "--planner", "{planner}", "--n", "1", "--json", "{to}"),
+    "submit": ("bench", "submit", "{records}", "--name", "Crew", "--contact", "crew@example.org", "--out", "{to}"),
     "report": ("bench", "report", "{records}", "--csv", "{to}.csv"),
     "report into a folder": ("bench", "report", "{records}", "--csv", "{to}"),
 }  # fmt: skip

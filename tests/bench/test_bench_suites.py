@@ -166,3 +166,24 @@ def test_the_backend_alone_can_be_another_one(tmp_path: Path) -> None:
     result = remac("bench", "run", "--suite", "smoke", "--backend", "symbolic", "--out", str(out), "--jobs", "0")
     assert result.exit_code == 0, result.stderr
     assert json.loads((out / "suite.json").read_text())["suite"] == "smoke"
+
+
+@pytest.mark.parametrize(
+    ("budget", "job", "where"),
+    [
+        ("max_money = nan", "", "budget.max_money"), ("max_money = inf", "", "budget.max_money"),
+        ("max_money = -1", "", "budget.max_money"), ("max_calls = true", "", "budget.max_calls"),
+        ("retries = 1.5", "", "budget.retries"), ("max_rounds = -1", "", "budget.max_rounds"),
+        ("", "iterations = -1", "jobs[0].iterations"), ("", "iterations = nan", "jobs[0].iterations"),
+        ("", "robots = 0", "jobs[0].robots"), ("", "robots = true", "jobs[0].robots"),
+        ("", "kitchen = { perception_noise = nan }", "jobs[0].kitchen.perception_noise"),
+        ("", "kitchen = { failure_rate = inf }", "jobs[0].kitchen.failure_rate"),
+        ("", "kitchen = { max_rounds = 0 }", "jobs[0].kitchen: max_rounds"),
+    ],
+)  # fmt: skip
+def test_numbers_that_are_none_are_refused_with_their_place(budget: str, job: str, where: str, tmp_path: Path) -> None:
+    head = 'name = "mine"\nversion = 1\nmethods = ["CC"]\n[budget]\n'
+    path = written(tmp_path, f'{head}{budget}\n[[jobs]]\ntasks = ["HeatOnStove"]\nseeds = "0:2"\n{job}\n')
+    with pytest.raises(UsageError, match="valid: ") as caught:
+        suites.load(path)
+    assert f"mine.toml: {where}" in str(caught.value)

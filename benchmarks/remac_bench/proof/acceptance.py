@@ -18,6 +18,7 @@ from remac_bench.proof.verify import verify
 from remac_bench.records import Record
 from remac_bench.store import Store
 from remac_bench.worker import Work, play_job
+from remac_env.files import prepare_file, read_text
 from remac_env.seeding import generator
 
 ACCEPTED = "accepted.toml"
@@ -67,6 +68,7 @@ def accept(folder: str | Path, *, reask: int = 0, seed: int = 0) -> Acceptance:
     path = Path(folder)
     (path / ACCEPTED).unlink(missing_ok=True)
     entry = read_entry(path)
+    prepare_file(path / ACCEPTED, "the submission")
     reasons = [f"{file}: not as entry.toml lists it" for file in changed_files(path, entry)]
     if reasons:
         return Acceptance(entry, tuple(reasons))
@@ -98,7 +100,7 @@ def accepted_records(folder: str | Path) -> tuple[Entry, str, list[Record]]:
     path = Path(folder)
     entry = read_entry(path)
     try:
-        noted = tomllib.loads((path / ACCEPTED).read_text("utf-8"))
+        noted = tomllib.loads(read_text(path / ACCEPTED))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise UsageError(f"{folder} is not accepted: run `remac bench accept {folder}` first") from error
     if noted.get("submission") != submission_digest(entry) or changed_files(path, entry):

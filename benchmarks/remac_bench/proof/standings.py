@@ -11,6 +11,7 @@ from remac_bench.proof.again import read_job
 from remac_bench.records import Record
 from remac_bench.store import Store
 from remac_bench.suites import load
+from remac_env.files import prepare_folder
 
 
 def gather(folders: Sequence[str | Path], out: str | Path) -> Path:
@@ -22,7 +23,7 @@ def gather(folders: Sequence[str | Path], out: str | Path) -> Path:
         UsageError: where a submission is not accepted, was changed since, or plays another suite than the first.
     """
     target = Path(out)
-    if target.exists() and any(target.iterdir()):
+    if target.is_dir() and any(target.iterdir()):
         raise UsageError(f"{str(target)!r} is not empty; give a new folder")
     gathered: dict[tuple[str, int], Record] = {}
     suites: set[str] = set()
@@ -36,7 +37,7 @@ def gather(folders: Sequence[str | Path], out: str | Path) -> Path:
             key = record.job if floor else f"{record.job}:{entry.name}"
             label = record.agent if floor else f"{entry.name}: {record.agent} ({tier}, {entry.kind})"
             gathered[key, record.iteration] = record.model_copy(update={"job": key, "agent": label})
-    target.mkdir(parents=True, exist_ok=True)
+    prepare_folder(target, "--out")
     Store(target).append(list(gathered.values()))
     return target
 

@@ -17,6 +17,7 @@ from remac_bench.errors import StorageError, UsageError
 from remac_bench.machine import versions
 from remac_bench.records import Record
 from remac_bench.store import FILE, Store
+from remac_env.files import prepare_folder, read_text
 
 ENTRY = "entry.toml"
 FORMAT = 1
@@ -87,7 +88,7 @@ def pack(
     if providers is not None:
         sources[PROVIDERS] = Path(providers)
     target = Path(out)
-    if target.exists() and any(target.iterdir()):
+    if target.is_dir() and any(target.iterdir()):
         raise UsageError(f"{str(target)!r} is not empty; give a new folder")
     entry = Entry(
         name=name,
@@ -98,8 +99,8 @@ def pack(
         models=models,
         files={file: _sha256(path) for file, path in sources.items()},
     )
+    prepare_folder(target, "--out")
     try:
-        target.mkdir(parents=True, exist_ok=True)
         for file, path in sources.items():
             shutil.copyfile(path, target / file)
         (target / ENTRY).write_text(_written(entry), "utf-8")
@@ -116,7 +117,7 @@ def read_entry(folder: str | Path) -> Entry:
     """
     path = Path(folder) / ENTRY
     try:
-        data = tomllib.loads(path.read_text("utf-8-sig"))
+        data = tomllib.loads(read_text(path))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise UsageError(f"{path} cannot be read: {error}; `remac bench submit` writes it") from error
     if data.get("format") != FORMAT:
