@@ -10,7 +10,7 @@ from typing import Any
 from remac_bench import agents, sight
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
-from remac_bench.outside import plugins
+from remac_bench.outside import plugins, usable
 from remac_bench.watch import JOB_SECONDS, Deadline
 from remac_env.options import Options
 from remac_env.seeding import SEED_MAX, digest
@@ -210,7 +210,7 @@ def check_jobs(jobs: Sequence[Job]) -> None:
     lines = agents.Lines()
     try:
         for job in {(job.method, str(job.agent)): job for job in jobs}.values():
-            with lines.outside(job, Deadline.within(JOB_SECONDS)) as outside:
+            with usable(), lines.outside(job, Deadline.within(JOB_SECONDS)) as outside:
                 agents.make(job, lines.keywords(job), outside)
     finally:
         lines.servers.close()

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from remac_bench.errors import UsageError
+
 if TYPE_CHECKING:
     from remac_agents.isolation.remote import ForkServer
     from remac_bench.watch import Deadline
@@ -34,13 +36,30 @@ def facts_of(role: str, given: object) -> dict[str, Any]:
     return dict(_facts(role, json.dumps(given)))
 
 
+@contextmanager
+def usable() -> Iterator[None]:
+    """Before anything is played: whatever code from outside raises is a role that cannot be used.
+
+    Raises:
+        UsageError: naming what it raised, and where.
+    """
+    from remac_agents.isolation.remote import RemoteError, RoleDiedError
+
+    try:
+        yield
+    except (RemoteError, RoleDiedError) as error:
+        where = error.where[-1:] if isinstance(error, RemoteError) else []
+        told = ", ".join([f"{type(error).__name__}: {error}", *where])
+        raise UsageError(f"a role that is code from outside cannot be made: {told}") from error
+
+
 @lru_cache(maxsize=64)
 def _facts(role: str, given: str) -> Mapping[str, Any]:
     from remac_bench.watch import JOB_SECONDS, Deadline
 
     servers = Servers()
     try:
-        with servers.roles({role: json.loads(given)}, Deadline.within(JOB_SECONDS)) as roles:
+        with usable(), servers.roles({role: json.loads(given)}, Deadline.within(JOB_SECONDS)) as roles:
             made = roles[role]
             return {name: getattr(made, name) for name in ("needs_truth", "needs_rules", "needs_images")}
     finally:

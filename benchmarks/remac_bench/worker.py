@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
 import signal
+import threading
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from remac_bench import agents
@@ -46,6 +49,7 @@ def serve(connection: Connection, extensions: Sequence[str]) -> None:
     import remac_env  # noqa: F401
 
     load_extensions(extensions)
+    threading.Thread(target=_end_with_parent, name="remac-watch", daemon=True).start()
     lines = Lines()
     try:
         while True:
@@ -56,6 +60,14 @@ def serve(connection: Connection, extensions: Sequence[str]) -> None:
         return
     finally:
         lines.servers.close()
+
+
+def _end_with_parent() -> None:
+    """End this process when the runner is gone, whatever it is at: nobody would take its records."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
 
 
 def play_job(work: Work, lines: Lines | None = None) -> list[Record]:

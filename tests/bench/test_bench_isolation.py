@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
+import re
+import signal
 from pathlib import Path
 from typing import Any
 
 import pytest
-from bench_helpers import jobs, odd_scene, read, timeless
+from bench_helpers import jobs, odd_scene, read, start, timeless, wait_for
+from remac_bench.errors import UsageError
 from remac_bench.report import read_rows
 from remac_bench.runner import Settings, Summary, run_jobs
 
@@ -117,3 +121,43 @@ def test_processes_and_threads_isolate_too(folder: Path) -> None:
     listed = jobs(seeds=range(2), planner="spying_planners:CollectsGarbage", isolated=True)
     assert found(folder, listed, Settings(workers=1)) == [[], []]
     assert found(folder / ".", listed, Settings(workers=2, engine="threads", fresh=True)) == [[]] * 4
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("1 / 0", "ZeroDivisionError: division by zero, mine.py:1 in <module>"),
+        ("import os\nos._exit(3)", "RoleDiedError: planner: the process ended while it was importing"),
+        ("raise KeyboardInterrupt", "KeyboardInterrupt"),
+    ],
+)
+def test_what_cannot_be_made_is_said_before_anything_is_played(folder: Path, text: str, told: str) -> None:
+    (folder / "mine.py").write_text(text)
+    with pytest.raises(UsageError, match=re.escape(told)):
+        jobs(planner=f"{folder / 'mine.py'}:plan", isolated=True)
+
+
+@pytest.mark.long
+def test_a_killed_runner_leaves_no_process_behind(folder: Path) -> None:
+    arguments = ("--methods", "BASE", "--tasks", "HeatOnStove", "--seeds", "1", "--backend", "symbolic", "--jobs", "1")
+    planner = ("--planner", "odd_planners:Misbehaves,deed=hangs", "--out", str(folder / "out"))
+    runner = start("bench", "run", *arguments, *planner, env={"ODD_SCENE": odd_scene(), "SPY_FOLDER": str(folder)})
+    try:
+        wait_for(lambda: len(processes_of(folder)) >= 4)  # runner, worker, fork server, and the role
+    finally:
+        runner.send_signal(signal.SIGKILL)
+        runner.communicate()
+    wait_for(lambda: not processes_of(folder))
+
+
+def processes_of(folder: Path) -> list[int]:
+    """Processes that were started for a test, known by the folder in their environment."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/environ"):
+        try:
+            told = path.read_bytes().split(b"\0")
+            if f"SPY_FOLDER={folder}".encode() in told and int(path.parent.name) != os.getpid():
+                found.append(int(path.parent.name))
+        except OSError:
+            continue
+    return found
