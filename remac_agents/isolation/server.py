@@ -37,10 +37,16 @@ def main(number: int, roles: dict[str, Any]) -> None:
         ready: dict[str, Any] = {"ready": True}
     except BaseException as error:  # noqa: BLE001 - whatever a stranger's module raises; it is told
         ready = {"raised": told_error(error)}
-    control.sendall(json.dumps(ready).encode() + b"\n")
     classes()  # imported here, once
     gc.collect()
     gc.freeze()  # so that the garbage collector of a child leaves shared pages alone
+    with suppress(OSError):  # whoever asked may be gone at any time
+        control.sendall(json.dumps(ready).encode() + b"\n")
+        _fork(control, roles)
+
+
+def _fork(control: socket.socket, roles: dict[str, Any]) -> None:
+    """Do what is asked for over the control socket."""
     while True:
         message, descriptors, _, _ = socket.recv_fds(control, 64, 1)
         if not message:
@@ -63,9 +69,11 @@ def _play(end: socket.socket, roles: dict[str, Any]) -> None:
         ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
     quiet = os.open(os.devnull, os.O_RDONLY)
     os.dup2(quiet, 0)
-    with suppress(Ended):
-        serve(Lines(end), roles)
-    os._exit(0)
+    try:
+        with suppress(Ended):
+            serve(Lines(end), roles)
+    finally:
+        os._exit(0)
 
 
 if __name__ == "__main__":

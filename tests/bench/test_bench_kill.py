@@ -15,6 +15,7 @@ from remac_bench.runner import Settings, run_jobs
 ARGUMENTS = (
     *("bench", "run", "--tasks", "HeatOnStove,OpenCabinetPnP", "--methods", "CC,RE"),
     *("--seeds", "0:3", "--backend", "symbolic", "--planner", "bench_planners:Slow", "--jobs", "2"),
+    "--no-isolation",
 )
 EPISODES = 2 * 3 * (1 + 3)
 
