@@ -10,7 +10,7 @@ from physics_kit import ROBOT, command, kitchen, run
 
 from remac_env.backends.physics import dispatch, season
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.backends.physics.happened import Happened, strip_distance
+from remac_env.backends.physics.happened import Happened
 from remac_env.backends.physics.skill import Steps
 from remac_env.marks import SEASONED
 from remac_env.state import WorldState
@@ -104,19 +104,10 @@ def test_only_a_shaken_shaker_seasons(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_grains_fall_where_the_shaker_is(monkeypatch: pytest.MonkeyPatch) -> None:
     backend, _, worlds = kitchen(MEAT, 120604)
     assert run(backend, worlds, BEFORE_SEASONING) == [None] * 3
-    aside, over = np.array([0.25, 0.0, 0.0]), season._over
-    monkeypatch.setattr(season, "_over", lambda here, at, **options: over(here, at + aside, **options))
+    aside, over = np.array([0.32, 0.0, 0.0]), season._over
+    monkeypatch.setattr(season, "_over", lambda here, at: over(here, at + aside))
     outcome = backend.run_round({ROBOT: command(worlds, "season meat")}).outcomes[ROBOT]
     assert outcome.reason == "slipped" and not seasoned(backend.world), outcome
-
-
-def test_grains_fly_where_the_top_points() -> None:
-    way = np.array([0.0, 0.9])
-    assert strip_distance(np.array([0.0, 0.1]), way) == pytest.approx(0.0)
-    assert strip_distance(np.array([0.0, -0.1]), way) == pytest.approx(0.1), "not backwards"
-    assert strip_distance(np.array([0.07, 0.1]), way) == pytest.approx(0.07)
-    assert strip_distance(np.array([0.0, 0.5]), way) == pytest.approx(0.5 - 0.18)
-    assert strip_distance(np.array([0.3, 0.4]), np.zeros(2)) == pytest.approx(0.5)
 
 
 def test_a_shaker_that_is_only_carried_seasons_nothing() -> None:

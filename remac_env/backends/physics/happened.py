@@ -6,10 +6,8 @@ Both are read from the simulation at every control step. What a controller belie
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-
-import numpy as np
 
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
 from remac_env.kitchen.fixtures import Fixture
@@ -25,8 +23,7 @@ _LET_GO = 3  # control periods for which a button has to be out before it can be
 JERK = 2.0  # m/s2, of the shaker along the vertical
 TIPPED = -0.1  # z component of its axis from which on its top points down
 JERKS = 4  # of them, to and fro in turn, season what lies below
-THROW = 0.2  # m that grains fly at most in the direction in which the top points: 1 m/s for the 0.2 s of a fall
-SPREAD = 0.06  # m by which they scatter to the sides, so much further than the thing's own half width
+SCATTER = 0.2  # m to each side of the shaker's top that grains fly: 1 m/s for the 0.2 s of a fall
 HIGHEST = 0.45  # m of the shaker over a thing from which grains still land on it
 
 
@@ -96,27 +93,20 @@ class Happened:
         if not abs(pull) >= JERK or side == shaker.side:
             return
         shaker.side = side
-        for thing in self._below(name, position, rotation):
-            shaker.jerks[thing] = shaker.jerks.get(thing, 0) + 1
-            if shaker.jerks[thing] >= JERKS:
-                self.seasoned |= {thing}
+        thing = self._below(name, position, rotation)
+        if thing is None:
+            return
+        shaker.jerks[thing] = shaker.jerks.get(thing, 0) + 1
+        if shaker.jerks[thing] >= JERKS:
+            self.seasoned |= {thing}
 
-    def _below(self, name: str, position: Array, rotation: Array) -> Iterator[str]:
-        """Things on which grains land that leave the shaker's top now."""
+    def _below(self, name: str, position: Array, rotation: Array) -> str | None:
+        """The thing on which most grains land that leave the shaker's top now: the nearest in reach, on top."""
         top = position + rotation[:, 2] * 2.0 * self._things[name].size[2]
+        found: list[tuple[float, float, str]] = []
         for thing, kind in self._things.items():
             at, _ = self._simulation.pose(thing)
             if thing != name and 0.0 < top[2] - at[2] < HIGHEST:
-                miss = strip_distance(at[:2] - top[:2], rotation[:2, 2])
-                if miss <= max(kind.size[:2]) + SPREAD:
-                    yield thing
-
-
-def strip_distance(point: Array, way: Array) -> float:
-    """Distance (m) of a point (2,) from where grains land, seen from a shaker's top that points ``way`` (2,)."""
-    length = float(np.linalg.norm(way))
-    if length < 1e-9:
-        return float(np.linalg.norm(point))
-    along = way / length
-    flown = float(np.clip(point @ along, 0.0, THROW * length))
-    return float(np.linalg.norm(point - flown * along))
+                miss = max(0.0, math.dist(at[:2], top[:2]) - max(kind.size[:2]))
+                found += [(miss, -float(at[2]), thing)] if miss <= SCATTER else []
+        return min(found)[2] if found else None

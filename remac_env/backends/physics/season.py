@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import product
-
-import numpy as np
 
 from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import Path
@@ -16,9 +13,7 @@ from remac_env.robots.rotation import Array, about_z, from_rotation_vector
 
 _HEIGHT = (0.22, 0.28, 0.34)  # m of the shaker's frame over the food
 _TIPS = (2.0, 1.8, 2.3)  # rad from upright
-# m from the shaker's top to the food, as grains fly; into an opening.
-_AHEAD, _AHEAD_IN = (0.05,), (0.20, 0.14, 0.10, 0.23)
-_TURNS_IN = (math.pi, 2.7, -2.7, 2.3, -2.3)
+_AHEAD = (0.20, 0.16, 0.23)  # m that the shaker's top stays before food behind an opening
 _SHAKES, _SHAKE, _SHAKING = 4, 0.04, 0.5  # times, m up and down, m/s
 _FIRM = 30.0  # N a finger with which a shaker is held that is to be shaken
 _TURNS = (0.0, 0.5, -0.5, 1.0, -1.0, 1.6, -1.6, 2.4, -2.4, math.pi)
@@ -32,9 +27,9 @@ def season(here: Surroundings, food: str, *, inside: str | None = None) -> Steps
     here.begin()
     robot, planner = here.robot, here.planner
     over = here.simulation.pose(food)[0]
-    # Behind an opening, the shaker stays in front of it and points in.
-    turns, ahead = (_TURNS_IN, _AHEAD_IN) if inside else (_TURNS, _AHEAD)
-    grasps = _over(here, over, turns=turns, ahead=ahead)
+    # Behind an opening, the shaker stays in front of it; grains scatter so far.
+    points = [over - [0.0, ahead, 0.0] for ahead in _AHEAD] if inside else [over]
+    grasps = [grasp for point in points for grasp in _over(here, point)]
 
     def after(goal: Array, grasp: Grasp) -> Path | None:
         up = planner.line(goal, grasp.position + [0.0, 0.0, _SHAKE], grasp.rotation, speed=_SHAKING)
@@ -61,16 +56,15 @@ def _held(here: Surroundings) -> tuple[Array, Array]:
     return inward @ (pose[0] - grip[0]), inward @ pose[1]
 
 
-def _over(here: Surroundings, over: Array, *, turns: Sequence[float], ahead: Sequence[float]) -> list[Grasp]:
-    """Hands that hold the shaker tipped, its top ``ahead`` (m) of the food that its grains fly to."""
+def _over(here: Surroundings, point: Array) -> list[Grasp]:
+    """Hands that hold the shaker tipped, its top over a point (3,)."""
     offset, turned = _held(here)
     top = 2.0 * here.things[str(here.hand.body)].size[2]
     found = []
-    for tip, far, turn, height in product(_TIPS, ahead, turns, _HEIGHT):
+    for tip, turn, height in product(_TIPS, _TURNS, _HEIGHT):
         upright = about_z(turn)
         tipped = from_rotation_vector(upright[:, 0] * tip) @ upright
-        way = tipped[:, 2] * [1.0, 1.0, 0.0]
         hand = tipped @ turned.T
-        at = over + [0.0, 0.0, height] - top * way - far * way / np.linalg.norm(way) - hand @ offset
+        at = point + [0.0, 0.0, height] - top * tipped[:, 2] * [1.0, 1.0, 0.0] - hand @ offset
         found.append(Grasp(at, hand, at + [0.0, -0.06, 0.06]))
     return found
