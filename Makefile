@@ -5,7 +5,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test test-all lint install clean
+.PHONY: demo test test-all tables tables-check lint install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -25,8 +25,15 @@ lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
-test: lint
+test: lint tables-check
 	$(BIN)/pytest -n 2 -m "not long"
+
+# Every table of README and docs from the command that stands beside it; tables-check looks at those that take seconds.
+tables: $(VENV)/.installed-dev
+	$(BIN)/python docs/make_tables.py
+
+tables-check: $(VENV)/.installed-dev
+	$(BIN)/python docs/make_tables.py --check
 
 test-all: lint
 	$(BIN)/pytest -n 2

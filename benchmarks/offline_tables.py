@@ -1,4 +1,4 @@
-"""Prints the tables of docs/experiments.md and README without physics: `python benchmarks/offline_tables.py NAME`."""
+"""Prints tables that need no physics, for docs and README: `python benchmarks/offline_tables.py NAME`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import typer
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import make_jobs
 from remac_bench.metrics import Row, overall, summarise
-from remac_bench.plans.ask import Cell, optimum
+from remac_bench.plans.ask import Cell, kitchen, optimum
 from remac_bench.runner import Settings, run_jobs
 from remac_bench.store import Store
 
@@ -25,10 +25,15 @@ Seeds = Annotated[int, typer.Option(help="Starts a task.")]
 
 
 @app.command()
-def lengths() -> None:
-    """Shortest plans of paper starts, by exact search."""
-    rows = [[task, *(str(optimum(Cell(task=task, robots=robots))) for robots in (1, 2))] for task in TASKS]
-    _print(["task", "one robot", "two robots"], rows)
+def tasks() -> None:
+    """The paper's tasks: goal sentence, and the shortest plans of paper starts by exact search."""
+    rows = []
+    for task in TASKS:
+        env = kitchen(Cell(task=task))
+        _, infos = env.reset(seed=0)
+        goal = next(iter(infos.values()))["goal"]
+        rows.append([task, goal, *(str(optimum(Cell(task=task, robots=robots))) for robots in (1, 2))])
+    _print(["task", "the goal sentence", "shortest plan, one robot", "two robots"], rows, words=2)
 
 
 @app.command()
@@ -54,7 +59,7 @@ def floors(seeds: Seeds = 50) -> None:
             name = planner or "literal (BASE)"
             problems = sum(rows[task, "BASE"].problems for task in TASKS)
             lines.append([starts, name, *(_rate(rows[task, "BASE"]) for task in TASKS), str(problems)])
-    _print(["starts", "planner", *TASKS, "problems"], lines)
+    _print(["starts", "planner", *TASKS, "problems"], lines, words=2)
 
 
 @app.command()
@@ -79,7 +84,7 @@ def noisy(seeds: Seeds = 50) -> None:
         checker = {"checker": f"noisy,false_alarm={rate},miss={rate}"} if rate else {}
         found[rate] = _rows(names, seeds=seeds, starts="paper", agent=checker)
     lines = [[task, name, *(_rate(found[rate][task, name]) for rate in rates)] for task in TASKS for name in names]
-    _print(["task", "method", *(f"P = {rate:g}" for rate in rates)], lines)
+    _print(["task", "method", *(f"P = {rate:g}" for rate in rates)], lines, words=2)
 
 
 @app.command()
@@ -130,9 +135,9 @@ def _mean(value: float | None, digits: int = 1) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
 
 
-def _print(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """A table in Markdown."""
-    marks = ["---", *("---:" for _ in heads[1:])]
+def _print(heads: Sequence[str], rows: Sequence[Sequence[str]], *, words: int = 1) -> None:
+    """A table in Markdown, whose first columns are words and whose others are numbers."""
+    marks = ["---"] * words + ["---:"] * (len(heads) - words)
     for line in (heads, marks, *rows):
         typer.echo(f"| {' | '.join(line)} |")
 
