@@ -5,7 +5,8 @@ rarest is chosen, half of the time among those that succeed. Where a pair needs 
 closed door), one robot's shortest way there is searched for and gone, half of the rounds. Each round is foretold by the
 table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where in physics a
 thing slips out of a hand and in the table it does not, the round is listed apart; anything else is a disagreement,
-printed with what differs.
+printed with what differs. Refusals, which both backends read from one function, are counted apart too: that they agree
+is no finding.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from remac_env.backends.symbolic import SymbolicBackend
 from remac_env.files import prepare_file
 from remac_env.oracle import search_plan
 from remac_env.parallel import KitchenParallelEnv
-from remac_env.rounds import transition
+from remac_env.rounds import first_false, settle_claims, transition
 from remac_env.seeding import generator
 from remac_env.state import Scene, WorldState
 from remac_env.subtasks import SKILLS, Outcome, Subtask
@@ -51,12 +52,19 @@ STRATA: tuple[Stratum, ...] = tuple(
 )
 """The pairs that need a preparation; robots that are elsewhere, and claims, come about by themselves."""
 
+READ = ("graspable", "room")
+"""Conditions that physics reads from the table before it tries, as it reads what is refused."""
+
 _FAR, _STATES = 8, 1500  # rounds and states up to which a preparation is searched for
 
 
 @dataclass(frozen=True)
 class Compared:
-    """One robot's subtask in one round. verdict: agree, slip or disagree; differs: what does, in words."""
+    """One robot's subtask in one round.
+
+    verdict: agree, slip or disagree; differs: what does, in words; by_rule: both backends read the foretold failure from
+    one function, and nothing was tried.
+    """
 
     task: str
     robots: int
@@ -70,6 +78,7 @@ class Compared:
     happened: str
     verdict: str
     differs: str
+    by_rule: bool = False
 
 
 def play(task: str, robots: int, seed: int, rounds: int) -> list[Compared]:
@@ -107,7 +116,17 @@ def compare(
         slip = slipped and (table == real or outcomes[name].reason in SLIPS)
         verdict = "slip" if slip else "disagree" if differs else "agree"
         where = (env.worlds.spec.name, len(joint), env.start.seed, env.start.layout, round_, name)
-        yield Compared(*where, subtask.text, subtask.skill, table, real, verdict, "; ".join(differs))
+        ruled = _by_rule(env.start.scene, before, joint, name)
+        yield Compared(*where, subtask.text, subtask.skill, table, real, verdict, "; ".join(differs), ruled)
+
+
+def _by_rule(scene: Scene, before: WorldState, joint: Mapping[str, Subtask], robot: str) -> bool:
+    """Whether what the table foretells for this robot is read from it by physics as well."""
+    refused, _ = settle_claims(scene, before, joint)
+    if robot in refused:
+        return True
+    false = first_false(scene, before, robot, joint[robot], "attempt")
+    return false is not None and false.condition.predicate in READ
 
 
 def _fell(foretold: WorldState, happened: WorldState) -> bool:
@@ -241,14 +260,17 @@ def main(
 
 
 def table(found: Sequence[Compared], title: str) -> Table:
-    """Counts a skill and reason, and the share of agreement without slips."""
+    """Counts a skill and reason, and the share of agreement without slips; what is decided by rule stands apart."""
     shown = Table("skill", "foretold", "n", "agree", "slips", "disagree", title=title)
-    for skill, reason in sorted({(line.skill, line.foretold) for line in found}):
-        _add(shown, (skill, reason), [line for line in found if (line.skill, line.foretold) == (skill, reason)])
-    shown.add_section()
-    _add(shown, ("succeeds", ""), [line for line in found if line.foretold == "success"])
-    _add(shown, ("fails", ""), [line for line in found if line.foretold != "success"])
-    _add(shown, ("all", ""), found)
+    tried, ruled = ([line for line in found if line.by_rule is by_rule] for by_rule in (False, True))
+    for lines in (tried, ruled):
+        for skill, reason in sorted({(line.skill, line.foretold) for line in lines}):
+            _add(shown, (skill, reason), [line for line in lines if (line.skill, line.foretold) == (skill, reason)])
+        shown.add_section()
+    _add(shown, ("tried, succeeds", ""), [line for line in tried if line.foretold == "success"])
+    _add(shown, ("tried, fails", ""), [line for line in tried if line.foretold != "success"])
+    _add(shown, ("tried, all", ""), tried)
+    _add(shown, ("by rule", ""), ruled)
     return shown
 
 

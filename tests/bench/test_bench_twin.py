@@ -54,6 +54,18 @@ def test_a_world_that_differs_is_found(kitchen) -> None:
     assert "door='ajar'" in line.differs and "door='closed'" in line.differs
 
 
+def test_what_both_backends_read_from_one_function_is_told_apart(kitchen) -> None:
+    """A refusal is no proof of agreement; a drive, and a closed door that is tried, are."""
+    (line,) = twin.compare(kitchen, *driven(kitchen))
+    assert not line.by_rule
+    before, subtask = kitchen.world, kitchen.vocabulary.parse("turn on stove")
+    _, _, _, _, infos = kitchen.step({"robot_0": kitchen.vocabulary.encode("turn on stove")})
+    told = infos["robot_0"]["outcome"]
+    outcomes = {"robot_0": Outcome(**told | {"reason": told["reason"] or None})}
+    (line,) = twin.compare(kitchen, before, {"robot_0": subtask}, outcomes)
+    assert line.by_rule and line.foretold == "not_at_station" and line.verdict == "agree"
+
+
 def test_a_thing_that_fell_out_of_a_hand_is_listed_apart(kitchen) -> None:
     before, joint, outcomes = driven(kitchen)
     thing = next(iter(before.objects))
