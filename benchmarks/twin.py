@@ -62,8 +62,8 @@ _FAR, _STATES = 8, 1500  # rounds and states up to which a preparation is search
 class Compared:
     """One robot's subtask in one round.
 
-    verdict: agree, slip or disagree; differs: what does, in words; by_rule: both backends read the foretold failure from
-    one function, and nothing was tried.
+    verdict: agree, slip or disagree; differs: what does, in words; by_rule: both backends read the foretold failure
+    from one function, and nothing was tried.
     """
 
     task: str
