@@ -154,12 +154,12 @@ def has_room(scene: Scene, world: WorldState, vessel: str) -> bool:
 
 
 def switch_for(scene: Scene, world: WorldState, fixture: str) -> str:
-    """The switch that `turn on` acts on: with a switch per slot, the one under a vessel, else the first."""
+    """The switch that `turn on` acts on: with a switch per slot, that under a vessel, best one that belongs there."""
     facts = scene.fixtures[fixture]
     if not facts.switch_per_slot:
         return facts.switches[0]
-    used = [n for n in facts.slots if (o := occupant(world, n)) is not None and scene.objects[o].holds]
-    return next(iter(used), facts.switches[0])
+    used = {n: t for n in facts.slots if (o := occupant(world, n)) is not None and (t := scene.objects[o]).holds}
+    return min(used, key=lambda name: facts.kind not in used[name].vessel_in, default=facts.switches[0])
 
 
 # -- predicates -----------------------------------------------------------------------------------------------------

@@ -68,7 +68,8 @@ def public_scene(rules: Rules) -> PublicScene:
             }
         ),
         objects=FrozenMap(
-            {name: PublicObject(name, facts.holds > 0, facts.seasons) for name, facts in rules.objects.items()}
+            # In the order of their names: in the order of the draw the task's own things would come first.
+            {n: PublicObject(n, facts.holds > 0, facts.seasons) for n, facts in sorted(rules.objects.items())}
         ),
         conflicts=rules.conflicts,
     )

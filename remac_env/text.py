@@ -17,7 +17,7 @@ def describe(scene: Scene, commands: Sequence[str], goal: str) -> str:
         (
             f"Robots: {', '.join(scene.robots)}. Each has one gripper.",
             f"Fixtures: {', '.join(scene.fixtures)}.",
-            f"Objects: {', '.join(scene.objects)}.",
+            f"Objects: {', '.join(sorted(scene.objects))}.",
             f"Commands: {', '.join(commands)}.",
             *_rounds(scene),
             *_places(scene),
@@ -73,7 +73,7 @@ def describe_states(scene: Scene, world: WorldState) -> str:
     for name, robot in world.robots.items():
         held = f"holds the {robot.holding}" if robot.holding else "holds nothing"
         lines.append(f"{name} stands at {robot.station} and {held}.")
-    for name, item in world.objects.items():
+    for name, item in sorted(world.objects.items()):
         marks = f" It has been {' and '.join(sorted(item.marks))}." if item.marks else ""
         lines.append(f"The {name} is {_where(scene, item.place)}.{marks}")
     for name, fixture in world.fixtures.items():

@@ -2,7 +2,7 @@
 
 Derived from the goal alone: doors ajar or open, a vessel in place, occupied or behind a door, its place taken, a switch
 already on, the target in its vessel or behind another door. Each change is drawn for itself, so several come together:
-the shortest plans for one robot have from 2 to 17 rounds. Figures are probabilities.
+the shortest plans for one robot have from 2 to 16 rounds. Figures are probabilities.
 """
 
 from __future__ import annotations

@@ -40,6 +40,12 @@ HAND_ROOM = 0.14
 EDGE = 0.02
 """Room kept between a thing and the edge of its slot, m, so that neighbours leave space for a hand."""
 
+VESSELS = 3
+"""How many vessels a kitchen has, those of the task among them, so that commands do not tell which of them it needs."""
+
+SPARE_VESSELS = 2
+"""How many of them the task does not need at least."""
+
 _ATTEMPTS = 100
 
 
@@ -77,7 +83,9 @@ def sample(
     check_choice("naming", naming, NAMINGS)
     rng = generator(seed, "start", spec.name, layout.name, style, starts)
     names, things = _choose_things(spec, categories, naming, rng)
-    things |= _choose_distractors(spec, layout, categories, things, rng)
+    others = _choose_distractors(spec, layout, categories, things, rng)
+    extra = generator(seed, "vessels", spec.name, layout.name, style, starts)
+    things |= _with_vessels(others, layout, categories, things, extra)
     scene = build_scene(layout, things, robots)
     for needed in spec.fixtures:
         check_choice(f"fixture (in layout {layout.name}, for {spec.name})", needed, scene.fixtures)
@@ -147,6 +155,29 @@ def _choose_distractors(
         if len(chosen) < count and not any(_confused(other, thing) for thing in chosen.values()):
             chosen[other.name] = other
     return chosen
+
+
+def _with_vessels(
+    others: Mapping[str, Category],
+    layout: Layout,
+    categories: Mapping[str, Category],
+    things: Mapping[str, Category],
+    rng: np.random.Generator,
+) -> dict[str, Category]:
+    """The distractors with some of them, in their very places, replaced by vessels that the task does not need.
+
+    What is small stays before what is not: in mixed starts it may lie in the way.
+    """
+    words = {word for noun, thing in things.items() for word in (noun, thing.name, *thing.roles)}
+    open_slots = (slot for slot in layout.slots.values() if layout.fixtures[slot.fixture].kind == "counter")
+    room = min((min(slot.half) for slot in open_slots), default=0.0)
+    fits = [c for c in categories.values() if c.holds and not words & {c.name, *c.roles} and min(c.size[:2]) <= room]
+    wanted = max(SPARE_VESSELS, VESSELS - sum(thing.holds > 0 for thing in things.values()))
+    spare = [fits[index] for index in rng.permutation(len(fits))][:wanted]
+    names = list(others)
+    leaving = sorted((names[index] for index in rng.permutation(len(names))), key=lambda name: others[name].small)
+    exchanged = dict(zip(leaving, spare, strict=False))
+    return {thing.name: thing for thing in (exchanged.get(name, kept) for name, kept in others.items())}
 
 
 def _confused(one: Category, other: Category) -> bool:

@@ -9,10 +9,16 @@ from remac_env.tasks.goals import Goal, Marked
 
 
 def relevant_commands(scene: Scene, world: WorldState, goal: Goal) -> list[Subtask]:
-    """The commands that can matter: about what the goal names, what is around or in its way, and where to put down."""
+    """The commands that can matter: about what the goal names, what is around or in its way, and where to put down.
+
+    Things are put down on open surfaces, and in any vessel: an empty plate may be nearer than a free place.
+    """
     objects, fixtures = relevant_nouns(scene, world, goal)
     surfaces = [name for name, facts in scene.fixtures.items() if facts.slots and not facts.door and not facts.switches]
+    vessels = [name for name, facts in scene.objects.items() if facts.holds and name not in objects]
     commands = [Subtask("navigate aside")]
+    for name in vessels:
+        commands += [Subtask("navigate to", name), Subtask("place to", name)]
     for name in objects:
         commands += [Subtask("navigate to", name), Subtask("pick up", name)]
         if scene.objects[name].holds:

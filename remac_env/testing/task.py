@@ -9,6 +9,7 @@ from remac_env.oracle import solve
 from remac_env.tasks import get
 from remac_env.tasks.spec import WORDINGS, TaskSpec
 from remac_env.testing.actions import check_actions, check_masks
+from remac_env.testing.commands import check_commands
 from remac_env.testing.determinism import check_determinism
 from remac_env.testing.lifecycle import check_lifecycle
 from remac_env.testing.names import check_names
@@ -44,6 +45,7 @@ def check_task(
         for kind in starts:
             make = _maker(spec, robots=count, starts=kind)
             check_certificate(make, seeds=seeds)
+            check_commands(make, seeds=seeds)
             check_spaces(make, seeds=seeds, rounds=rounds)
             check_determinism(make, seeds=seeds, rounds=rounds)
             check_names(make, seeds=seeds, rounds=rounds)

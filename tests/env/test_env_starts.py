@@ -211,9 +211,9 @@ def test_all_kinds_of_mixed_starts_occur(task: str) -> None:
 def test_mixed_starts_are_of_all_lengths() -> None:
     """From one step before the end to puzzles of fourteen rounds and more, and everything between."""
     lengths = set()
-    for task in ("DefrostInBowl", "HeatOnStove", "WashPnPHeat"):
+    for task in ("OpenCabinetPnP", "DefrostInBowl", "HeatOnStove", "WashPnPHeat"):
         env = make(task, robots=1, starts="mixed")
-        for seed in range(90):
+        for seed in range(70):
             env.reset(seed=seed)
             plan = solve(env.start.scene, env.world, env.goal)
             assert plan is not None, (task, seed)

@@ -227,6 +227,11 @@ def test_the_knob_is_that_of_the_burner_under_the_pan(kitchen: TableKitchen) -> 
     assert kitchen.world.fixtures["stove"].on == {"stove.3"}
 
 
+def test_an_unneeded_vessel_on_the_stove_does_not_take_the_knob_from_the_pan(kitchen: TableKitchen) -> None:
+    kitchen.put("plate", "stove.1").put("pan", "stove.3").stand(A, "stove").run(**{A: "turn on stove"})
+    assert kitchen.world.fixtures["stove"].on == {"stove.3"}
+
+
 def test_turning_the_stove_off_turns_every_burner_off(kitchen: TableKitchen) -> None:
     kitchen.put("pan", "stove.3").on("stove", "stove.0", "stove.3").stand(A, "stove").run(**{A: "turn off stove"})
     assert kitchen.world.fixtures["stove"].on == set()
