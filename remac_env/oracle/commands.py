@@ -17,8 +17,6 @@ def relevant_commands(scene: Scene, world: WorldState, goal: Goal) -> list[Subta
     surfaces = [name for name, facts in scene.fixtures.items() if facts.slots and not facts.door and not facts.switches]
     vessels = [name for name, facts in scene.objects.items() if facts.holds and name not in objects]
     commands = [Subtask("navigate aside")]
-    for name in vessels:
-        commands += [Subtask("navigate to", name), Subtask("place to", name)]
     for name in objects:
         commands += [Subtask("navigate to", name), Subtask("pick up", name)]
         if scene.objects[name].holds:
@@ -29,6 +27,8 @@ def relevant_commands(scene: Scene, world: WorldState, goal: Goal) -> list[Subta
         commands += [Subtask("place to", name)] if facts.slots else []
         commands += [Subtask("open door", name), Subtask("close door", name)] if facts.door else []
         commands += [Subtask("turn on", name), Subtask("turn off", name)] if facts.switches else []
+    for name in vessels:
+        commands += [Subtask("navigate to", name), Subtask("place to", name)]
     return commands + [Subtask("season", name) for name in to_mark(goal, SEASONED)]
 
 

@@ -80,10 +80,10 @@ def test_a_thing_that_fell_out_of_a_hand_is_listed_apart(kitchen) -> None:
 
 
 def test_commands_are_spread_over_skills_and_reasons() -> None:
-    lines = twin.play("OpenMicrowavePnP", 1, 77, 12)
+    lines = twin.play("OpenMicrowavePnP", 1, 78, 16)
     assert [line for line in lines if line.verdict != "agree"] == []
     strata = {(line.skill, line.foretold) for line in lines}
     assert len(strata) >= 8
     assert {"success"} < {reason for _, reason in strata}
-    again = twin.play("OpenMicrowavePnP", 1, 77, 12)
+    again = twin.play("OpenMicrowavePnP", 1, 78, 16)
     assert [replace(line) for line in again] == lines
