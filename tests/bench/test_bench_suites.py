@@ -48,7 +48,7 @@ def test_every_suite_that_comes_along_can_be_read_and_keeps_clear_of_the_kept_se
 def test_the_paper_suite_is_four_tasks_ten_starts_four_methods_twice() -> None:
     jobs = suites.load("paper").jobs(backend="symbolic")
     assert {job.task for job in jobs} == set(TASKS)
-    assert {job.options.perception_noise for job in jobs} == {0.0, 0.03}
+    assert {job.options.perception_noise for job in jobs} == {0.0, 0.02}
     floors = [job for job in jobs if job.agent.get("planner") in FLOORS]
     assert len(jobs) - len(floors) == 4 * 10 * 4 * 2
     assert {job.method for job in floors} == {"BASE"} and len(floors) == 4 * 10 * 2 * len(FLOORS)
