@@ -79,7 +79,7 @@ def _set_scale(spec: mujoco.MjSpec) -> None:
     spec.stat.extent = 4.5
     spec.stat.center = [0.0, -0.3, 1.0]
     depth = spec.visual.map
-    depth.znear, depth.zfar = 0.01, 40.0
+    depth.znear, depth.zfar = 0.002, 40.0
     depth.shadowclip, depth.shadowscale = 0.75, 0.9
 
 

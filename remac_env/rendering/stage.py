@@ -15,7 +15,8 @@ from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.drawing import show_seasoned
 from remac_env.marks import SEASONED
-from remac_env.rendering.cameras import FRONT, SIDE, WIDE, WRIST, add_cameras
+from remac_env.rendering.cameras import FRONT, HELD, SIDE, WIDE, WRIST, add_cameras
+from remac_env.rendering.following import follow
 from remac_env.rendering.posing import pose
 from remac_env.rendering.renderer import BEAUTY, CLOSE, OBSERVATION, Quality, Renderer
 from remac_env.rendering.window import Window
@@ -62,12 +63,14 @@ class Stage:
         self._show_state(world)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
+        follow(self._model, self._data, self._layout, world)
 
     def show_world(self, start: Start, world: WorldState) -> None:
         """Pose the kitchen by what is true in it."""
         self._drawn.clear()
         pose(self._model, self._data, self._layout, self._categories, start, world)
         self._show_state(world)
+        follow(self._model, self._data, self._layout, world)
 
     def picture(self, *, quality: Quality = BEAUTY, size: tuple[int, int] = RENDER_SIZE) -> Picture:
         """The whole kitchen, uint8 (height, width, 3)."""
@@ -80,10 +83,13 @@ class Stage:
     def observe(self, robot: str, world: WorldState, *, size: int) -> dict[str, Picture]:
         """The robot's three pictures, uint8 (size, size, 3): the kitchen, from its hand, and of its station.
 
-        Away from all stations the third is of the whole kitchen.
+        The third is of its hand and its station while it holds something, and else, away from all stations, of the
+        whole kitchen.
         """
-        station = world.robots[robot].station
-        side = FRONT if station == ASIDE else SIDE.format(station=station)
+        state = world.robots[robot]
+        side = FRONT if state.station == ASIDE else SIDE.format(station=state.station)
+        if state.holding is not None:
+            side = HELD.format(robot=robot)
         cameras = {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side}
         quality = OBSERVATION if size <= SMALL else CLOSE
         return {name: self._render(camera, (size, size), quality) for name, camera in cameras.items()}
