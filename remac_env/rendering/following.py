@@ -32,11 +32,11 @@ _DIRECTIONS = tuple((side * x, y, z) for x, y, z in _SIDES for side in (1, -1))
 _INTO = ((0.8, -0.8, 0.4), (0.95, -0.5, 0.4), (1.0, -0.25, 0.4), (0.6, -1.0, 0.15))  # the same, into what has a door
 _TO_EDGE = 0.15  # m from the middle of a place on a worktop towards the robot
 _ABOVE = (0.0, 0.0, 0.03)  # m over a floor, where something lies on it
-_FRAMED = 0.84  # of the picture's width and height is what must be seen
+_FRAMED = 0.80  # of the picture's width and height is what must be seen
 _NEAREST = 0.25  # m from the camera to the nearest point of it
 _GAP = 0.12  # m from the camera to walls
 _INNER = 0.6  # of a thing's box: its corners are looked for there, since round things do not fill theirs
-_TOUCH = 0.01  # m
+_TOUCH, _BESIDE = 0.01, 0.12  # m: what is so near a point of what is held, or over a place, does not hide it
 _DRAWN = np.array([group in (DRAWN_GROUP, COARSE_GROUP) for group in range(mujoco.mjNGROUP)], dtype=np.uint8)
 _CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 
@@ -46,7 +46,7 @@ def follow(model: mujoco.MjModel, data: mujoco.MjData, layout: Layout, world: Wo
     for robot, state in world.robots.items():
         _keep_upright(data, robot)
         if state.holding is not None:
-            _frame_held(model, data, layout, robot, state.station, state.holding)
+            _frame_held(model, data, layout, world, robot, state.holding)
 
 
 def _keep_upright(data: mujoco.MjData, robot: str) -> None:
@@ -67,27 +67,30 @@ def _keep_upright(data: mujoco.MjData, robot: str) -> None:
 
 
 def _frame_held(
-    model: mujoco.MjModel, data: mujoco.MjData, layout: Layout, robot: str, station: str, held: str
+    model: mujoco.MjModel, data: mujoco.MjData, layout: Layout, world: WorldState, robot: str, held: str
 ) -> None:
-    """Look at what a robot holds, at its hand and at what it stands at, from where most of it is seen."""
+    """Look at what a robot holds, at its hand and at what lies at its station, from where most of it is seen."""
+    station = world.robots[robot].station
     slots = [slot for slot in layout.slots.values() if slot.station == station]
-    places = np.array([layout.middle(slot.name) for slot in slots]).reshape(-1, 3)
     shut_in = any(layout.fixtures[slot.fixture].leaves for slot in slots)
-    inside = places + _ABOVE if shut_in else places[:0]
-    points = np.concatenate([_corners(model, data, held), _corners(model, data, f"{robot}/hand")])
+    taken = {item.place.where for item in world.objects.values() if item.place.relation == "slot"}
+    places = np.array([layout.middle(s.name) for s in slots if shut_in or s.name in taken]).reshape(-1, 3)
     facing = _facing(data, robot)
-    if slots:
-        edge = places.mean(axis=0) if shut_in else places.mean(axis=0) - _TO_EDGE * facing[:, 1]
-        points = np.vstack([points, edge])
-    inner = np.concatenate([_corners(model, data, held, _INNER), inside])
-    weights = np.concatenate([np.ones(len(inner) - len(inside)), np.full(len(inside), len(inner) - len(inside))])
+    points = [_corners(model, data, held), _corners(model, data, f"{robot}/hand"), places]
+    if slots and not len(places):
+        points.append(np.mean([layout.middle(slot.name) for slot in slots], axis=0, keepdims=True))
+        points[-1] -= _TO_EDGE * facing[:, 1]
+    framed, inner = np.concatenate(points), _corners(model, data, held, _INNER)
+    sought = np.concatenate([inner, places + _ABOVE])
+    near = np.repeat([_TOUCH, _BESIDE], [len(inner), len(places)])
+    weights = np.repeat([1.0, len(inner) / max(1, len(places))], [len(inner), len(places)])
     camera = data.camera(HELD.format(robot=robot))
     best = (-1.0, 0.0)
     for back in _directions(layout, station, shut_in, facing):
         turn = axes(back, _UP)
-        eye = fitted(points, turn, FIELD, framed=_FRAMED, near=_NEAREST)
-        seen = float(weights @ _seen(model, data, eye, inner, held)) if _is_free(layout, eye) else 0.0
-        rank = (round(seen, 6), -round(float(np.linalg.norm(eye - points[0])), 6))
+        eye = fitted(framed, turn, FIELD, framed=_FRAMED, near=_NEAREST)
+        seen = float(weights @ _seen(model, data, eye, sought, near, held)) if _is_free(layout, eye) else 0.0
+        rank = (round(seen, 6), -round(float(np.linalg.norm(eye - inner[0])), 6))
         if rank > best:
             best, camera.xpos[:], camera.xmat[:] = rank, eye, turn.ravel()
 
@@ -132,8 +135,10 @@ def _is_free(layout: Layout, eye: Floats) -> bool:
     )
 
 
-def _seen(model: mujoco.MjModel, data: mujoco.MjData, eye: Floats, points: Floats, body: str) -> NDArray[np.bool_]:
-    """Whether nothing but a body itself is in the way from a place to each point, (n, 3) -> (n,)."""
+def _seen(
+    model: mujoco.MjModel, data: mujoco.MjData, eye: Floats, points: Floats, near: Floats, body: str
+) -> NDArray[np.bool_]:
+    """Whether nothing but the body, or what is near it, is in the way from a place to each point, (n, 3) -> (n,)."""
     way = points - eye
     far = np.linalg.norm(way, axis=1)
     count = len(points)
@@ -141,5 +146,5 @@ def _seen(model: mujoco.MjModel, data: mujoco.MjData, eye: Floats, points: Float
     way = np.ascontiguousarray(way / far[:, None]).ravel()
     mujoco.mj_multiRay(model, data, eye, way, _DRAWN, 1, -1, geoms, distances, None, count, mujoco.mjMAXVAL)
     seen: NDArray[np.bool_] = (model.geom_bodyid[geoms] == model.body(body).id) & (geoms >= 0)
-    seen |= (geoms < 0) | (distances > far - _TOUCH)
+    seen |= (geoms < 0) | (distances > far - near)
     return seen
