@@ -213,23 +213,16 @@ class Part:
             self._canvas.paint(self._name, fine, coarse, material, switch, opacity)
 
     def drawn_cylinder(
-        self,
-        start: Vector,
-        end: Vector,
-        radius: float,
-        material: str,
-        *,
-        switch: str | None = None,
-        opacity: float | None = None,
+        self, start: Vector, end: Vector, radius: float, material: str, *, switch: str | None = None
     ) -> None:
         """Draw a cylinder between the middles of its two ends."""
-        self._rod(start, end, radius, material, switch, opacity, round_ends=False)
+        self._rod(start, end, radius, material, switch, round_ends=False)
 
     def drawn_capsule(
         self, start: Vector, end: Vector, radius: float, material: str, *, switch: str | None = None
     ) -> None:
         """Draw a capsule between the centres of its round ends."""
-        self._rod(start, end, radius, material, switch, None, round_ends=True)
+        self._rod(start, end, radius, material, switch, round_ends=True)
 
     def drawn_mesh(
         self,
@@ -266,12 +259,11 @@ class Part:
             )
 
     def _rod(
-        self, start: Vector, end: Vector, radius: float, material: str, switch: str | None, opacity: float | None, *,
-        round_ends: bool,
-    ) -> None:  # fmt: skip
+        self, start: Vector, end: Vector, radius: float, material: str, switch: str | None, *, round_ends: bool
+    ) -> None:
         if self.looks:
             fine, coarse = (bar(_point(start), _point(end), radius, ends) for ends in (round_ends, False))
-            self._canvas.paint(self._name, fine, coarse, material, switch, opacity)
+            self._canvas.paint(self._name, fine, coarse, material, switch, None)
 
     def _solid(self, **options: Any) -> None:
         options.setdefault("friction", _FURNITURE_FRICTION)
