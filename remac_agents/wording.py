@@ -9,6 +9,7 @@ from remac_agents.llm import plain
 from remac_agents.roles import View
 from remac_env.conditions import Condition
 from remac_env.subtasks import Subtask
+from remac_env.text import describe_use
 
 LONGEST = 300
 """Characters of one sentence that a model wrote and that goes into another prompt, a record or the memory."""
@@ -54,6 +55,11 @@ def room(view: View) -> dict[str, str]:
     """The fields `fixtures`, `things` and `goal`."""
     scene = view.scene
     return {"fixtures": ", ".join(scene.fixtures), "things": ", ".join(scene.objects), "goal": view.goal}
+
+
+def use(view: View) -> dict[str, str]:
+    """The field `use`: what the kitchen says of rounds, places and room, without its names and states."""
+    return {"use": describe_use(view.scene)}
 
 
 def rounds(ran: Iterable[Ran]) -> str:

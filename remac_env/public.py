@@ -19,12 +19,16 @@ Rules = Scene
 
 @dataclass(frozen=True, slots=True)
 class PublicFixture:
-    """A thing that stays where it is: where robots stand to use it, and whether it can be opened or switched."""
+    """A thing that stays where it is: where robots stand to use it, and whether it can be opened or switched.
+
+    `room`: how many things it takes side by side, what they carry not counted; 0 for one that takes none.
+    """
 
     name: str
     stations: tuple[str, ...]
     door: bool = False
     switch: bool = False
+    room: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +53,15 @@ class PublicScene:
         """The stations from which a fixture can be used."""
         return self.fixtures[fixture].stations
 
+    @property
+    def stations(self) -> tuple[str, ...]:
+        """All stations, in the order of the fixtures, without `aside`."""
+        return tuple(dict.fromkeys(name for fixture in self.fixtures.values() for name in fixture.stations))
+
+    def used_from(self, station: str) -> tuple[str, ...]:
+        """The fixtures that can be used from a station."""
+        return tuple(name for name, fixture in self.fixtures.items() if station in fixture.stations)
+
     def conflicting(self, first: str, second: str) -> bool:
         """True when two robots cannot stand at these stations at the same time."""
         if first == second:
@@ -63,7 +76,9 @@ def public_scene(rules: Rules) -> PublicScene:
         robots=rules.robots,
         fixtures=FrozenMap(
             {
-                name: PublicFixture(name, rules.stations_of(name), facts.door, bool(facts.switches))
+                name: PublicFixture(
+                    name, rules.stations_of(name), facts.door, bool(facts.switches), len(facts.slots)
+                )
                 for name, facts in rules.fixtures.items()
             }
         ),

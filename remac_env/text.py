@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from remac_env.public import PublicScene, public_scene
 from remac_env.state import Place, Scene, WorldState
 from remac_env.subtasks import Outcome
 
@@ -12,22 +13,25 @@ FEEDBACKS = ("status", "reason")
 
 
 def describe(scene: Scene, commands: Sequence[str], goal: str) -> str:
-    """The scene as names alone, what rounds and places are, and the goal sentence; facts, and no states."""
+    """The scene as names alone, how it is used, and the goal sentence; facts, and no states."""
     return "\n".join(
         (
             f"Robots: {', '.join(scene.robots)}. Each has one gripper.",
             f"Fixtures: {', '.join(scene.fixtures)}.",
             f"Objects: {', '.join(sorted(scene.objects))}.",
             f"Commands: {', '.join(commands)}.",
-            *_rounds(scene),
-            *_places(scene),
-            *_vessels(scene),
+            describe_use(public_scene(scene)),
             f"Goal: {goal}.",
         )
     )
 
 
-def _rounds(scene: Scene) -> tuple[str, ...]:
+def describe_use(scene: PublicScene) -> str:
+    """What rounds and places are, and what has room where: what everybody may know who plans here or mends a plan."""
+    return "\n".join((*_rounds(scene), *_places(scene), *describe_room(scene), *_vessels(scene)))
+
+
+def _rounds(scene: PublicScene) -> tuple[str, ...]:
     """What a round is, and the commands that are about no thing."""
     aside = "`navigate aside` takes the robot out of the way, where it can use nothing."
     if len(scene.robots) == 1:
@@ -39,7 +43,7 @@ def _rounds(scene: Scene) -> tuple[str, ...]:
     )
 
 
-def _places(scene: Scene) -> list[str]:
+def _places(scene: PublicScene) -> list[str]:
     """What can be used from where, as far as names say it, and where two robots cannot be together."""
     shared = (scene.used_from(station) for station in scene.stations)
     groups = dict.fromkeys(_listed(names) for names in shared if len(names) > 1)
@@ -55,10 +59,34 @@ def _places(scene: Scene) -> list[str]:
     return [" ".join(lines)]
 
 
-def _vessels(scene: Scene) -> list[str]:
-    if not any(facts.holds for facts in scene.objects.values()):
+def describe_room(scene: PublicScene) -> list[str]:
+    """How many things the fixtures take that have one place in front of them, as a sentence; none where all have more.
+
+    A fixture along which there are several places, such as a counter, has room for many.
+    """
+    one = [name for name, fixture in scene.fixtures.items() if fixture.room == 1]
+    more = {
+        name: fixture.room
+        for name, fixture in scene.fixtures.items()
+        if fixture.room > 1 and len(fixture.stations) == 1
+    }
+    carrying = ", or one vessel with what it carries" if _has_vessels(scene) else ""
+    said = []
+    if one:
+        said.append(f"{_listed(one)} {'take one thing each' if len(one) > 1 else 'takes one thing'}{carrying}")
+    said += [f"the {name} takes {room}{' things' if not one else ''}" for name, room in more.items()]
+    told = "; ".join(said)
+    return [f"{told[0].upper()}{told[1:]}."] if told else []
+
+
+def _vessels(scene: PublicScene) -> list[str]:
+    if not _has_vessels(scene):
         return []
     return ["An object that carries another one, such as a filled vessel, cannot be picked up."]
+
+
+def _has_vessels(scene: PublicScene) -> bool:
+    return any(facts.vessel for facts in scene.objects.values())
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -55,6 +55,7 @@ class LlmAdjuster(ModelRole):
 def _analysis(request: AdjustRequest) -> dict[str, str]:
     return {
         **wording.room(request.view),
+        **wording.use(request.view),
         "commands": ", ".join(request.commands),
         "previous_try": wording.previous_try(request.previous),
         "ran": wording.rounds(request.ran),
@@ -68,6 +69,7 @@ def _analysis(request: AdjustRequest) -> dict[str, str]:
 
 def _adjustment(request: AdjustRequest, reason: str, steps: tuple[Subtask, ...]) -> dict[str, str]:
     return {
+        **wording.use(request.view),
         "commands": ", ".join(request.commands),
         "goal": request.view.goal,
         "previous_try": wording.previous_try(request.previous),

@@ -22,6 +22,7 @@ class LlmHandover(ModelRole):
         """The model's plan for both, or None where it declines, leaves the helper idle or has no usable answer."""
         fields = {
             **wording.room(request.view),
+            **wording.use(request.view),
             "goal": request.goal,
             "commands": ", ".join(request.commands),
             "plan": f"{request.lead}: {wording.commands(request.plan)}",

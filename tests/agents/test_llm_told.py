@@ -72,6 +72,18 @@ def test_an_adjuster_hears_how_each_command_ended(feedback: str) -> None:
             assert "4. robot_0: navigate to vegetable: success\n" in told
 
 
+def test_who_mends_or_shares_a_plan_hears_how_the_kitchen_is_used() -> None:
+    said = ("In a round", "The same place serves the sink and the faucet", "take one thing each", "cannot be picked up")
+    with scripted(robots=2) as model:
+        agent = agent_of(model, "REMAC")
+        for _ in range(4):
+            play(model.env, agent)
+        for name in ("planner", "analysis", "adjustment", "handover"):
+            for told in heard(model, name):
+                assert [told.count(words) for words in said] == [1] * len(said), (name, told)
+        assert heard(model, "analysis") and heard(model, "handover")
+
+
 def test_both_robots_stand_in_one_line_a_round() -> None:
     ran = [Ran(1, "a", "pick up x", True), Ran(1, "b", "turn on y", False, "blocked"), Ran(3, "b", "turn on y", None)]
     assert wording.rounds(ran) == "1. a: pick up x: success; b: turn on y: failure: blocked\n3. b: turn on y: unknown"

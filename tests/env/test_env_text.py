@@ -10,6 +10,7 @@ import pytest
 
 import remac_env
 from remac_env.frozen import FrozenMap
+from remac_env.public import public_scene
 from remac_env.testing.text import STATE_WORDS
 from remac_env.text import describe
 
@@ -47,6 +48,20 @@ def test_what_this_kitchen_lacks_is_not_spoken_of() -> None:
     assert "vessel" not in told(plain) and "serves" not in told(plain) and "While one robot" not in told(plain)
     close = replace(scene, conflicts=frozenset({frozenset(("stove", "sink"))}))
     assert "While one robot is by the sink and the faucet, no other can be by the stove." in told(close)
+
+
+def test_what_takes_one_thing_is_told_from_the_slots() -> None:
+    scene = kitchen().start.scene
+    assert "The cabinet, the sink and the microwave take one thing each, or one vessel with" in told(scene)
+    assert "; the stove takes 4." in told(scene) and "counter takes" not in told(scene)
+    cut = {"stove": 1, "sink": 1}
+    few = FrozenMap({n: replace(facts, slots=facts.slots[: cut.get(n, 0)]) for n, facts in scene.fixtures.items()})
+    fewer = told(replace(scene, fixtures=few))
+    assert "The stove and the sink take one thing each" in fewer and "the stove takes" not in fewer
+    none = FrozenMap({name: replace(facts, slots=()) for name, facts in scene.fixtures.items()})
+    assert "one thing" not in told(replace(scene, fixtures=none))
+    assert public_scene(scene).used_from("sink") == scene.used_from("sink")
+    assert set(public_scene(scene).stations) == set(scene.stations)
 
 
 @pytest.mark.parametrize("task", remac_env.tasks())
