@@ -10,6 +10,7 @@ from typing import Any
 from remac_agents.plan_text import PlanText, UnreadableError
 from remac_agents.plan_words import Names, nearest
 from remac_agents.printable import quoted, type_name
+from remac_env.files import unmarked
 from remac_env.state import FrozenMap
 from remac_env.subtasks import SKILLS, WAIT, Subtask
 from remac_env.vocabulary import normalise
@@ -140,8 +141,10 @@ class Commands(Mapping[str, Subtask]):
     def parse(self, text: str) -> Subtask | None:
         """The subtask that a text names exactly, or None.
 
-        Letters that only look like those of a command, or become them in lower case, do not name it.
+        Letters that only look like those of a command, or become them in lower case, do not name it. A byte order
+        mark before it is passed over, as in texts.
         """
+        text = unmarked(text.lstrip())
         if not text.isascii() and " ".join(text.split()) not in self._subtasks:
             return None
         return self._subtasks.get(normalise(text))

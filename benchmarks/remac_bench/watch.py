@@ -33,9 +33,14 @@ LOOKS = 0.5
 
 def asks_around(agent: Mapping[str, Any], *, providers: str | None = None) -> bool:
     """Whether an agent with these options waits for others: a language model, an HTTP address, a person."""
+    return bool(waited_for(agent, providers=providers))
+
+
+def waited_for(agent: Mapping[str, Any], *, providers: str | None = None) -> list[str]:
+    """The language models, the HTTP address and the person whose answers an agent with these options waits for."""
     planner = str(agent.get("planner", ""))
-    asked = bool(agents.asked_models(agent, providers=providers))
-    return asked or planner.startswith(("http://", "https://", "human"))
+    asked = agents.asked_models(agent, providers=providers)
+    return [*asked, planner] if planner.startswith(("http://", "https://", "human")) else asked
 
 
 def job_seconds(given: float | None, agent: Mapping[str, Any], *, providers: str | None = None) -> float:

@@ -30,7 +30,8 @@ class Method:
         remembers: its runs go into the memory.
         iterates: playing one start again may end differently, so that it is given k+1 iterations.
         plans_ahead: it has a first plan, whose length is the IPL.
-        checks: it asks for conditions and verdicts; one that does not asks its planner alone.
+        checks: it asks for conditions and verdicts; one that does not asks its planner alone, has no checker and no
+            pictures for one.
         asks_again: its planner is told of steps that failed, and asked for what to do then.
     """
 
@@ -51,7 +52,7 @@ METHODS: dict[str, Method] = {
         Method(name="CC", run=cc),
         Method(name="RE", run=re, remembers=True, iterates=True),
         Method(name="REMAC", run=remac, robots=2, remembers=True, iterates=True),
-        Method(name="SMART-LLM", run=smart_llm, robots=2),
+        Method(name="SMART-LLM", run=smart_llm, robots=2, checks=False),
         Method(name="REFLECT", run=reflect, asks_again=True),
         Method(name="REFLECT+CC", run=reflect_cc, asks_again=True),
         Method(name="CAPE", run=cape("explicit"), plans_ahead=False, asks_again=True),

@@ -31,6 +31,8 @@ def test_every_command_becomes_its_subtask() -> None:
     assert COMMANDS["navigate aside"] == Subtask("navigate aside")
     assert COMMANDS.parse(' "Pick  Up_cup." ') == CUP
     assert COMMANDS.parse("pick up lamp") is None
+    assert COMMANDS.parse("\ufeffpick up cup") == COMMANDS.parse(" \ufeff Pick up cup") == CUP
+    assert COMMANDS.parse("pick\ufeff up cup") is None
     assert len(COMMANDS) == 7
 
 

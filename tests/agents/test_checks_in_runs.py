@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
+from bench_helpers import record
 from chaos_server import ChaosServer, says
 from remac_bench import judging, sight, suites
 from remac_bench.agents import Access
@@ -18,6 +20,11 @@ from remac_bench.records import Record
 from remac_bench.runner import Settings, run_jobs
 from remac_bench.store import Store
 
+import remac_agents
+import remac_env
+from remac_agents.methods import METHODS
+from remac_agents.roles import Verdict, View
+from remac_env.conditions import Condition
 from remac_env.errors import OptionError
 
 EYES, BLIND = "openai:o3", "deepseek:deepseek-reasoner"
@@ -42,8 +49,9 @@ def options_of(methods: str, agent: dict[str, Any], **kitchen: Any) -> dict[str,
 @pytest.mark.parametrize("agent", [{"model": EYES}, {"checker": EYES}, {"model": BLIND, "checker": EYES}])
 def test_pictures_follow_from_who_looks(agent: dict[str, Any]) -> None:
     looked = ("state+images", 512)
-    assert options_of("BASE,CC,CAPE,BASE-BEST", agent) == {
+    assert options_of("BASE,SMART-LLM,CC,CAPE,BASE-BEST", agent) == {
         "BASE": ("state", 128),
+        "SMART-LLM": ("state", 128),
         "CC": looked,
         "CAPE": looked,
         "BASE-BEST": ("state", 128),
@@ -66,6 +74,39 @@ def test_pictures_follow_in_suites_too() -> None:
     assert {(obs, size) for method, obs, size in seen if sight.checks(method)} == {("state+images", 512)}
     blind = smoke.jobs([{"model": BLIND}])
     assert all(("checker=truth" in job.label) is sight.checks(job.method) for job in blind)
+
+
+def test_who_never_checks_has_no_checker() -> None:
+    url = "http://127.0.0.1:9/v1"
+    for told in ("custom:m", "custom:m,images=false"):
+        for job in jobs("BASE,SMART-LLM,BASE-BEST", {"model": told}, url=url):
+            assert "checker" not in job.label and not job.viewers and job.options.obs == "state"
+            assert sight.checked_by(record(method=job.method, options={"agent": dict(job.agent)})) == ""
+        (checks,) = jobs("CC", {"model": told}, url=url)
+        assert sight.checked_by(record(method="CC", options={"agent": dict(checks.agent)}))
+
+
+class Counting:
+    """A checker that notes that it was asked, and finds everything false."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
+        self.asked += 1
+        return [Verdict(condition, False) for condition in conditions]
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_method_says_truly_whether_it_checks(name: str) -> None:
+    checker = Counting()
+    env = remac_env.parallel_env(TASK, backend="symbolic", robots=METHODS[name].robots, max_rounds=12)
+    agent = remac_agents.make(name, planner="literal", checker=checker)
+    observations, infos = env.reset(seed=0)
+    agent.reset(observations, infos)
+    while env.agents:
+        observations, _, _, _, infos = env.step(agent.act(observations, infos))
+    assert bool(checker.asked) is METHODS[name].checks
 
 
 def test_eyes_can_be_given_and_taken_by_an_option_of_the_model() -> None:

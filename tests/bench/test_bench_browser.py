@@ -176,8 +176,8 @@ def test_a_bar_seeks_the_video(driver: Any, run: Path) -> None:
         if (video.readyState > 1) go(); else video.addEventListener("loadeddata", go, {once: true});"""
     )
     assert time == pytest.approx(record.video.rounds[2], abs=0.02)
-    assert driver.current_url.endswith("#round-2")
-    assert driver.find_element("css selector", ".round.now").get_attribute("id") == "round-2"
+    assert driver.current_url.endswith("#round-3")
+    assert driver.find_element("css selector", ".round.now").get_attribute("id") == "round-3"
 
 
 def test_a_deep_link_shows_its_round(driver: Any, run: Path) -> None:
@@ -186,7 +186,7 @@ def test_a_deep_link_shows_its_round(driver: Any, run: Path) -> None:
     assert driver.execute_script("return document.querySelector('.round:target').id") == "round-3"
     top = driver.execute_script("return document.getElementById('round-3').getBoundingClientRect().top")
     assert 0 <= top < 900
-    assert driver.find_elements("css selector", ".bar.now[data-round='3']")
+    assert driver.find_elements("css selector", ".bar.now[data-round='2']")
 
 
 def test_pages_work_from_a_web_server_too(driver: Any, run: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 from bench_helpers import record
 from pages_helpers import EVIL, Element, alien, hostile, parse, real_run, spoken
 from remac_bench.blame.labels import Blame
-from remac_bench.blame.sheet import write_blames
+from remac_bench.blame.sheet import blame_sheets, write_blames
 from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.cli import app
 from remac_bench.pages import write_pages
@@ -17,7 +17,7 @@ from remac_bench.pages.episode import PAGE_MAX, changes, page, page_name, round_
 from remac_bench.pages.pictures import lay_out, paint
 from remac_bench.pages.plots import scatter
 from remac_bench.pages.text import visible
-from remac_bench.records import ExchangeEntry, OutcomeEntry, VideoEntry
+from remac_bench.records import ExchangeEntry, OutcomeEntry, UsageEntry, VideoEntry
 from remac_bench.report import read_board, read_records
 from remac_bench.store import Store
 from typer.testing import CliRunner
@@ -146,12 +146,44 @@ def test_long_texts_are_folded_and_pages_stay_small(tmp_path: Path) -> None:
     assert not parse(page(spoken(tmp_path), folder=tmp_path)).all("details", class_="long")
 
 
+def test_an_episode_says_how_its_answers_came(tmp_path: Path) -> None:
+    again = [("user", "Is it so?"), ("assistant", "Perhaps."), ("user", "Once more.")]
+    asked = [
+        ExchangeEntry(round=0, role="checker", messages=again[:1], reply="Perhaps."),
+        ExchangeEntry(round=0, role="checker", messages=again, reply="Who knows."),
+        ExchangeEntry(round=0, role="adjuster", messages=again[:1], error="cut_short"),
+    ]
+    usage = UsageEntry(calls=3, requests=5, repeats=1)
+    problems = ["checker: no verdicts", "adjuster: cut_short: after 9 characters"]
+    html = page(spoken(tmp_path, exchanges=asked, usage=usage, planner_errors=problems), folder=tmp_path)
+    assert "3 calls in 5 requests, 1 question answered before, 1 answer sent back" in html
+    (unusable,) = [each for each in parse(html).all("section") if each.attributes.get("id") == "unusable"]
+    assert "Answers that could not be used" in unusable.text and "checker: no verdicts" in unusable.text
+    assert "cut_short" not in unusable.text and "no plans" not in html
+    (unanswered,) = [each for each in parse(html).all("section") if each.attributes.get("id") == "unanswered"]
+    assert "adjuster: cut_short: after 9 characters" in unanswered.text and "checker" not in unanswered.text
+    plain = page(spoken(tmp_path), folder=tmp_path)
+    assert "1 call<" in plain and 'id="unusable"' not in plain
+
+
+def test_rounds_are_counted_from_one_for_people(tmp_path: Path) -> None:
+    outcome = OutcomeEntry(subtask="pick up pan", status="failure", seconds=1.0)
+    told = record(success=False, outcomes=[{"robot_0": outcome}])
+    facts = {"setting": "s", "task": told.task, "agent": "CC", "method": "CC", "seed": 0, "what": "it slipped"}
+    blame = Blame(job=told.job, iteration=0, label="skill", round=0, **facts)
+    html = page(told, folder=tmp_path, blame=blame)
+    assert '<a href="#round-1">Round 1</a>: ' in html and 'id="round-1"' in html
+    assert "round 1, robot_0: pick up pan: failure" in html and "ound-0" not in html and "ound 0" not in html
+    (sheet,) = blame_sheets([blame], folder="DIR")
+    assert sheet.rows[0]["first"].text == "seed 0, round 1"
+
+
 def test_an_episode_shows_its_rounds(run: Path) -> None:
     each = next(r for r in read_records(run) if r.method == "REMAC" and r.iteration == 0)
     root = parse((run / "episodes" / page_name(each)).read_text("utf-8"))
     assert [part.text.strip() for part in root.all("p", class_="goal")] == [each.goal] and each.goal.startswith("place")
     rounds = [part for part in root.all("article", class_="round") if part.attributes["id"].startswith("round-")]
-    assert [part.attributes["id"] for part in rounds] == [f"round-{number}" for number in range(each.rounds)]
+    assert [part.attributes["id"] for part in rounds] == [f"round-{number}" for number in range(1, each.rounds + 1)]
     for number, part in enumerate(rounds):
         for outcome in each.outcomes[number].values():
             assert outcome.subtask in part.text

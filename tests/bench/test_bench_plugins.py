@@ -148,7 +148,15 @@ def test_progress_names_the_job(capsys: pytest.CaptureFixture[str]) -> None:
     bar.slow(job, 90.4)
     bar.stop()
     told = capsys.readouterr().err
-    assert f"job {job.key}: OpenCabinetPnP seed 3 (BASE) has been running for 90 s" in told
+    assert f"job {job.key}: OpenCabinetPnP seed 3 (BASE) has been running for 90 s\n" in told
+
+
+def test_progress_says_whose_answers_are_waited_for(capsys: pytest.CaptureFixture[str]) -> None:
+    (job,) = jobs(planner="http://127.0.0.1:9/plan", seeds=range(1))
+    bar = Bar(screen=console(stderr=True))
+    bar.slow(job, 61.0)
+    told = " ".join(capsys.readouterr().err.split())
+    assert told.endswith("for 61 s, the waiting for answers of http://127.0.0.1:9/plan included")
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ COLUMNS = (
     Column(key="crash", title="Crash", help="the agent raised an exception"),
     Column(key="unclear", title="Unclear", help="it goes another way when played again, or its optimum is unknown"),
     Column(key="rescued", title="Rescued", help="the oracle's steps from the bad round on reach the goal"),
-    Column(key="first", title="For example", numeric=False, help="seed and round, counted from 0"),
+    Column(key="first", title="For example", numeric=False, help="seed and round, counted from 1"),
 )
 
 
@@ -96,6 +96,6 @@ def _cells(agent: str, task: str, group: Sequence[Blame]) -> Cells:
             "failed": count(len(group)),
             **{label: count(number) for label, number in counts.items()},
             "rescued": count(sum(bool(blame.rescued) for blame in group)),
-            "first": word(f"seed {first.seed}, round {first.round}", note=f"{first.label}: {first.what}"),
+            "first": word(f"seed {first.seed}, round {first.round + 1}", note=f"{first.label}: {first.what}"),
         }
     )

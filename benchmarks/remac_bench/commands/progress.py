@@ -20,6 +20,7 @@ from remac_bench.report import main_table
 from remac_bench.runner import Listener, Settings, pending, run_jobs
 from remac_bench.solvable import refuse_unsolvable
 from remac_bench.store import FILE
+from remac_bench.watch import waited_for
 
 
 def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None:
@@ -100,7 +101,9 @@ class Bar(Listener):
 
     def slow(self, job: Job, seconds: float) -> None:
         """Name a job that takes long, above the bar."""
-        told = f"job {job.key}: {job.task} seed {job.seed} ({job.label}) has been running for {seconds:.0f} s"
+        asked = " and ".join(waited_for(job.agent, providers=job.access.providers))
+        waits = f", the waiting for answers of {asked} included" if asked else ""
+        told = f"job {job.key}: {job.task} seed {job.seed} ({job.label}) has been running for {seconds:.0f} s{waits}"
         self.progress.console.print(plain(told), markup=False, highlight=False)
 
     def stop(self) -> None:

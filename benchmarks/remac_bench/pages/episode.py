@@ -51,7 +51,10 @@ class Exchange:
 
 @dataclass(frozen=True, kw_only=True)
 class Round:
-    """All that happened in a round; `number` counts from 0 and is the index of the record's outcomes."""
+    """All that happened in a round; `number` counts from 0 and is the index of the record's outcomes.
+
+    People count from 1: `ordinal`.
+    """
 
     number: int
     start: float
@@ -60,6 +63,11 @@ class Round:
     changes: tuple[tuple[str, str, str], ...]
     checks: tuple[Check, ...]
     exchanges: tuple[Exchange, ...]
+
+    @property
+    def ordinal(self) -> int:
+        """The round's number for people, from 1, as in prompts."""
+        return self.number + 1
 
     @property
     def failed(self) -> bool:
@@ -89,6 +97,30 @@ class View:
     def checker(self) -> str:
         """Who judged the conditions; "" where nobody did."""
         return checked_by(self.record)
+
+    @property
+    def unusable(self) -> tuple[str, ...]:
+        """What was wrong with answers that could not be used, whichever role gave them."""
+        return tuple(text for text in self.record.planner_errors if text not in self.unanswered)
+
+    @property
+    def unanswered(self) -> tuple[str, ...]:
+        """Why questions to models were not answered."""
+        failed = tuple(f"{each.role}: {each.error}: " for each in self.record.exchanges if each.error)
+        return tuple(text for text in self.record.planner_errors if failed and text.startswith(failed))
+
+    @property
+    def asked(self) -> str:
+        """What was asked of models: "9 calls in 11 requests, 2 questions answered before, 3 answers sent back"."""
+        usage = self.record.usage
+        back = sum(any(role == "assistant" for role, _ in each.messages) for each in self.record.exchanges)
+        sent = f" in {usage.requests} requests" if usage.requests not in (0, usage.calls) else ""
+        parts = [f"{usage.calls} call{'s' * (usage.calls != 1)}{sent}"]
+        if usage.repeats:
+            parts.append(f"{usage.repeats} question{'s' * (usage.repeats != 1)} answered before")
+        if back:
+            parts.append(f"{back} answer{'s' * (back != 1)} sent back")
+        return ", ".join(parts)
 
     @property
     def tokens(self) -> int:

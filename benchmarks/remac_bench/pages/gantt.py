@@ -27,7 +27,10 @@ TICKS = 10
 
 @dataclass(frozen=True, kw_only=True)
 class Bar:
-    """A robot's subtask in a round. `label`: as much of it as the bar holds, in at most two lines."""
+    """A robot's subtask in a round, `round` from 0; `title` counts from 1.
+
+    `label`: as much of the subtask as the bar holds, in at most two lines.
+    """
 
     round: int
     x: float
@@ -116,7 +119,7 @@ def _bar(number: int, robot: str, record: Record, *, x: float, y: float, scale: 
         width=width,
         height=BAR,
         label=_label(text, int((width - 6) / LETTER)),
-        title=f"round {number}, {robot}: {text[:200]}: {outcome.status}{why}, {outcome.seconds:.1f} s",
+        title=f"round {number + 1}, {robot}: {text[:200]}: {outcome.status}{why}, {outcome.seconds:.1f} s",
         status="ok" if outcome.status == "success" else "bad",
     )
 

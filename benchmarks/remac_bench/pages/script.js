@@ -122,10 +122,12 @@
     const share = width > 0 ? Math.min(1, (x - from[index]) / width) : 0;
     return to[index] + share * (to[index + 1] - to[index]);
   };
+  // Rounds are counted from 0 in `data-round`, and from 1 where people read: headings, links, titles.
+  const anchor = (number) => `round-${number + 1}`;
   const mark = (number) => {
     for (const each of all(".round.now, .bar.now")) each.classList.remove("now");
     for (const each of all(`.bar[data-round="${number}"]`)) each.classList.add("now");
-    document.getElementById(`round-${number}`)?.classList.add("now");
+    document.getElementById(anchor(number))?.classList.add("now");
   };
   const playhead = gantt.querySelector(".playhead");
   const put = (second) => {
@@ -136,7 +138,7 @@
     const round = starts.slice(0, -1).findLastIndex((each) => each <= second + 1e-6);
     mark(Math.max(round, 0));
   };
-  const asked = () => Number((/^#round-(\d+)$/.exec(location.hash) || [])[1] ?? NaN);
+  const asked = () => Number((/^#round-(\d+)$/.exec(location.hash) || [])[1] ?? NaN) - 1;
   const seek = (number) => {
     if (!(number >= 0 && number < starts.length - 1)) return;
     if (video && video.readyState > 0) video.currentTime = Math.min(times()[number] + 1e-3, video.duration);
@@ -158,7 +160,7 @@
     for (const bar of all(".bar")) {
       bar.addEventListener("click", (event) => {
         event.preventDefault();
-        history.replaceState(null, "", `#round-${bar.dataset.round}`);
+        history.replaceState(null, "", `#${anchor(Number(bar.dataset.round))}`);
         seek(Number(bar.dataset.round));
       });
     }
