@@ -83,7 +83,7 @@ def test_verdicts_that_are_none(change: Any, told: str) -> None:
     ],
 )
 def test_verdicts_in_another_form_are_the_same(change: Any) -> None:
-    assert one(checker=Checks(change)) == replace(one(), truth_readers=("checker",))
+    assert one(checker=Checks(change)) == replace(one(), truth_readers=("checker",), isolated=False)
 
 
 def test_a_checker_may_say_that_it_cannot_tell() -> None:
@@ -183,7 +183,7 @@ def test_advice_may_name_commands_by_their_text() -> None:
     def texts(advice: Advice) -> Advice:
         return replace(advice, next_steps=tuple(step.text for step in advice.next_steps))  # type: ignore[arg-type]
 
-    assert one(adjuster=Advises(texts)) == one()
+    assert one(adjuster=Advises(texts)) == replace(one(), isolated=False)
 
 
 @pytest.mark.parametrize(

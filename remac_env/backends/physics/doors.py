@@ -10,6 +10,7 @@ import numpy as np
 
 from remac_env.backends.physics.collision import OTHER, TARGET
 from remac_env.backends.physics.grasps import Grasp
+from remac_env.backends.physics.leaf import Leaf
 from remac_env.backends.physics.paths import STEP_LIMIT
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
@@ -35,50 +36,12 @@ _STALLED = 25  # control periods without progress
 _OPENING_FOLLOWS, _CLOSING_FOLLOWS = (0.5, 0.8, 0.3), (0.3, 0.5, 0.15, 0.65)
 # Share of what forces hold the hand off the arc by which, each period, the command yields to them across the bar's way.
 _YIELD, _YIELD_MOST = 0.3, 0.03  # the latter in m
-_PALM = 0.025  # m along the hand from the bar's middle to the palm, with a little air
 _NARROW_GRIP = 0.024  # m of finger travel with which the inner finger fits between bar and panel
 _SQUEEZE = 20.0  # N with which each finger holds the bar; a door needs 3 N
 _BAR_GRIP = 0.010  # m of finger travel around the bar
 # How much the base helps along the arc: as ever, or hardly where another robot stands close by.
 _HELP = (DOOR_WEIGHTS, DOOR_WEIGHTS * np.array([0.1, 0.1, 0.1, *[1.0] * 8]))
 _DISTANCES, _SIDES, _TURNS = (0.58, 0.5, 0.66, 0.74), (-0.05, 0.1, -0.2, 0.25, 0.4), (0.0, 0.3, -0.3)
-
-
-@dataclass(frozen=True)
-class _Door:
-    """A leaf's geometry: hinge line, handle in the leaf's frame; sign: 1 where it is hinged on the left, else -1.
-
-    half, radius: of the bar, an upright rod, m.
-    """
-
-    joint: str
-    hinge: Array
-    bar: Array
-    half: float
-    radius: float
-    sign: float
-    address: int
-    geoms: tuple[int, ...]
-    seen: float  # rad by which the wall seems to be turned
-
-    def at(self, angle: float, higher: float = 0.0) -> Array:
-        """Position of the handle's middle, or of a place so much higher on it (m)."""
-        return self.hinge + self.turn(angle) @ self.bar + [0.0, 0.0, higher]
-
-    def outward(self, angle: float) -> Array:
-        """Horizontal direction (3,), of length 1, from the hinge to the handle."""
-        way = (self.turn(angle) @ self.bar) * [1.0, 1.0, 0.0]
-        return np.asarray(way / np.linalg.norm(way))
-
-    def clear_of_palm(self, pitch: float) -> float:
-        """How much higher (m) a hand pitched down by so much (rad) takes the bar, whose end would meet its palm."""
-        if pitch >= 0.0:
-            return 0.0
-        return max(0.0, self.half - max(0.0, _PALM - self.radius) / math.sin(-pitch))
-
-    def turn(self, angle: float) -> Array:
-        """Rotation (3, 3) of the door when it has been opened by an angle, rad."""
-        return about_z(self.seen - self.sign * angle)
 
 
 @dataclass(frozen=True)
@@ -119,7 +82,7 @@ def _swing(here: Surroundings, name: str, target: float) -> Steps:
         raise SkillFailure("slipped", f"the {name} door stopped at {shown(angles)}")
 
 
-def _make_room(here: Surroundings, leaves: list[_Door]) -> Generator[None, None, list[_Door]]:
+def _make_room(here: Surroundings, leaves: list[Leaf]) -> Generator[None, None, list[Leaf]]:
     """The order in which to close leaves; beside one that is ajar there is no room for the hand, so it is opened."""
     orders = [leaves, leaves[::-1]]
     for order in orders:
@@ -139,20 +102,20 @@ def _there(angle: float, target: float) -> bool:
     return angle >= _SWUNG if target > 0.0 else angle <= _SHUT
 
 
-def _door(here: Surroundings, leaf: Door) -> _Door:
+def _door(here: Surroundings, leaf: Door) -> Leaf:
     model = here.simulation.model
     joint = model.joint(leaf.joint)
     hinge = here.simulation.located(leaf.joint, np.array(model.body(leaf.joint).pos))
     bar = np.array(model.site(leaf.grip).pos)
     radius, half, _ = model.geom(leaf.grip).size
     geoms = tuple(here.simulation.geoms(leaf.joint))
-    return _Door(
+    return Leaf(
         leaf.joint, hinge, bar, float(half), float(radius), -float(joint.axis[2]), int(joint.qposadr[0]), geoms,
         here.simulation.turned(leaf.joint),
     )
 
 
-def _swing_leaf(here: Surroundings, door: _Door, target: float) -> Steps:
+def _swing_leaf(here: Surroundings, door: Leaf, target: float) -> Steps:
     """Swing one leaf, let go and back off."""
     simulation, robot, scratch = here.simulation, here.robot, here.scratch
     here.begin()
@@ -186,7 +149,7 @@ def _swing_leaf(here: Surroundings, door: _Door, target: float) -> Steps:
     yield from _back_off(here, door)
 
 
-def _back_off(here: Surroundings, door: _Door) -> Steps:
+def _back_off(here: Surroundings, door: Leaf) -> Steps:
     """Let go of the handle, straight back from it, away from the fronts, and fold the arm."""
     robot, planner = here.robot, here.planner
     yield from here.mover.fingers(_NARROW_GRIP, 6)
@@ -214,7 +177,7 @@ def _back_off(here: Surroundings, door: _Door) -> Steps:
         yield from tuck(here)
 
 
-def _grasps(door: _Door, angle: float, *, closing: bool) -> list[_DoorGrasp]:
+def _grasps(door: Leaf, angle: float, *, closing: bool) -> list[_DoorGrasp]:
     """Hands on the bar: level or pitched down, either way round.
 
     To open, the hand starts square to the panel. To close, it starts turned from the wall by its share of the door's
@@ -237,7 +200,7 @@ def _grasps(door: _Door, angle: float, *, closing: bool) -> list[_DoorGrasp]:
 
 
 def _arc_is_free(
-    here: Surroundings, door: _Door, q: Array, grasp: _DoorGrasp, start: float, target: float
+    here: Surroundings, door: Leaf, q: Array, grasp: _DoorGrasp, start: float, target: float
 ) -> bool:
     """Whether the whole swing, the release and the way home are free, the panel moving along."""
     planner, scratch = here.planner, here.scratch
@@ -267,7 +230,7 @@ def _arc_is_free(
     return planner.edge(away[-1], back) and planner.path(back, panda.tucked(*back[:3])) is not None
 
 
-def _follow_arc(here: Surroundings, door: _Door, grasp: _DoorGrasp, start: float, target: float) -> Steps:
+def _follow_arc(here: Surroundings, door: Leaf, grasp: _DoorGrasp, start: float, target: float) -> Steps:
     """Lead the bar along its arc until the door is there or stops moving."""
     simulation, planner, robot = here.simulation, here.planner, here.robot
     sign = math.copysign(1.0, target - start)
