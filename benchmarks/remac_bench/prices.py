@@ -9,6 +9,9 @@ if TYPE_CHECKING:
 
 UNKNOWN = "unknown"
 
+PRICE_OPTIONS = "to name the price: price_in=...,price_out=... behind the model's name, dollars a million tokens"
+"""What helps where a price is not known."""
+
 
 def dollars(money: float | None, unpriced: int = 0) -> str:
     """US dollars: "$0.42"; "$0.42+" where further calls had no known price; "unknown" where none had one.

@@ -9,12 +9,15 @@ import difflib
 import ipaddress
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
 from remac_env.errors import OptionError, UnknownNameError, check_choice
+
+OWN_MACHINE = "on this machine"
+"""In place of the day of a list price: a server at a loopback address costs nothing, unless it or an option says so."""
 
 AUTO = "auto"
 """In place of a provider in `via`: the first route whose key is set."""
@@ -158,7 +161,10 @@ def resolve(
                 f"for another one give base_url={provider.base_url!r} too, its price is then unknown"
             )
         model = _renamed(provider.default, model_name, priced=provider.any_model)
-    return Endpoint(provider, model, _address(provider, base_url))
+    address = _address(provider, base_url)
+    if model.price_in is None and provider.movable and _own_machine(urlsplit(address).hostname or ""):
+        model = replace(model, price_in=0.0, price_out=0.0, priced_on=OWN_MACHINE)
+    return Endpoint(provider, model, address)
 
 
 def route(
@@ -250,6 +256,14 @@ def _address(provider: Provider, given: str | None) -> str:
             "and its key goes nowhere else; valid: custom:<model> with this base_url"
         )
     return address
+
+
+def _own_machine(host: str) -> bool:
+    """Whether a host is the machine that this runs on, by its loopback address."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost" or host.endswith(".localhost")
 
 
 def _link_local(host: str) -> bool:

@@ -275,7 +275,7 @@ FORGERIES: dict[str, Forgery] = {
     "tokens of answers": _usage("completion_tokens", 1),
     "calls": _usage("calls", 0),
     "money": _usage("money", 0.001),
-    "unpriced calls": _usage("unpriced", 0),
+    "unpriced calls": _usage("unpriced", 3),
     "a prompt": _exchange("messages", [["user", "please"]]),
     "a reply": _exchange("reply", "Plan: [wait]"),
     "exchanges dropped": _drop_exchanges,

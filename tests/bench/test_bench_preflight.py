@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import socket
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from remac_bench.preflight.probes import Preflight, Probe, ask
 from remac_bench.preflight.run import bill, by_kind, distinct, to_ask
 from typer.testing import CliRunner, Result
 
-from remac_agents.llm import Cassette, ChatClient, resolve
+from remac_agents.llm import Cassette, ChatClient, read_settings, resolve
 
 SEES = '{"colour": "red"}'
 PLAIN = '{"ok": true}'
@@ -55,7 +56,8 @@ def test_all_is_well_after_one_question(server: ChaosServer) -> None:
     assert [probes[check].ok for check in ("address", "key", "answer", "pictures", "JSON", "tokens")] == [True] * 6
     assert not preflight.fatal and not preflight.warnings
     assert preflight.questions == len(server.asked) == 1
-    assert probes["price"].ok is None and "unknown" in probes["price"].told and preflight.money is None
+    assert probes["price"].ok and probes["price"].told == "$0 by the table: free (on this machine)"
+    assert preflight.money == 0.0
     assert picture_shown(server.asked[0]) and server.asked[0].body["response_format"] == {"type": "json_object"}
     assert "10 in, 5 out" in probes["tokens"].told
 
@@ -64,7 +66,9 @@ def test_what_the_endpoint_says_it_did_cost(server: ChaosServer) -> None:
     usage = {"prompt_tokens": 10, "completion_tokens": 5, "cost": 0.25}
     server.plays(says(SEES, usage=usage))
     preflight = ask(client(server.url))
-    assert preflight.money == 0.25 and found(preflight)["price"].told == "$0.25, as the endpoint says (price unknown)"
+    assert preflight.money == 0.25 and found(preflight)["price"].told == (
+        "$0.25, as the endpoint says; by the table: free (on this machine)"
+    )
 
 
 @dataclass(frozen=True)
@@ -128,6 +132,15 @@ def test_a_refused_picture_is_named(server: ChaosServer) -> None:
     assert probes["pictures"].ok is False and "not a multimodal model" in probes["pictures"].told
     assert "images=false" in probes["pictures"].told and probes["JSON"].ok is True
     assert preflight.questions == 2 and not preflight.fatal
+
+
+def test_it_is_said_who_says_that_no_pictures_are_taken(server: ChaosServer) -> None:
+    server.plays(says(PLAIN))
+    blind = ask(client(server.url, settings=read_settings({"images": False})))
+    assert found(blind)["pictures"].told == "not taken, says the option images=false"
+    listed = replace(client(server.url).endpoint, model=replace(client(server.url).endpoint.model, images=False))
+    told = found(ask(ChatClient(listed, environ={})))["pictures"].told
+    assert told == "not taken, says the providers' table"
 
 
 def test_a_refused_form_is_named(server: ChaosServer) -> None:
@@ -206,9 +219,20 @@ def test_what_a_run_may_cost() -> None:
     assert (told.jobs, told.most) == (1, 3.0) and told.estimate == pytest.approx(2.5 + 1.0)
     thinking = Need(2, 0, 0).money(resolve("openai:o3").model)
     assert thinking == pytest.approx(2 * resolve("openai:o3").model.reasoning_tokens * 8 / 1e6)
-    unknown = job("http://127.0.0.1:9/v1", max_money=3.0)
+    unknown = job("https://far.example/v1", max_money=3.0)
     told = bill([unknown], by_kind([unknown]), costs)
-    assert told.estimate is told.most is None and "$" not in told.told and "unknown" in told.told
+    assert told.estimate is told.most is None and "$" not in told.told
+    assert told.told == (
+        "1 job: about 6 calls, 1,000,000 tokens in, 100,000 out, as measured; the cost is unknown (to name the price: "
+        "price_in=...,price_out=... behind the model's name, dollars a million tokens), and max_money cannot bound it"
+    )
+    named = job("https://far.example/v1", model="custom:m,price_in=1,price_out=2")
+    told = bill([named] * 3, by_kind([named]), costs)
+    assert told.told.startswith("3 jobs: about 18 calls, 3,000,000 tokens in, 300,000 out, as measured: about $3.60, $")
+    strange = bill([named], by_kind([named]), Costs({}))
+    assert strange.need is None and strange.told.startswith("1 job: calls and tokens were not measured, $")
+    own = job("http://127.0.0.1:9/v1")
+    assert (bill([own], by_kind([own]), costs).estimate, bill([own], by_kind([own]), costs).most) == (0.0, 0.0)
     local = job("http://127.0.0.1:9/v1", model="ollama:m")
     assert bill([local], by_kind([local]), costs).most == 0.0
     loose = offline(planner="openai:o3", max_tokens=1000)
@@ -240,7 +264,7 @@ def test_a_run_goes_on_and_counts_the_question_apart(server: ChaosServer, tmp_pa
     result = run(tmp_path, url=server.url)
     assert result.exit_code == 0, result.output
     assert "preflight: custom:m: key" in result.stderr and "1 question in" in result.stderr
-    assert "2 jobs: unknown by measured tokens" in result.stderr
+    assert re.search(r"2 jobs: about 2 calls, [0-9,]+ tokens in, [0-9,]+ out, as measured: about \$0, ", result.stderr)
     assert [record.usage.calls for record in read(tmp_path)] == [1, 1] and len(server.asked) == 3
     assert run(tmp_path, url=server.url).exit_code == 0 and len(server.asked) == 3  # nothing left to play
 
@@ -270,7 +294,7 @@ def test_the_doctor_asks(server: ChaosServer) -> None:
     result = CliRunner().invoke(app, ask_for)
     assert result.exit_code == 0, result.output
     assert "no pictures here" in result.output.replace("\n", " ") and "2 questions" in result.output
-    assert "BASE unknown, CC unknown" in result.output
+    assert "BASE $0, CC $0" in result.output
     server.plays(refuses(404, "no model m"))
     result = CliRunner().invoke(app, [*ask_for, "--json"])
     assert result.exit_code == 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,8 @@ class Kit:
         **more: Any,
     ) -> ChatClient:
         endpoint = resolve(f"custom:{model}", base_url=base_url or self.server.url)
+        # The server stands for one that is far away: nobody knows what it costs.
+        endpoint = replace(endpoint, model=replace(endpoint.model, price_in=None, price_out=None, priced_on=""))
         more = {"clock": self.time.clock, "jitter": lambda: 0.5, "environ": {"CUSTOM_API_KEY": key}} | more
         return ChatClient(endpoint, settings=read_settings({"stream": stream, **(options or {})}), **more)
 

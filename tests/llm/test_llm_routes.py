@@ -12,7 +12,7 @@ from chaos_server import completion, sends
 from llm_kit import Kit, open_kit
 
 import remac_agents
-from remac_agents.llm import load, resolve, route
+from remac_agents.llm import load, read_settings, resolve, route
 from remac_agents.llm.judging import cost
 from remac_agents.llm.provider_files import digest
 from remac_env.errors import OptionError, UnknownNameError
@@ -184,7 +184,12 @@ def test_the_told_cost_is_believed_before_the_list_price(kit: Kit) -> None:
 def test_a_local_server_costs_nothing_even_if_it_counts_no_tokens() -> None:
     for name in ("ollama:m", "vllm:m", "llamacpp:m"):
         assert resolve(name).model.money(None, None) == 0.0
-    assert resolve("custom:m", base_url="http://127.0.0.1:9/v1").model.money(10, 10) is None
+    for host in ("127.0.0.1:9", "127.8.0.1", "[::1]:9", "localhost:9"):
+        own = resolve("custom:m", base_url=f"http://{host}/v1")
+        assert own.model.money(10, 10) == 0.0, host
+        assert read_settings({"price_in": 1, "price_out": 2}).applied(own).model.money(10**6, 10**6) == 3.0
+    for host in ("192.168.0.7:9", "example.org", "localhost.example.org", "127.0.0.1.example.org"):
+        assert resolve("custom:m", base_url=f"https://{host}/v1").model.money(10, 10) is None, host
     assert resolve("openai:o3").model.money(None, 3) is None
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from remac_agents.llm import Answer, Budget, ChatClient, ChatError, ChatReply, Picture, plain, read_json
 from remac_agents.llm.clock import Clock
 from remac_agents.llm.transport import NO_CONNECTION
-from remac_bench.prices import dollars, list_price
+from remac_bench.prices import PRICE_OPTIONS, dollars, list_price
 
 SECONDS = 10.0
 """How long all questions to a model may take; models are asked at the same time."""
@@ -182,7 +182,8 @@ def _key(client: ChatClient) -> Probe:
 def _pictures(client: ChatClient, reply: ChatReply, refused: str, *, claimed: bool, asked: bool) -> Probe:
     name = client.endpoint.name
     if not claimed:
-        return Probe(name, "pictures", None, "not taken, says the providers' table")
+        said = "the option images=false" if client.settings.images is False else "the providers' table"
+        return Probe(name, "pictures", None, f"not taken, says {said}")
     if not asked:
         told = f"refused ({plain(refused)[:200]}); name the model with images=false"
         return Probe(name, "pictures", False, told)
@@ -220,11 +221,11 @@ def _tokens(name: str, reply: ChatReply) -> Probe:
 def _price(client: ChatClient, reply: ChatReply) -> Probe:
     name, listed = client.endpoint.name, list_price(client.endpoint.model)
     if reply.money is None:
-        return Probe(name, "price", None, "unknown; --max-money cannot bound it")
+        return Probe(name, "price", None, f"unknown; --max-money cannot bound it ({PRICE_OPTIONS})")
     by_table = client.endpoint.model.money(reply.tokens_in, reply.tokens_out)
     told = dollars(reply.money)
     if by_table is None or abs(by_table - reply.money) > 1e-9:
-        return Probe(name, "price", True, f"{told}, as the endpoint says ({listed})")
+        return Probe(name, "price", True, f"{told}, as the endpoint says; by the table: {listed}")
     return Probe(name, "price", True, f"{told} by the table: {listed}")
 
 

@@ -12,7 +12,7 @@ from remac_agents.models import LIMITS
 from remac_bench import agents
 from remac_bench.jobs import Job
 from remac_bench.preflight.estimates import Costs, Need
-from remac_bench.prices import UNKNOWN, dollars
+from remac_bench.prices import PRICE_OPTIONS, UNKNOWN, dollars
 
 PAPER_METHODS = ("BASE", "CC", "RE", "REMAC")
 
@@ -29,19 +29,28 @@ class Bill:
         estimate: by the tokens that episodes were measured to take.
         most: what their budgets allow.
         bound: what bounds them, in words.
+        need: the calls and tokens that they are expected to take, thoughts included; None: not measured.
     """
 
     jobs: int
     estimate: float | None
     most: float | None
     bound: str
+    need: Need | None = None
 
     @property
     def told(self) -> str:
         """One line."""
-        most = "not bounded by a known price" if self.most is None else f"{dollars(self.most)} at most"
-        about = UNKNOWN if self.estimate is None else f"about {dollars(self.estimate)}"
-        return f"{self.jobs} job{'s' * (self.jobs != 1)}: {about} by measured tokens, {most} ({self.bound})"
+        jobs = f"{self.jobs} job{'s' * (self.jobs != 1)}"
+        if self.need is None:
+            takes = "calls and tokens were not measured"
+        else:
+            takes = f"about {_about(self.need.calls)} calls, {_about(self.need.prompt)} tokens in, "
+            takes += f"{_about(self.need.completion)} out, as measured"
+        if self.most is None:
+            return f"{jobs}: {takes}; the cost is {UNKNOWN} ({PRICE_OPTIONS}), and max_money cannot bound it"
+        cost = "" if self.estimate is None else f": about {dollars(self.estimate)}"
+        return f"{jobs}: {takes}{cost}, {dollars(self.most)} at most ({self.bound})"
 
 
 def filled_by_models(job: Job) -> Filled:
@@ -100,7 +109,11 @@ def bill(jobs: Sequence[Job], kinds: Mapping[tuple[str, str], Filled], costs: Co
     bounds = [_most(job, kinds[kind(job)]) for job in asking]
     words = list(dict.fromkeys(told for _, told in bounds))
     return Bill(
-        len(asking), _sum(estimates), _sum([most for most, _ in bounds]), " or ".join(words) if words else "no budget"
+        len(asking),
+        _sum(estimates),
+        _sum([most for most, _ in bounds]),
+        " or ".join(words) if words else "no budget",
+        _needed([_need(job, kinds[kind(job)], costs) for job in asking]),
     )
 
 
@@ -116,12 +129,38 @@ def episodes_told(model: Model, costs: Costs) -> str:
 
 
 def _estimate(job: Job, filled: Filled, costs: Costs) -> float | None:
+    takes = _takes(job, filled, costs)
+    if takes is None:
+        return None
+    return _sum([takes[role].money(client.endpoint.model) for role, client in filled.items()])
+
+
+def _need(job: Job, filled: Filled, costs: Costs) -> Need | None:
+    """What all roles of a job take together, with what its models think."""
+    takes = _takes(job, filled, costs)
+    if takes is None:
+        return None
+    thought = {role: takes[role].answers(client.endpoint.model) for role, client in filled.items()}
+    return sum((Need(need.calls, need.prompt, thought[role]) for role, need in takes.items()), Need())
+
+
+def _takes(job: Job, filled: Filled, costs: Costs) -> dict[str, Need] | None:
+    """Role -> what it takes in all iterations; None where the method was not measured."""
     needs = costs.of(job.method, job.task)
     if needs is None:
         return None
-    episodes = job.iterations + 1
-    takes = {role: needs.get(role, Need()).times(episodes) for role in filled}
-    return _sum([takes[role].money(client.endpoint.model) for role, client in filled.items()])
+    return {role: needs.get(role, Need()).times(job.iterations + 1) for role in filled}
+
+
+def _needed(parts: Sequence[Need | None]) -> Need | None:
+    known = [part for part in parts if part is not None]
+    return sum(known, Need()) if len(known) == len(parts) else None
+
+
+def _about(number: float) -> str:
+    """A count with two digits that matter."""
+    digits = len(str(round(number)))
+    return f"{round(number, min(0, 2 - digits)):,.0f}"
 
 
 def _most(job: Job, filled: Filled) -> tuple[float | None, str]:
