@@ -11,7 +11,7 @@ from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.builder import build_spec
 from remac_env.kitchen.objects import catalogue
-from remac_env.rendering import cameras
+from remac_env.rendering import cameras, gl
 from remac_env.rendering.rays import RayPainter
 from remac_env.rendering.renderer import CLOSE, Renderer
 
@@ -32,6 +32,8 @@ def contrast(picture: np.ndarray, mask: np.ndarray) -> float:
 
 @pytest.mark.parametrize("look", ["transitional_2", "modern_2", "coastal"])
 def test_pale_things_stand_out_from_the_worktop(look: str) -> None:
+    if gl.probe() is None:
+        pytest.skip("no OpenGL platform works here: rays know mean colours only, not the line on a plate")
     style = styles.load(look)
     layout = layouts.load("one_wall_large", style.models)
     slot = next(slot for slot in layout.slots.values() if slot.fixture == "counter")
