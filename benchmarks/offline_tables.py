@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from remac_bench.command import run_script, whole
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import make_jobs
 from remac_bench.metrics import Row, overall, summarise
@@ -15,17 +16,24 @@ from remac_bench.plans.ask import Cell, kitchen, optimum
 from remac_bench.runner import Settings, run_jobs
 from remac_bench.store import Store
 
+from remac_env.errors import check_choice
+
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
 FLOORS = ("reader", "memorised", "random")
 OUTSIDERS = Path(__file__).resolve().parents[1] / "tests" / "agents" / "outsiders_registered.py"
 
-app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, help="Tables of the symbolic backend.")
 
-Seeds = Annotated[int, typer.Option(help="Starts a task.")]
+def main(
+    name: Annotated[str, typer.Argument(help="Which table: tasks, mixed, floors, methods, noisy or outsiders.")],
+    seeds: Annotated[int | None, typer.Option(help="Starts a task; by default 50, of outsiders 20.", **whole(1))] = None,
+) -> None:
+    """Print one table in Markdown."""
+    check_choice("table", name, TABLES)
+    made = TABLES[name]
+    made() if seeds is None else made(seeds)
 
 
-@app.command()
-def tasks() -> None:
+def tasks(seeds: int = 1) -> None:
     """The paper's tasks: goal sentence, and the shortest plans of paper starts by exact search."""
     rows = []
     for task in TASKS:
@@ -36,8 +44,7 @@ def tasks() -> None:
     _print(["task", "the goal sentence", "shortest plan, one robot", "two robots"], rows, words=2)
 
 
-@app.command()
-def mixed(seeds: Seeds = 50) -> None:
+def mixed(seeds: int = 50) -> None:
     """Mixed starts with offline roles: success and plan lengths by task."""
     methods = ("BASE", "CC", "RE", "REMAC")
     rows = _rows(methods, seeds=seeds, starts="mixed")
@@ -49,8 +56,7 @@ def mixed(seeds: Seeds = 50) -> None:
     _print(["task", "BASE", "CC: success, FPL", "RE: success, IPL", "REMAC: success, IPL"], lines)
 
 
-@app.command()
-def floors(seeds: Seeds = 50) -> None:
+def floors(seeds: int = 50) -> None:
     """What reads the goal, what knows plans by heart and what rolls dice, beside BASE: success by task and starts."""
     lines = []
     for starts in ("paper", "mixed"):
@@ -62,8 +68,7 @@ def floors(seeds: Seeds = 50) -> None:
     _print(["starts", "planner", *TASKS, "problems"], lines, words=2)
 
 
-@app.command()
-def methods(seeds: Seeds = 50) -> None:
+def methods(seeds: int = 50) -> None:
     """Every method: success on paper and mixed starts, and rounds of the final plan."""
     names = ("BASE", "CC", "RE", "REMAC", "SMART-LLM", "REFLECT", "REFLECT+CC", "CAPE", "BASE-BEST", "CC-BEST")
     paper, other = (_rows(names, seeds=seeds, starts=starts) for starts in ("paper", "mixed"))
@@ -75,8 +80,7 @@ def methods(seeds: Seeds = 50) -> None:
     _print(["method", *TASKS, "FPL"], lines)
 
 
-@app.command()
-def noisy(seeds: Seeds = 50) -> None:
+def noisy(seeds: int = 50) -> None:
     """Success with a checker that errs at rate P either way."""
     names, rates = ("CC", "RE", "REMAC"), (0.0, 0.05, 0.1, 0.2, 0.3)
     found = {}
@@ -87,8 +91,7 @@ def noisy(seeds: Seeds = 50) -> None:
     _print(["task", "method", *(f"P = {rate:g}" for rate in rates)], lines, words=2)
 
 
-@app.command()
-def outsiders(seeds: Seeds = 20) -> None:
+def outsiders(seeds: int = 20) -> None:
     """Tasks made up without knowing the rule-based roles: rounds over the optimum for one robot, means."""
     load_extensions((str(OUTSIDERS),))
     tasks = ("FetchSponge", "RoastBun", "BoilEgg", "RinseCrab", "StashTwo", "CrowdedOven", "ShutLarder", "WashHerb")
@@ -144,5 +147,15 @@ def _print(heads: Sequence[str], rows: Sequence[Sequence[str]], *, words: int = 
         typer.echo(f"| {' | '.join(line)} |")
 
 
+TABLES: dict[str, Callable[..., None]] = {
+    "tasks": tasks,
+    "mixed": mixed,
+    "floors": floors,
+    "methods": methods,
+    "noisy": noisy,
+    "outsiders": outsiders,
+}
+"""Name -> what prints the table."""
+
 if __name__ == "__main__":
-    app()
+    run_script(main)

@@ -1,10 +1,12 @@
-"""Prints what a process of its own takes for a job: `python tests/bench/measure_isolation.py`."""
+"""Prints what a process of its own takes for a job: `python benchmarks/isolation.py`."""
 
 from __future__ import annotations
 
 import statistics
-import sys
 import time
+
+import typer
+from remac_bench.command import run_script
 
 from remac_agents.isolation.remote import ForkServer, Host
 
@@ -25,8 +27,8 @@ def main() -> None:
         taken.append(1000 * (time.perf_counter() - began))
     server.close()
     middle = statistics.median(taken)
-    sys.stdout.write(f"server {imported:.2f} s, once a worker; a job: median {middle:.0f} ms of {JOBS}\n")
+    typer.echo(f"server {imported:.2f} s, once a worker; a job: median {middle:.0f} ms of {JOBS}")
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)
