@@ -25,7 +25,7 @@ OUTSIDERS = Path(__file__).resolve().parents[1] / "tests" / "agents" / "outsider
 
 def main(
     name: Annotated[str, typer.Argument(help="Which table: tasks, mixed, floors, methods, noisy or outsiders.")],
-    seeds: Annotated[int | None, typer.Option(help="Starts a task; by default 50, of outsiders 20.", **whole(1))] = None,
+    seeds: Annotated[int | None, typer.Option(help="Starts a task; 50, of outsiders 20.", **whole(1))] = None,
 ) -> None:
     """Print one table in Markdown."""
     check_choice("table", name, TABLES)
