@@ -59,6 +59,47 @@ def test_one_plan_that_nobody_could_make(act: Act, told: str, server: ChaosServe
     assert json.loads(ask(server, "--out", str(out)).stdout) == found and not server.asked, "it is kept"
 
 
+def test_what_a_plan_took_is_told(server: ChaosServer, tmp_path: Path) -> None:
+    usage = {"prompt_tokens": 900, "completion_tokens": 40}
+    server.plays(says("I would rather not.", usage=usage), says(f"Plan: [{RIGHT}place to microwave]", usage=usage))
+    out = tmp_path / "plans.jsonl"
+    asked = ask(server, "--out", str(out))
+    told = json.loads(asked.stdout)
+    assert told["optimal"] and told["usage"] == {
+        "calls": 2, "requests": 2, "repeats": 0, "sent_back": 1, "prompt_tokens": 1800, "completion_tokens": 80,
+        "money": 0.0, "unpriced": 0,
+    }  # fmt: skip
+    said = "usage: custom:m: 2 calls, 1 answer sent back, 1,800 tokens in, 80 out, cost $0"
+    assert asked.stderr.splitlines() == [said]
+    again = ask(server, "--out", str(out))
+    assert (again.stdout, again.stderr) == (asked.stdout, asked.stderr) and len(server.asked) == 2
+    own = json.loads(ask(server, "--reflections", "--reflections-by", "own").stdout)
+    assert own["first_iteration_usage"]["calls"] > 0 and own["usage"]["calls"] == 1
+    offline = remac("plan", "--task", TASK)
+    assert "usage" not in json.loads(offline.stdout) and offline.stderr == ""
+
+
+def test_what_an_experiment_took_is_told(server: ChaosServer, tmp_path: Path) -> None:
+    file = tmp_path / "x.json"
+    done = experiment(server, "--json", str(file), "--planner", "noop", count=3)
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("usage: custom:m: 3 calls, ") and line.endswith("cost $0")
+    told = json.loads(file.read_text())
+    assert list(told["usage"]) == ["custom:m"] and told["usage"]["custom:m"]["calls"] == 3
+    by_planner = {trial["planner"]: trial.get("usage") for trial in told["trials"]}
+    assert by_planner["custom:m"]["calls"] == 1 and by_planner["noop"] is None
+
+
+def test_findings_of_before_usage_was_kept_can_be_read(server: ChaosServer, tmp_path: Path) -> None:
+    out = tmp_path / "plans.jsonl"
+    now = json.loads(ask(server, "--out", str(out)).stdout)
+    settings, finding = map(json.loads, out.read_text().splitlines())
+    del finding["found"]["usage"]
+    out.write_text(json.dumps(settings) + "\n" + json.dumps(finding) + "\n")
+    old = ask(server, "--out", str(out))
+    assert json.loads(old.stdout) == {name: value for name, value in now.items() if name != "usage"} and not old.stderr
+
+
 def test_a_key_that_is_missing(server: ChaosServer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DEEPSEEK_API_KEY", raising=False)
     result = remac("plan", "--task", TASK, "--planner", "deepseek:deepseek-chat", "--no-preflight")

@@ -13,7 +13,7 @@ import remac_env
 from remac_bench import agents
 from remac_bench.command import joined
 from remac_bench.commands.reaching import Reach, tell_unscored
-from remac_bench.console import INTERRUPTED, console
+from remac_bench.console import INTERRUPTED, console, plain
 from remac_bench.errors import UsageError
 from remac_bench.experiments.book import Book
 from remac_bench.experiments.desk import Desk, Result, Trial, Unscored
@@ -22,7 +22,7 @@ from remac_bench.experiments.teaching import lesson, teachers
 from remac_bench.experiments.trials import EXPERIMENTS
 from remac_bench.extensions import find_local_modules, load_extensions
 from remac_bench.jobs import parse_names
-from remac_bench.plans.ask import Cell
+from remac_bench.plans.ask import Cell, Taught
 from remac_env.errors import check_choice
 from remac_env.files import prepare_file
 from remac_env.kitchen.starts import STARTS
@@ -59,7 +59,11 @@ def plan_command(context: typer.Context) -> None:
     if isinstance(found, Unscored):
         tell_unscored([found.why])
     else:
-        typer.echo(json.dumps(found.judgement.as_json()))
+        told = found.judgement.as_json()
+        if isinstance(lessons, Taught) and lessons.usage is not None:
+            told["first_iteration_usage"] = lessons.usage.as_json()
+        typer.echo(json.dumps(told))
+        _tell_usage(book)
 
 
 def experiment_command(context: typer.Context) -> None:
@@ -90,9 +94,16 @@ def experiment_command(context: typer.Context) -> None:
     trials = [result for result in results if isinstance(result, Trial)]
     for part in tables(name, trials):
         console().print(part, crop=False)
+    _tell_usage(book)
     if file is not None and file != lines:
-        file.write_text(json.dumps(as_json(name, trials), indent=1) + "\n", "utf-8")
+        file.write_text(json.dumps(as_json(name, trials, book.usage()), indent=1) + "\n", "utf-8")
     tell_unscored([f"{each.planner}: {each.why}" for each in results if isinstance(each, Unscored)])
+
+
+def _tell_usage(book: Book) -> None:
+    """Say what each planner took of language models, its first iterations and what was found before included."""
+    for planner, asked in book.usage().items():
+        typer.echo(plain(f"usage: {planner}: {asked.told}"), err=True)
 
 
 def _reflectors(reach: Reach, planners: Mapping[str, object]) -> dict[str, object]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from remac_agents.memory_file import MemoryFile
+from remac_bench.asked import Asked
 from remac_bench.errors import UsageError
 from remac_env.files import prepare_file
 
@@ -49,6 +50,16 @@ class Book:
     def find(self, of: Mapping[str, Any]) -> Any:
         """What was found of this before; None where nothing was."""
         return self._found.get(_key(of))
+
+    def usage(self) -> dict[str, Asked]:
+        """Planner -> what all its plans and first iterations took of language models; without those that ask none."""
+        total: dict[str, Asked] = {}
+        for key, found in self._found.items():
+            taken = Asked.from_json(found.get("usage"))
+            if taken is not None:
+                planner = str(json.loads(key)["planner"])
+                total[planner] = total.get(planner, Asked()) + taken
+        return total
 
     def add(self, of: Mapping[str, Any], found: Any) -> None:
         """Note a finding."""

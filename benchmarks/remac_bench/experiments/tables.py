@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from importlib import resources
 from typing import Any
@@ -12,6 +12,7 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from remac_bench.asked import Asked
 from remac_bench.experiments.desk import Trial
 from remac_bench.experiments.trials import Count, counted, faults
 
@@ -32,8 +33,9 @@ def tables(experiment: str, trials: Sequence[Trial]) -> list[Table]:
     return [_rates(experiment, trials), _papers(experiment)]
 
 
-def as_json(experiment: str, trials: Sequence[Trial]) -> dict[str, Any]:
-    """The experiment's cells, every trial of it, and the paper's numbers."""
+def as_json(experiment: str, trials: Sequence[Trial], usage: Mapping[str, Asked] | None = None) -> dict[str, Any]:
+    """The experiment's cells, every trial of it, the paper's numbers, and what each planner took of language models."""
+    taken = {planner: asked.as_json() for planner, asked in (usage or {}).items()}
     return {
         "experiment": experiment,
         "cells": [
@@ -55,6 +57,7 @@ def as_json(experiment: str, trials: Sequence[Trial]) -> dict[str, Any]:
             for trial in trials
         ],
         "paper": published().get(experiment),
+        **({"usage": taken} if taken else {}),
     }
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from remac_bench.asked import Asked
 from remac_bench.blame.labels import Blame
 from remac_bench.pages.gantt import Gantt, draw
 from remac_bench.pages.rendering import TEXT_MAX, render
@@ -111,16 +112,8 @@ class View:
 
     @property
     def asked(self) -> str:
-        """What was asked of models: "9 calls in 11 requests, 2 questions answered before, 3 answers sent back"."""
-        usage = self.record.usage
-        back = sum(any(role == "assistant" for role, _ in each.messages) for each in self.record.exchanges)
-        sent = f" in {usage.requests} requests" if usage.requests not in (0, usage.calls) else ""
-        parts = [f"{usage.calls} call{'s' * (usage.calls != 1)}{sent}"]
-        if usage.repeats:
-            parts.append(f"{usage.repeats} question{'s' * (usage.repeats != 1)} answered before")
-        if back:
-            parts.append(f"{back} answer{'s' * (back != 1)} sent back")
-        return ", ".join(parts)
+        """What was asked of models, in words."""
+        return Asked.of(self.record.usage, self.record.exchanges).counted
 
     @property
     def tokens(self) -> int:

@@ -16,6 +16,7 @@ from remac_agents.episode import Episode, Turns
 from remac_agents.methods import Method
 from remac_agents.printable import type_name, words
 from remac_agents.roles import StopEpisode
+from remac_bench.asked import Asked
 from remac_bench.entries import MESSAGE_MAX
 from remac_bench.episode import Fault, blaming
 from remac_bench.plans.judge import Judgement, judge
@@ -46,10 +47,14 @@ class Cell:
 
 @dataclass(frozen=True)
 class Taught:
-    """What an earlier iteration left behind: its first plan, how that went, and its reflections."""
+    """What an earlier iteration left behind: its first plan, how that went, and its reflections.
+
+    `usage`: what it took; None where no language model was asked.
+    """
 
     previous: PreviousTry
     reflections: tuple[str, ...]
+    usage: Asked | None = None
 
     @property
     def plan(self) -> Mapping[str, tuple[str, ...]]:
@@ -57,8 +62,9 @@ class Taught:
         return self.previous.plan
 
     def as_json(self) -> dict[str, Any]:
-        """The same as values that json.dumps takes."""
-        return asdict(self)
+        """The same as values that json.dumps takes; `usage` only where there is one."""
+        told = asdict(self)
+        return told if self.usage is not None else {name: value for name, value in told.items() if name != "usage"}
 
     @classmethod
     def from_json(cls, told: Mapping[str, Any]) -> Taught:
@@ -66,7 +72,8 @@ class Taught:
         previous = told["previous"]
         plan = {robot: tuple(row) for robot, row in previous["plan"].items()}
         ran = tuple(Ran(**each) for each in previous["ran"])
-        return cls(PreviousTry(plan, previous["success"], ran), tuple(told["reflections"]))
+        usage = Asked.from_json(told.get("usage"))
+        return cls(PreviousTry(plan, previous["success"], ran), tuple(told["reflections"]), usage)
 
 
 def kitchen(cell: Cell) -> Any:
@@ -102,12 +109,14 @@ def judged(cell: Cell, planner: object, taught: Taught | None = None) -> Judgeme
         StopEpisode: where it could not answer for a reason that is not its own, such as an endpoint that is down.
     """
     env = kitchen(cell)
-    plan = ask(env, planner, cell.seed, taught)
-    return judge(env.start.scene, env.world, env.goal, plan, optimum(cell))
+    plan, usage = ask(env, planner, cell.seed, taught)
+    return replace(judge(env.start.scene, env.world, env.goal, plan, optimum(cell)), usage=usage)
 
 
-def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> Plan | PlanError:
-    """The planner's answer at the start of the episode; one that is no plan is sent back as in an episode.
+def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> tuple[Plan | PlanError, Asked | None]:
+    """The planner's answer at the start of the episode, and what asking took; None where no language model was asked.
+
+    An answer that is no plan is sent back as in an episode.
 
     Raises:
         StopEpisode: see `judged`.
@@ -131,18 +140,24 @@ def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> P
             agent.reset(observations, infos)
             agent.act(observations, infos)
     except Fault as fault:
-        return no_plan(fault)
-    if answers:
-        return answers[0]
+        return no_plan(fault), None
     report = agent.report()
+    if answers:
+        return answers[0], _taken(report)
     if report.infrastructure is not None:
         raise StopEpisode(report.infrastructure, infrastructure=True)
-    return PlanError(report.errors[-1] if report.errors else "the planner gave no answer")
+    return PlanError(report.errors[-1] if report.errors else "the planner gave no answer"), _taken(report)
 
 
 def no_plan(fault: Fault) -> PlanError:
     """What a planner raised, as the answer that it did not give."""
     return PlanError(f"{type_name(fault.error)}: {redact(words(fault.error))}"[:MESSAGE_MAX])
+
+
+def _taken(report: Any) -> Asked | None:
+    """What an episode took of language models; None where none was asked."""
+    taken = Asked.of(report.usage, report.exchanges)
+    return None if taken == Asked() else taken
 
 
 def _renew(*roles: object) -> None:
@@ -178,8 +193,8 @@ def teach_by(cell: Cell, *, planner: object, reflector: object) -> Taught:
         while env.agents:
             observations, _, _, _, infos = env.step(agent.act(observations, infos))
         agent.close_episode(observations, infos)
-    broken = agent.report().infrastructure
-    if broken is not None:
-        raise StopEpisode(broken, infrastructure=True)
+    report = agent.report()
+    if report.infrastructure is not None:
+        raise StopEpisode(report.infrastructure, infrastructure=True)
     (run,) = agent.memory.runs(cell.task)
-    return Taught(previous_try(run), agent.memory.lessons(cell.task))
+    return Taught(previous_try(run), agent.memory.lessons(cell.task), _taken(report))

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from remac_agents.plan import Plan, PlanError
+from remac_bench.asked import Asked
 from remac_bench.plans.faults import BY_REASON, Fault
 from remac_env.oracle import solve
 from remac_env.rounds import first_false, transition
@@ -29,6 +30,7 @@ class Judgement:
         rounds: of the plan; a closing `done` is not counted.
         optimum: rounds of the shortest plan, None where there is none, or it is not known.
         error: the first thing wrong, None for an optimal plan.
+        usage: what asking for it took; None where no language model was asked.
     """
 
     plan: Mapping[str, tuple[str, ...]] | None
@@ -37,10 +39,12 @@ class Judgement:
     rounds: int | None
     optimum: int | None
     error: Fault | None
+    usage: Asked | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """The same as values that json.dumps takes."""
-        return asdict(self)
+        """The same as values that json.dumps takes; `usage` only where there is one."""
+        told = asdict(self)
+        return told if self.usage is not None else {name: value for name, value in told.items() if name != "usage"}
 
     @classmethod
     def from_json(cls, told: Mapping[str, Any]) -> Judgement:
@@ -48,7 +52,8 @@ class Judgement:
         plan, error = told["plan"], told["error"]
         rows = None if plan is None else {robot: tuple(row) for robot, row in plan.items()}
         numbers = {name: told[name] for name in ("valid", "optimal", "rounds", "optimum")}
-        return cls(plan=rows, error=None if error is None else Fault(**error), **numbers)
+        usage = Asked.from_json(told.get("usage"))
+        return cls(plan=rows, error=None if error is None else Fault(**error), usage=usage, **numbers)
 
 
 @dataclass(frozen=True)
