@@ -87,7 +87,7 @@ class Agent:
         briefing = replace(briefing, last=self._iteration == self._last_iteration)
         for role in everyone(self._checked):
             role.begin_episode(int(briefing.episode.get("seed", 0)), _public_seed(briefing), self._iteration)
-        view, world = _look(obs, infos, briefing)
+        view, world = _look(obs, infos, briefing, {})
         self._check_pictures(view)
         rules, bounds = infos[briefing.lead]["scene"], self.bounds
         self._episode = Episode(briefing, self._checked, view, world, rules, bounds=bounds, memory=self.memory)
@@ -99,6 +99,7 @@ class Agent:
         self._turns = self.method.run(self._episode)
         self._tokens = {robot: dict(infos[robot]["commands"]) for robot in infos}
         self._played: dict[str, Subtask] | None = None
+        self._sent: dict[str, Subtask] = {}
         self._open, self._success, self._ended = True, False, False
 
     def act(self, obs: Told, infos: Told) -> dict[str, int]:
@@ -117,11 +118,8 @@ class Agent:
         if not turn and self._ended:
             return {robot: self._token(robot, DONE) for robot in infos}
         idle = _STEP_ASIDE if first else WAIT
-        return {
-            robot: self._token(robot, turn.get(robot, idle))
-            for robot in infos
-            if robot in episode.briefing.robots
-        }
+        self._sent = {robot: turn.get(robot, idle) for robot in infos if robot in episode.briefing.robots}
+        return {robot: self._token(robot, subtask) for robot, subtask in self._sent.items()}
 
     def close_episode(self, obs: Told, infos: Told) -> None:
         """End the episode with what came last, if known (it may have crashed), and write the memory."""
@@ -131,7 +129,7 @@ class Agent:
         self._open = False
         if infos:
             if self._played is not None:
-                episode.observe(*_look(obs, infos, episode.briefing), self._played)
+                episode.observe(*_look(obs, infos, episode.briefing, self._sent), self._played)
             self._success = any(bool(info.get("success")) for info in infos.values())
         review = getattr(self._checked.reflector, "review", None)
         if review is not None:
@@ -187,7 +185,7 @@ class Agent:
         try:
             if self._played is None:
                 return next(self._turns)
-            view, world = _look(obs, infos, episode.briefing)
+            view, world = _look(obs, infos, episode.briefing, self._sent)
             episode.observe(view, world, self._played)
             self._correspondence.begin_round(episode.rounds)
             return self._turns.send(view)
@@ -252,8 +250,10 @@ def _public_seed(briefing: Briefing) -> int:
     return int(digest([briefing.task, briefing.goal, briefing.text, sorted(briefing.commands)]), 16) % SEEDS
 
 
-def _look(obs: Told, infos: Told, briefing: Briefing) -> tuple[View, WorldState | None]:
-    """What roles see now, and apart from it the truth."""
+def _look(
+    obs: Told, infos: Told, briefing: Briefing, sent: Mapping[str, Subtask]
+) -> tuple[View, WorldState | None]:
+    """What roles see now, and apart from it the truth. `sent`: robot -> the subtask that its report is about."""
     told = infos.get(briefing.lead) or next(iter(infos.values()))
     world: WorldState | None = told.get("world")
     holding = {} if world is None else {name: state.holding for name, state in world.robots.items()}
@@ -261,17 +261,18 @@ def _look(obs: Told, infos: Told, briefing: Briefing) -> tuple[View, WorldState 
         robot: {name: value for name, value in seen.items() if name not in _NOT_PICTURES}
         for robot, seen in obs.items()
     }
-    reports = {robot: _report(info) for robot, info in infos.items()}
+    reports = {robot: _report(info, sent.get(robot)) for robot, info in infos.items()}
     scene = public_scene(told["scene"])
     return View(briefing.goal, scene, holding, reports, images, text=str(told.get("text", ""))), world
 
 
-def _report(info: Mapping[str, Any]) -> Report | None:
+def _report(info: Mapping[str, Any], subtask: Subtask | None) -> Report | None:
     outcome = info.get("outcome")
     if not outcome:
         return None
     told_why = info.get("feedback") == "reason"
-    return Report(str(outcome["status"]), (outcome.get("reason") or None) if told_why else None)
+    reason = (outcome.get("reason") or None) if told_why else None
+    return Report(str(outcome["status"]), reason, "" if subtask is None else subtask.text)
 
 
 def _run(episode: Episode, *, success: bool) -> Run:

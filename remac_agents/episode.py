@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sequence
+from dataclasses import replace
 
 from remac_agents.asking import ask_planner, plan_request, ran_so_far, try_before
 from remac_agents.briefing import Bounds, Briefing
@@ -122,7 +123,7 @@ class Episode:
             if subtask == WAIT or robot in self._accepted:
                 continue
             conditions = self.roles.conditions.before(subtask, robot, self.seen_by(self.roles.conditions))
-            verdicts = self._judge(conditions)
+            verdicts = self._judge(robot, conditions)
             self._note(self.ledger.pre_checks, robot, subtask, verdicts)
             wrong = tuple(condition for condition, verdict in verdicts.items() if verdict.value is False)
             if wrong:
@@ -169,7 +170,7 @@ class Episode:
         for robot, subtask in self.turn.items():
             last = self.moments[-1]
             view = shown(last.before, self.rules, last.world_before, self.roles.conditions)
-            verdicts = self._judge(self.roles.conditions.after(subtask, robot, view))
+            verdicts = self._judge(robot, self.roles.conditions.after(subtask, robot, view))
             self._note(self.ledger.post_checks, robot, subtask, verdicts)
             if not any(verdict.value is False for verdict in verdicts.values()):
                 self._pending.discard(robot)
@@ -230,17 +231,18 @@ class Episode:
         self.plan = self.plan.with_row(robot, row)
         self._open_round()
 
-    def _judge(self, conditions: Sequence[Condition]) -> dict[Condition, Verdict]:
+    def _judge(self, robot: str, conditions: Sequence[Condition]) -> dict[Condition, Verdict]:
         """Verdicts, None where the checker gives none; a question put twice at one moment is answered once."""
         fresh = [condition for condition in dict.fromkeys(conditions) if condition not in self._answers]
         if fresh:
             self._answers |= {condition: Verdict(condition, None, "not judged") for condition in fresh}
-            for verdict in self.roles.checker.check(fresh, self.seen_by(self.roles.checker)):
+            moment = replace(self.seen_by(self.roles.checker), robot=robot, ran=ran_so_far(self.moments))
+            for verdict in self.roles.checker.check(fresh, moment):
                 self._answers[verdict.condition] = verdict
         return {condition: self._answers[condition] for condition in conditions}
 
     def _ask(self, robot: str, subtask: Subtask, condition: Condition) -> bool | None:
-        verdicts = self._judge([condition])
+        verdicts = self._judge(robot, [condition])
         self._note(self.ledger.pre_checks, robot, subtask, verdicts, asked=True)
         return verdicts[condition].value
 

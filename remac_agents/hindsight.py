@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
+from remac_agents.accounts import Ran
+from remac_agents.asking import ran_so_far
 from remac_agents.episode import Episode
 from remac_agents.ledger import Check
 from remac_agents.moment import Moment, shown
@@ -133,7 +135,9 @@ def _reached(episode: Episode, moment: Moment, robot: str, step: Subtask) -> boo
     roles = episode.roles
     view = shown(moment.before, episode.rules, moment.world_before, roles.conditions)
     wanted = roles.conditions.after(step, robot, view)
-    verdicts = roles.checker.check(wanted, shown(moment.after, episode.rules, moment.world_after, roles.checker))
+    judged = shown(moment.after, episode.rules, moment.world_after, roles.checker)
+    judged = replace(judged, robot=robot, ran=_ran_until(episode, moment.round + 1))
+    verdicts = roles.checker.check(wanted, judged)
     for verdict in verdicts:
         rules, world = episode.rules, moment.world_after
         entry = Check.of(verdict, episode.rounds, robot, step, rules, world, asked=True)
@@ -142,12 +146,19 @@ def _reached(episode: Episode, moment: Moment, robot: str, step: Subtask) -> boo
     return False if False in found else None if None in found else True
 
 
+def _ran_until(episode: Episode, rounds: int) -> tuple[Ran, ...]:
+    """The commands of an episode's first rounds."""
+    return ran_so_far([moment for moment in episode.moments if moment.round < rounds])
+
+
 def _false_before(episode: Episode, moment: Moment, robot: str, step: Subtask) -> tuple[Condition, ...]:
     """The step's pre-conditions that the checker, shown the moment before it, finds false."""
     roles = episode.roles
     seen = shown(moment.before, episode.rules, moment.world_before, roles.conditions)
     wanted = roles.conditions.before(step, robot, seen)
-    verdicts = roles.checker.check(wanted, shown(moment.before, episode.rules, moment.world_before, roles.checker))
+    judged = shown(moment.before, episode.rules, moment.world_before, roles.checker)
+    judged = replace(judged, robot=robot, ran=_ran_until(episode, moment.round))
+    verdicts = roles.checker.check(wanted, judged)
     for verdict in verdicts:
         rules, world = episode.rules, moment.world_before
         entry = Check.of(verdict, episode.rounds, robot, step, rules, world, asked=True)

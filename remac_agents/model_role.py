@@ -13,6 +13,7 @@ from remac_agents.llm import BadAnswer, ChatReply, Picture, read_json
 from remac_agents.llm.settings import read_settings
 from remac_agents.models import Models
 from remac_agents.prompt import Message, load
+from remac_agents.shapes import shape_problems
 
 MOST_PROBLEMS = 12
 """Problems of the shape of one answer that are told."""
@@ -145,7 +146,7 @@ def reads(
         try:
             found = shape.model_validate(answer.value, strict=True)
         except ValidationError as error:
-            problems = [_told(each["loc"], each["msg"]) for each in error.errors(include_url=False)[:MOST_PROBLEMS]]
+            problems = shape_problems(error, shape)[:MOST_PROBLEMS]
             problems.append(f"valid: a JSON object with {', '.join(shape.model_fields)}")
         if also is not None and isinstance(answer.value, Mapping):
             problems = [*also(answer.value), *problems]
@@ -158,7 +159,3 @@ def texts_in(value: Mapping[str, Any], name: str) -> list[str]:
     """The texts of a list that an object may have under this name."""
     given = value.get(name)
     return [text for text in given if isinstance(text, str)] if isinstance(given, list) else []
-
-
-def _told(where: Sequence[int | str], what: str) -> str:
-    return f"{'.'.join(map(str, where)) or 'the answer'}: {what}"

@@ -46,10 +46,11 @@ Images = Mapping[str, Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Report:
-    """How a robot's last subtask ended: status, and the reason where the kitchen's feedback gives it."""
+    """How a robot's last subtask ended, why where the kitchen's feedback says it, and which it was ("": not known)."""
 
     status: str
     reason: str | None = None
+    subtask: str = ""
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class View:
     """What a role sees at one moment. `holding` is what every robot feels in its own gripper.
 
     `text`: what the kitchen says of itself now, "" where nobody passed it on. `rules` and `world`: for roles that need
-    them.
+    them. `robot`, `ran`: whose subtask is checked ("": nobody's), and what was run so far, for checkers.
     """
 
     goal: str
@@ -68,6 +69,8 @@ class View:
     world: WorldState | None = None
     text: str = ""
     rules: Rules | None = None
+    robot: str = ""
+    ran: tuple[Ran, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -133,10 +136,8 @@ class PlanRequest:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A checker's answer to one condition, and why where it says so. `value` None: it cannot tell.
-
-    What nobody can tell is not false: the method goes on, and the record holds None beside the truth.
-    """
+    """A checker's answer to one condition, and why where it says so. `value` None: it cannot tell, which is not false:
+    the method goes on, and the record holds None beside the truth."""
 
     condition: Condition
     value: bool | None

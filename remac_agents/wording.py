@@ -6,10 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from remac_agents.accounts import Attempt, PreviousTry, Ran
 from remac_agents.llm import plain
-from remac_agents.roles import View
+from remac_agents.roles import Report, View
 from remac_env.conditions import Condition
-from remac_env.subtasks import Subtask
-from remac_env.text import describe_use
+from remac_env.sights import describe_sight
+from remac_env.subtasks import WAIT, Subtask
+from remac_env.text import describe_room, describe_use
 
 LONGEST = 300
 """Characters of one sentence that a model wrote and that goes into another prompt, a record or the memory."""
@@ -53,13 +54,27 @@ def held(view: View, robot: str) -> str:
 
 def room(view: View) -> dict[str, str]:
     """The fields `fixtures`, `things` and `goal`."""
-    scene = view.scene
-    return {"fixtures": ", ".join(scene.fixtures), "things": ", ".join(scene.objects), "goal": view.goal}
+    return {**names(view), "goal": view.goal}
+
+
+def names(view: View) -> dict[str, str]:
+    """The fields `fixtures` and `things`."""
+    return {"fixtures": ", ".join(view.scene.fixtures), "things": ", ".join(view.scene.objects)}
 
 
 def use(view: View) -> dict[str, str]:
     """The field `use`: what the kitchen says of rounds, places and room, without its names and states."""
     return {"use": describe_use(view.scene)}
+
+
+def sight(view: View, shown: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """The fields `pictures`, `sight` and `room_for` of who looks at pictures of (robot, camera)."""
+    spots = tuple(shown)
+    return {
+        "pictures": "; ".join(f"{robot}, {camera} camera" for robot, camera in spots),
+        "sight": describe_sight(view.scene.robots, (camera for _, camera in spots)) if spots else "",
+        "room_for": " ".join(describe_room(view.scene)),
+    }
 
 
 def rounds(ran: Iterable[Ran]) -> str:
@@ -72,6 +87,16 @@ def rounds(ran: Iterable[Ran]) -> str:
         again = f" ({failures[what]} times so far)" if each.failed and failures[what] > 1 else ""
         lines.setdefault(each.round, []).append(f"{each.robot}: {each.command}: {each.status}{again}")
     return "\n".join(f"{number}. {'; '.join(told)}" for number, told in lines.items())
+
+
+def report(last: Report | None) -> str:
+    """A robot's last command and how it ended."""
+    if last is None:
+        return "none yet"
+    if last.subtask == WAIT.text:
+        return "waited"
+    ended = f"{last.status} ({last.reason})" if last.reason else last.status
+    return f"{last.subtask}: {ended}" if last.subtask else ended
 
 
 def previous_try(previous: PreviousTry | None) -> str:

@@ -6,7 +6,7 @@ question for a checker and a test on the truth.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -15,7 +15,7 @@ from remac_env.public import PublicScene
 from remac_env.state import ASIDE, Place, Scene, WorldState, base_place, contents, inside, occupant, supports
 
 Predicate = Callable[..., bool]
-Kind = Literal["seen", "felt", "known"]
+Kind = Literal["seen", "felt", "known", "ran"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +36,8 @@ class Condition:
 
     @property
     def kind(self) -> Kind:
-        """What its answer comes from: pictures, what a robot feels in its own gripper, or knowledge of a rule."""
-        return "felt" if self.predicate in FELT else "known" if self.predicate in KNOWN else "seen"
+        """What its answer comes from: pictures, a robot's own gripper, knowledge of a rule, or what was run."""
+        return next((kind for kind, predicates in KINDS.items() if self.predicate in predicates), "seen")
 
     def felt(self, scene: Scene | PublicScene, holding: Mapping[str, str | None]) -> bool | None:
         """The answer of the gripper, for the kind `felt`; None for other kinds, and where nothing is felt of the robot.
@@ -237,8 +237,8 @@ FELT: dict[str, Predicate] = {
 }
 """Predicates of the kind `felt`, whose first argument is a robot: decided from (scene, what it holds, *other args)."""
 
-KNOWN = ("no_vessel_needed", "graspable")
-"""Predicates of the kind `known`: what is right or possible, which no picture shows. All others are `seen`."""
+KINDS: dict[Kind, Collection[str]] = {"felt": FELT, "known": ("no_vessel_needed", "graspable"), "ran": ("marked",)}
+"""Kind -> its predicates; all others are `seen`. No picture shows what is right or possible, nor what was done."""
 
 
 def _by_feel(test: Predicate) -> Predicate:

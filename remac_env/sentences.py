@@ -45,10 +45,12 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
 
 
 def sentence_forms(*, leave_out: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """The sentence of every predicate but those left out, with the kinds of names in capitals."""
+    """The sentence of every predicate but those left out, with the kinds of names in capitals, and each mark."""
+    words = {"mark": _marks()}
     return tuple(
-        SENTENCES[name].format(*(kind.upper() for kind in kinds))
+        SENTENCES[name].format(*row)
         for name, kinds in ARGUMENTS.items()
+        for row in itertools.product(*(words.get(kind, (kind.upper(),)) for kind in kinds))
         if name not in leave_out
     )
 

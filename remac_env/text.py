@@ -117,9 +117,9 @@ def describe_outcome(outcome: Outcome | None, *, feedback: str) -> str:
     if outcome is None:
         return ""
     if outcome.success:
-        return "The last subtask succeeded."
+        return "The last command succeeded."
     why = f" ({outcome.reason}: {outcome.detail})" if feedback == "reason" else ""
-    return f"The last subtask failed{why}."
+    return f"The last command failed{why}."
 
 
 def _where(scene: Scene, place: Place) -> str:

@@ -1,5 +1,6 @@
 """The checker that is a model with eyes. What a robot feels in its gripper nobody is asked about; what can be seen is
-judged by pictures; what is right or possible is asked as a question of knowledge."""
+judged by pictures; what is right or possible is asked as a question of knowledge, and what has happened to things is
+judged by the commands that were run."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from pydantic import BaseModel, Field, field_validator
 from remac_agents import wording
 from remac_agents.llm import BadAnswer, Picture
 from remac_agents.model_role import ModelRole, reads
-from remac_agents.roles import Report, StopEpisode, Verdict, View
+from remac_agents.prompt import load
+from remac_agents.roles import StopEpisode, Verdict, View
 from remac_env.conditions import Condition
 from remac_env.errors import OptionError
 
@@ -21,8 +23,8 @@ CAMERAS = ("side", "wrist")
 UNSURE = ("cannot tell", "can't tell", "unknown", "unclear", "unsure", "not sure", "null", "none")
 """Words that models write where they should write null."""
 
-Seen = Mapping[str, Any]
-"""What a picture is called -> picture, in the order in which they are shown."""
+Seen = Mapping[tuple[str, str], Any]
+"""(robot, camera) -> picture, in the order in which they are shown."""
 
 
 class _Answer(BaseModel):
@@ -71,8 +73,9 @@ class VlmChecker(ModelRole):
         found = {condition: _untold(condition, view) for condition in conditions}
         left = [condition for condition, verdict in found.items() if verdict.value is None]
         known = [condition for condition in left if condition.kind == "known"]
-        seen = [condition for condition in left if condition.kind != "known"]
+        seen = [condition for condition in left if condition.kind not in ("known", "ran")]
         found |= self._ask("checker_known", known, view, {})
+        found |= self._ask("checker_ran", [condition for condition in left if condition.kind == "ran"], view, {})
         if seen or any(found[condition].value is None for condition in known):
             _check_pictures(view)
         first, rest = _pictures(view, conditions)
@@ -91,14 +94,16 @@ class VlmChecker(ModelRole):
         """The answers to one question; nothing is asked about no conditions."""
         if not conditions:
             return {}
-        robots = _spoken_of(view, conditions) or view.scene.robots
-        fields = {
-            "pictures": "; ".join(shown),
+        robots = _concerned(view, conditions)
+        every = {
+            **wording.names(view),
+            **wording.sight(view, shown),
             "grippers": "; ".join(f"{robot} holds {wording.held(view, robot)}" for robot in robots),
+            "reports": "; ".join(f"{robot}: {wording.report(view.reports.get(robot))}" for robot in robots),
+            "ran": wording.rounds(view.ran) or "none yet",
             "conditions": wording.numbered(condition.sentence for condition in conditions),
         }
-        if prompt == "checker_seen":
-            fields["reports"] = "; ".join(f"{robot}: {_status(view.reports.get(robot))}" for robot in robots)
+        fields = {name: text for name, text in every.items() if name in load(prompt).fields}
 
         def miscounted(value: Mapping[str, Any]) -> list[str]:
             verdicts = value.get("verdicts")
@@ -133,30 +138,21 @@ def _untold(condition: Condition, view: View) -> Verdict:
     return Verdict(condition, value, "" if value is None else "felt in the gripper")
 
 
-def _spoken_of(view: View, conditions: Sequence[Condition]) -> list[str]:
+def _concerned(view: View, conditions: Sequence[Condition]) -> list[str]:
+    """The robots that conditions speak of; else the one whose subtask is checked; where it is nobody's, all."""
     named = {name for condition in conditions for name in condition.args}
     words = " ".join(condition.sentence for condition in conditions)
-    return [robot for robot in view.scene.robots if robot in named or robot in words]
+    spoken_of = [robot for robot in view.scene.robots if robot in named or robot in words]
+    return spoken_of or [robot for robot in view.scene.robots if robot == view.robot] or list(view.scene.robots)
 
 
 def _pictures(view: View, conditions: Sequence[Condition]) -> tuple[Seen, Seen]:
-    """What is shown first - the side and wrist of the robots that the conditions speak of, or of all - and the rest."""
-    robots = [robot for robot in _spoken_of(view, conditions) if robot in view.images] or list(view.images)
+    """What is shown first - the side and wrist of the robots that the conditions are about - and the rest."""
+    robots = [robot for robot in _concerned(view, conditions) if robot in view.images] or list(view.images)
     every = {(robot, camera): view.images[robot][camera] for robot in view.images for camera in view.images[robot]}
     first = {
         (robot, camera): every[robot, camera]
         for robot in robots
         for camera in [name for name in CAMERAS if name in view.images[robot]] or view.images[robot]
     }
-    rest = {spot: picture for spot, picture in every.items() if spot not in first}
-    return _named(first), _named(rest)
-
-
-def _named(pictures: Mapping[tuple[str, str], Any]) -> Seen:
-    return {f"{robot}, {camera} camera": picture for (robot, camera), picture in pictures.items()}
-
-
-def _status(report: Report | None) -> str:
-    if report is None:
-        return "none yet"
-    return f"{report.status} ({report.reason})" if report.reason else report.status
+    return first, {spot: picture for spot, picture in every.items() if spot not in first}

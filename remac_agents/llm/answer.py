@@ -18,6 +18,23 @@ MAX_DEPTH = 32
 MAX_DIGITS = 18
 
 
+NEAR = 30
+"""Characters that are shown of the place at which JSON goes wrong."""
+
+_PLAIN = {
+    "Expecting value": "a value is expected",
+    "Expecting ',' delimiter": "a comma or a closing bracket is expected",
+    "Expecting ':' delimiter": "a colon is expected",
+    "Expecting property name": "a name in double quotes is expected",
+    "Illegal trailing comma": "a comma stands before a closing bracket",
+    "Extra data": "something follows after the end of the JSON",
+    "Unterminated string": "a text begins whose closing double quote is missing",
+    "Invalid control character": "a text holds a line break or another control character",
+    "Invalid \\": "a backslash is followed by something that JSON does not know",
+}
+"""How Python's JSON parser begins to say it -> in plain words."""
+
+
 @dataclass(frozen=True)
 class Answer:
     """A JSON value. `repaired`: it was taken out of other text."""
@@ -58,9 +75,22 @@ def _read(text: str, *, repaired: bool) -> Answer | BadAnswer:
         value = json.loads(
             text, object_pairs_hook=_once, parse_int=_whole, parse_float=_number, parse_constant=_refuse_constant
         )
+    except json.JSONDecodeError as error:
+        return BadAnswer(_said(error))
     except (ValueError, RecursionError) as error:
-        return BadAnswer(f"the text is no JSON: {error}")
+        return BadAnswer(f"the JSON cannot be used: {error}")
     return Answer(value, repaired)
+
+
+def _said(error: json.JSONDecodeError) -> str:
+    """What is wrong and where, in words that need no parser's manual."""
+    if not error.doc or not any(bracket in error.doc for bracket in "{["):
+        return "there is no JSON in the answer"
+    if error.pos >= len(error.doc):
+        return "the JSON breaks off before its last closing bracket"
+    what = next((words for begin, words in _PLAIN.items() if error.msg.startswith(begin)), error.msg)
+    near = " ".join(error.doc[error.pos : error.pos + NEAR].split())
+    return f"the answer is not valid JSON: in line {error.lineno}, at {near!r}, {what}"
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

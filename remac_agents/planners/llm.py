@@ -8,7 +8,7 @@ from remac_agents import wording
 from remac_agents.llm import BadAnswer
 from remac_agents.model_role import JSON, ModelRole, sent_back
 from remac_agents.plan import PlanError
-from remac_agents.prompt import load
+from remac_agents.prompt import Prompt, load
 from remac_agents.roles import PlanRequest
 
 STAGES = {"decompose": "smart_llm_decompose", "allocate": "smart_llm_allocate"}
@@ -23,7 +23,7 @@ class LlmPlanner(ModelRole):
     def plan(self, request: PlanRequest) -> str | PlanError:
         """The model's answer, or why there is none. Answers of its own that were no plans are part of the dialogue."""
         prompt = load(_prompt(request))
-        fields = {name: text for name, text in _fields(request).items() if name in prompt.fields}
+        fields = {name: text for name, text in _fields(request, prompt).items() if name in prompt.fields}
         messages = prompt.messages(fields)
         for repair in request.repairs:
             messages = sent_back(messages, repair.answer, repair.problems)
@@ -40,13 +40,13 @@ def _prompt(request: PlanRequest) -> str:
     return "planner_correct" if request.explanation else "planner"
 
 
-def _fields(request: PlanRequest) -> dict[str, str]:
-    listed = ", ".join(request.commands)
+def _fields(request: PlanRequest, prompt: Prompt) -> dict[str, str]:
+    listed, scene = ", ".join(request.commands), request.scene if "scene" in prompt.fields else ""
     return {
         "scene": request.scene,
         # The kitchen's text lists commands and goal, others may not; each stands once.
-        "commands": "" if listed in request.scene else listed,
-        "goal": "" if request.goal in request.scene else request.goal,
+        "commands": "" if listed in scene else listed,
+        "goal": "" if request.goal in scene else request.goal,
         "robots": ", ".join(request.robots),
         "reflections": wording.bullets(request.reflections),
         "previous_plan": wording.rows(request.previous_plan),

@@ -58,7 +58,7 @@ class LlmSummariser(ModelRole):
             "goal": request.goal,
             "plan": wording.rows(request.plan),
             "events": wording.numbered(request.summary.events),
-            "steps": wording.numbered(f"{subgoal} Seen: {reached[met]}." for subgoal, met in steps),
+            "steps": wording.numbered(f"{_stopped(subgoal)} Seen: {reached[met]}." for subgoal, met in steps),
         }
 
         def read(text: str) -> _Cause | BadAnswer:
@@ -75,3 +75,7 @@ class LlmSummariser(ModelRole):
             return Explanation(reason)
         index = answer.step - 1
         return Explanation(reason, index, request.false_before(index))
+
+
+def _stopped(text: str) -> str:
+    return text if text.endswith((".", "!", "?")) else f"{text}."

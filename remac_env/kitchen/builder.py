@@ -12,14 +12,13 @@ from remac_env.kitchen.fixtures import Window
 from remac_env.kitchen.fixtures.room import Face
 from remac_env.kitchen.layout import Layout, Wall
 from remac_env.kitchen.style import Style, load
+from remac_env.sights import ACCENTS, accents
 
 if TYPE_CHECKING:
     from remac_env.kitchen.objects import Category
 
 TIMESTEP = 0.005  # s; ten steps make one control step of 20 Hz
 DEFAULT_STYLE = "modern_1"
-ACCENTS = ((0.10, 0.42, 0.78), (0.93, 0.52, 0.12), (0.25, 0.62, 0.35), (0.62, 0.30, 0.66))
-"""Colours, RGB 0..1, by which robots are told apart, in the order of their names."""
 
 _MEMORY = 64 << 20  # bytes of a model's arena
 
@@ -72,8 +71,8 @@ def build_spec(
     if robots:
         from remac_env.robots.model import add_robot
 
-        for index, name in enumerate(robots):
-            add_robot(spec, name, accent=ACCENTS[index % len(ACCENTS)], looks=looks)
+        for name, color in accents(robots).items():
+            add_robot(spec, name, accent=ACCENTS[color], looks=looks)
     return spec
 
 

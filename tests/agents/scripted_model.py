@@ -112,8 +112,11 @@ class ScriptedModel:
     def _checker_known(self, user: str) -> str:
         return self._checker_seen(user)
 
+    def _checker_ran(self, user: str) -> str:
+        return self._checker_seen(user)
+
     def _checker_seen(self, user: str) -> str:
-        sentences = re.findall(r"^\d+\. (.*)$", user, re.M)
+        sentences = re.findall(r"^\d+\. (.*)$", re.split(r"Sentences:|Is it right\?", user)[-1], re.M)
         conditions = [read_condition(sentence, public_scene(self.env.start.scene)) for sentence in sentences]
         scene, world = self.env.start.scene, self.env.world
         return json.dumps({"verdicts": [c is None or c.holds(scene, world) for c in conditions]})

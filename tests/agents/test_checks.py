@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -13,12 +14,15 @@ from chaos_server import Asked
 from scripted_model import PICTURES, ScriptedModel, run, scripted
 
 import remac_agents
+from remac_agents.accounts import Ran
 from remac_agents.free_text import FreeText
 from remac_agents.prompt import load
-from remac_agents.roles import Verdict, View
+from remac_agents.roles import Report, Verdict, View
 from remac_env.conditions import SENTENCES, Condition, Denial, condition, denied
 from remac_env.errors import OptionError, RemacError
+from remac_env.public import public_scene
 from remac_env.sentences import ARGUMENTS, predicate_of, read_condition, sentence_forms
+from remac_env.sights import CAMERAS
 
 TASK = "DefrostInBowl"
 
@@ -32,7 +36,7 @@ def kitchen(task: str = TASK) -> Any:
 def view_of(env: Any, *, images: Any = None, holding: Any = None, world: Any = None) -> View:
     held = dict.fromkeys(env.start.scene.robots) if holding is None else holding
     seen = dict.fromkeys(held, PICTURES) if images is None else images
-    return View("defrost", env.start.scene, held, {}, seen, world)
+    return View("defrost", public_scene(env.start.scene), held, {}, seen, world)
 
 
 def checker_of(model: ScriptedModel) -> Any:
@@ -126,6 +130,61 @@ def test_questions_are_the_same_for_the_same_moment() -> None:
         for _ in range(2):
             checker_of(model).check(conditions, view_of(model.env))
         assert model.heard[:2] == model.heard[2:]
+
+
+# -- what a checker is told ------------------------------------------------------------------------------------------
+
+
+def test_marks_are_judged_by_what_was_run_and_no_picture_is_asked_for() -> None:
+    with scripted(TASK) as model:
+        thing = next(iter(model.env.start.scene.objects))
+        ran = (Ran(1, "robot_0", "turn on faucet", True), Ran(2, "robot_0", f"pick up {thing}", False))
+        view = replace(view_of(model.env, images={}), ran=ran)
+        model.answers = {"checker_ran": verdicts(None)}
+        for stated in (condition("marked", thing, "washed"), denied(condition("marked", thing, "washed"))):
+            assert [verdict.value for verdict in checker_of(model).check([stated], view)] == [None]
+        assert asked(model) == ["checker_ran", "checker_ran"]
+        told = model.heard[0][1]
+        assert f"1. robot_0: turn on faucet: success\n2. robot_0: pick up {thing}: failure" in told
+        assert "none yet" not in told and [pictures_in(request) for request in model.server.asked] == [0, 0]
+
+
+def test_a_sentence_that_names_no_robot_is_about_the_one_whose_command_is_checked() -> None:
+    with scripted(TASK, robots=2) as model:
+        reports = {
+            "robot_0": Report("success", None, "wait"),
+            "robot_1": Report("failure", "blocked", "open microwave door"),
+        }
+        sentences = [condition("door_open", "microwave"), FreeText.of("the fish may be put there")]
+        for robot in ("robot_1", ""):
+            view = replace(view_of(model.env), robot=robot, reports=reports)
+            checker_of(model).check(sentences, view)
+        (known, one), (_, all_of_them) = (told[1] for told in model.heard[:2]), (told[1] for told in model.heard[2:])
+        assert "robot_1, side camera; robot_1, wrist camera." in one and "robot_0, side" not in one
+        assert "Last commands: robot_1: open microwave door: failure (blocked)." in one
+        assert "Grippers: robot_1 holds nothing." in one and "Grippers: robot_1 holds nothing." in known
+        assert "Last commands: robot_0: waited; robot_1: open microwave door: failure (blocked)." in all_of_them
+        assert "robot_0, side camera" in all_of_them and "robot_1, side camera" in all_of_them
+        checker_of(model).check([condition("at", "robot_0", "sink")], replace(view_of(model.env), robot="robot_1"))
+        assert "robot_0, side camera; robot_0, wrist camera." in model.heard[-1][1]
+
+
+def test_a_checker_is_told_colours_cameras_things_and_room() -> None:
+    with scripted(TASK, robots=2) as model:
+        checker_of(model).check([condition("room", "robot_0", "sink")], view_of(model.env))
+        told, scene = model.heard[0][1], public_scene(model.env.start.scene)
+        assert "robot_0 blue, robot_1 orange" in told and "front camera" not in told
+        for camera in ("side", "wrist"):
+            assert f"The {camera} camera {CAMERAS[camera]}." in told
+        assert f"Things: {', '.join(scene.objects)}." in told and "take one thing each" in told
+
+
+def test_reports_in_runs_name_their_commands() -> None:
+    with scripted(TASK, robots=2) as model:
+        run(model, "CC", planner=lambda request: {"robot_1": ["navigate to sink", "wait", "turn on faucet"]})
+        told = [user for name, user in model.heard if name == "checker_seen"]
+        assert any("Last commands: robot_1: navigate to sink: success." in user for user in told)
+        assert not any("robot_0, side camera" in user for user in told)
 
 
 # -- cannot tell ----------------------------------------------------------------------------------------------------
@@ -251,7 +310,7 @@ def test_without_pictures_a_checker_with_eyes_is_refused_before_anything_is_aske
     with scripted(TASK, pictures=False) as model:
         agent = remac_agents.make(method, model="custom:scripted", base_url=model.server.url)
         obs, infos = model.env.reset(seed=3)
-        if method in ("BASE", "BASE-BEST"):  # nobody looks there
+        if method in ("BASE", "BASE-BEST", "SMART-LLM"):  # nobody looks there
             assert agent.picture_viewers == ()
             agent.reset(obs, infos)
             return
@@ -343,7 +402,8 @@ def test_every_sentence_and_its_denial_come_back(task: str) -> None:
     door = next(name for name, facts in scene.fixtures.items() if facts.door)
     switch = next(name for name, facts in scene.fixtures.items() if facts.switches)
     firsts |= {"thing": firsts["object"], "vessel": vessel, "door": door, "switch": switch, "mark": "washed"}
-    assert len(sentence_forms()) == len(ARGUMENTS)
+    assert len(sentence_forms()) == len(ARGUMENTS) + 1 and not any("MARK" in form for form in sentence_forms())
+    assert {"the OBJECT has been washed", "the OBJECT has been seasoned"} <= set(sentence_forms())
     for predicate, kinds in ARGUMENTS.items():
         stated = Condition(predicate, tuple(firsts[kind] for kind in kinds))
         assert read_condition(stated.sentence, scene) == stated

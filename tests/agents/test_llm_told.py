@@ -164,7 +164,7 @@ def test_planners_elsewhere_are_told_the_same() -> None:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("method", ["RE", "REMAC", "REFLECT+CC", "CAPE"])
+@pytest.mark.parametrize("method", ["RE", "REMAC", "REFLECT+CC", "CAPE", "SMART-LLM"])
 def test_the_goal_stands_once_in_every_prompt(method: str) -> None:
     with scripted() as model:
         agent = agent_of(model, method)
@@ -240,6 +240,42 @@ def test_a_refused_answer_in_json_is_shown_with_everything_that_is_wrong() -> No
         assert any("reason" in error and "next_steps" in error for error in report.errors)
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("I cannot tell.", "there is no JSON in the answer"),
+        ('{"why": [1, 2', "the JSON breaks off before its last closing bracket"),
+        ("{'why': 1}", "a name in double quotes is expected"),
+        ('{"why": tru}', "in line 1, at 'tru}', a value is expected"),
+        ('{"why": [1 2]}', "a comma or a closing bracket is expected"),
+    ],
+)
+def test_what_is_wrong_with_json_is_told_in_plain_words(text: str, told: str) -> None:
+    class Shape(BaseModel):
+        why: str
+
+    answer = reads(Shape)(text)
+    assert isinstance(answer, BadAnswer) and told in answer.problem
+    assert not re.search(r"Expecting|char \d|delimiter|Input should|column", answer.problem)
+
+
+def test_entries_count_from_one_and_null_is_named_where_it_may_stand() -> None:
+    class Shape(BaseModel):
+        verdicts: list[bool | None]
+        steps: list[bool]
+        step: int | None = None
+
+    answer = reads(Shape)('{"verdicts": [null, "maybe"], "steps": [null], "step": "2"}')
+    assert isinstance(answer, BadAnswer)
+    assert answer.problem.split("; valid: a JSON object")[0] == (
+        'entry 2 of "verdicts" is "maybe"; valid: true or false, or null; '
+        'entry 1 of "steps" is null; valid: true or false; '
+        '"step" is "2"; valid: a whole number, or null'
+    )
+    missing = reads(Shape)("{}")
+    assert isinstance(missing, BadAnswer) and missing.problem.startswith('"verdicts" is missing; "steps" is missing;')
+
+
 def test_shape_and_content_are_told_together() -> None:
     class Shape(BaseModel):
         why: str
@@ -248,7 +284,8 @@ def test_shape_and_content_are_told_together() -> None:
     read = reads(Shape, lambda value: [f"{text} is odd" for text in texts_in(value, "steps") if text == "fly"])
     told = read('{"why": 3, "steps": ["fly", 7, "go"]}')
     assert isinstance(told, BadAnswer)
-    assert told.problem.startswith("fly is odd; why: ") and "steps.1: " in told.problem and "why, steps" in told.problem
+    assert told.problem.startswith('fly is odd; "why" is 3; valid: a text; ') and "why, steps" in told.problem
+    assert 'entry 2 of "steps" is 7; valid: a text;' in told.problem
     assert isinstance(read('{"why": "x", "steps": ["fly"]}'), BadAnswer)
     assert read('{"why": "x", "steps": ["go"], "more": 1}') == Shape(why="x", steps=["go"])
     assert isinstance(read("[]"), BadAnswer) and isinstance(read('{"steps": 3}'), BadAnswer)

@@ -53,6 +53,7 @@ RANKS = {
     "remac_env.values": 0,
     "remac_env.files": 0,
     "remac_env.locks": 0,
+    "remac_env.sights": 0,
 }
 PARTS = {"remac_env": 0, "remac_agents": 1, "remac_bench": 2}
 

@@ -35,11 +35,11 @@ AUDIT_COLUMNS = (
 )
 KIND_COLUMNS = (
     AUDIT_COLUMNS[0],
-    Column(key="kind", title="Kind", numeric=False, help="seen in pictures, felt in the gripper, or known as a rule"),
+    Column(key="kind", title="Kind", numeric=False, help="seen, felt, known as a rule, or told by what was run"),
     Column(key="predicate", title="Condition", numeric=False, help="the predicate, or words that no predicate says"),
     *(column for column in AUDIT_COLUMNS if column.key not in ("agent", "kind", "rounds", "each", "tokens")),
 )
-KINDS = ("seen", "felt", "known")
+KINDS = ("seen", "felt", "known", "ran")
 OWN_WORDS = "own words"
 DOSE_COLUMNS = (
     Column(key="agent", title="Method", numeric=False),
