@@ -13,9 +13,9 @@ ACCENTS = {
 """Name -> RGB, 0..1, of the colours by which robots are told apart, in the order of the robots."""
 
 CAMERAS = {
-    "front": "shows the whole room from its open side",
-    "side": "looks closely at what the robot holds and at the place by which it stands",
-    "wrist": "is in the robot's hand and looks along its fingers",
+    "front": "shows the whole room from in front",
+    "side": "looks closely at what the robot holds and at its place (at the whole room while it is out of the way)",
+    "wrist": "sits on the robot's hand and looks along its fingers, the room's up upwards",
 }
 """Camera of the observations -> what it does, as words after its name."""
 
