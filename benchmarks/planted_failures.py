@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
+from remac_bench.agents import Lines
 from remac_bench.blame.labels import LABELS, blame
 from remac_bench.command import run_script, whole
 from remac_bench.console import console as make_console
@@ -103,7 +104,9 @@ def failures(
         agent=agent,
         iterations=iterations,
     )
-    records = [record for job in jobs for record in play_job(Work(job=job, folder="."))]
+    lines = Lines()  # shared, so that code from outside is imported once
+    records = [record for job in jobs for record in play_job(Work(job=job, folder="."), lines)]
+    lines.servers.close()
     return [record for record in records if record.scored and not record.success]
 
 

@@ -135,9 +135,9 @@ def test_every_keyword_of_kitchen_and_agent_is_a_flag() -> None:
     assert {field.name for field in fields(Options)} <= set(parameters)
     made = set(inspect.signature(remac_agents.make).parameters) - {"name", "memory", "models"}
     made |= {field.name for field in fields(ModelOptions)}
-    of_the_run = {"base_url", "providers", "via", "cassette", "replay", "limiter", "iterations"}
+    of_the_run = {"base_url", "providers", "via", "cassette", "replay", "limiter", "manners", "iterations"}
     assert made - of_the_run - {"model"} == set(flags.AGENT)
-    assert {"models", *of_the_run - {"limiter"}} <= set(parameters)
+    assert {"models", *of_the_run - {"limiter", "manners"}} <= set(parameters)
     assert set(flags.AGENT.values()) <= set(parameters)
     for field in fields(Options):
         if field.name != "robots":

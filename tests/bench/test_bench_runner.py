@@ -52,7 +52,7 @@ def test_a_record_holds_what_was_played(tmp_path: Path) -> None:
     assert entry.truth_readers == ["checker"]
     assert {check.verdict == check.truth for check in entry.pre_checks} == {True}
     assert any(not check.verdict for check in entry.pre_checks)
-    assert set(entry.versions) == {"remac", "python", "mujoco", "numpy"}
+    assert set(entry.versions) == {"remac", "code", "python", "mujoco", "numpy"}
     assert entry.options["kitchen"]["backend"] == "symbolic"
 
 
