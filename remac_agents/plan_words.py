@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from remac_agents.thoughts import split_thoughts
+from remac_env.files import unmarked
 from remac_env.vocabulary import normalise
 
 _FENCE = re.compile(r"^[ \t]*(?:```|~~~)[\w+-]*[ \t]*$", re.M)
@@ -80,7 +81,8 @@ class Names:
             self._called |= {plain: name, plain.replace(" ", ""): name}
 
     def robot(self, words: object) -> str | None:
-        """The robot that is called so, or None."""
+        """The robot that is called so, or None; a byte order mark before its name is passed over."""
+        words = unmarked(words) if isinstance(words, str) else words
         if words in self.robots:
             return str(words)
         if not isinstance(words, str) or not words.isascii():
@@ -108,7 +110,7 @@ class Names:
         Rows of robots that there are not keep the name that they have.
         """
         for _ in range(3):
-            inner = [key for key in value if isinstance(key, str) and normalise(key) == "plan"]
+            inner = [key for key in value if isinstance(key, str) and normalise(unmarked(key)) == "plan"]
             if not inner:
                 break
             if len(inner) > 1 or any(self.robot(key) for key in value):

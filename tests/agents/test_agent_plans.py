@@ -33,6 +33,9 @@ def test_every_command_becomes_its_subtask() -> None:
     assert COMMANDS.parse("pick up lamp") is None
     assert COMMANDS.parse("\ufeffpick up cup") == COMMANDS.parse(" \ufeff Pick up cup") == CUP
     assert COMMANDS.parse("pick\ufeff up cup") is None
+    for row in ({"\ufeffrobot_1": ["pick up cup"]}, {"\ufeffplan": ["\ufeffpick up cup"]}):
+        assert read(row) == read(["pick up cup"])
+    assert "two rows" in read({"\ufeffrobot_1": [], "robot_1": ["pick up cup"]}).problem  # type: ignore[union-attr]
     assert len(COMMANDS) == 7
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bench_helpers import record
 from chaos_server import ChaosServer, says
 from remac_bench import judging, sight, suites
 from remac_bench.agents import Access
@@ -81,9 +80,16 @@ def test_who_never_checks_has_no_checker() -> None:
     for told in ("custom:m", "custom:m,images=false"):
         for job in jobs("BASE,SMART-LLM,BASE-BEST", {"model": told}, url=url):
             assert "checker" not in job.label and not job.viewers and job.options.obs == "state"
-            assert sight.checked_by(record(method=job.method, options={"agent": dict(job.agent)})) == ""
+            assert sight.checked_by(failed(job)) == ""
         (checks,) = jobs("CC", {"model": told}, url=url)
-        assert sight.checked_by(record(method="CC", options={"agent": dict(checks.agent)}))
+        assert sight.checked_by(failed(checks))
+
+
+def failed(job: Job) -> Record:
+    """A record of this job without any check."""
+    facts: dict[str, Any] = {"task": job.task, "starts": "paper", "seed": job.seed, "robots": 1, "backend": "symbolic"}
+    facts |= {"iteration": 0, "scored": True, "success": False, "options": {"agent": dict(job.agent)}}
+    return Record(job=job.key, agent=job.label, method=job.method, **facts)
 
 
 class Counting:
