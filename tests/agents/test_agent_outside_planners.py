@@ -215,6 +215,9 @@ def test_nobody_listens() -> None:
 def test_the_http_example_works() -> None:
     space: dict[str, Any] = {}
     code = block("python", 1).replace("8000", "0")
+    made, serves = "HTTPServer((", ".serve_forever()"
+    assert made in code and serves in code, "the example does not serve"
+    code = code.replace(f"\n{made}", f"\nserver = {made}").replace(serves, "")
     exec(compile(code, "server.py", "exec"), space)  # noqa: S102
     server = space["server"]
     server.RequestHandlerClass.log_message = lambda *arguments: None
