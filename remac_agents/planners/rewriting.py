@@ -71,7 +71,7 @@ def tidy(steps: Sequence[Subtask], facts: PublicScene) -> Steps:
 def _tidy_once(steps: Steps, facts: PublicScene) -> Steps:
     where, kept = Whereabouts(facts), []
     last: dict[str, str] = {}
-    for step, following in zip(steps, [*steps[1:], None], strict=True):
+    for step, following in zip(steps, [*steps, None][1:], strict=True):
         goal = where.goal("", step)
         if step.skill in _NAVIGATION:
             idle = following is None or following.skill in _NAVIGATION or goal == where.station.get("")

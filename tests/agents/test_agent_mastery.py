@@ -118,3 +118,7 @@ def test_without_a_known_end_the_team_waits_for_mastery() -> None:
         assert all(report.success for report in reports)
     with pytest.raises(OptionError, match="iterations -1"):
         remac_agents.make("REMAC", iterations=-1)
+
+
+def test_a_run_in_which_nothing_succeeded_leaves_an_empty_plan() -> None:
+    assert without_detours((), FACTS, ()) == ()
