@@ -75,6 +75,10 @@ class Suite:
     blocks: tuple[Block, ...]
     floors: tuple[str, ...] = ()
 
+    def is_floor(self, agent: Mapping[str, Any]) -> bool:
+        """Whether keywords of `remac_agents.make` are those of one of the suite's floors."""
+        return set(agent) == {"planner"} and agent["planner"] in self.floors
+
     def given(self, entry: Mapping[str, Any], *, providers: str | None = None) -> dict[str, Any]:
         """What the suite gives to an entry: roles that no model takes over, and what the entry may spend."""
         speaks = bool(agents.asked_models(entry, providers=providers))

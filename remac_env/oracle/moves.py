@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from remac_env.conditions import destination
 from remac_env.marks import washed
 from remac_env.rounds import NAVIGATION, attempt, first_false, merge
-from remac_env.state import FLOOR, Scene, WorldState
+from remac_env.state import Scene, WorldState
 from remac_env.subtasks import WAIT, Subtask
 
 LITTER_ROUNDS = 4
@@ -73,8 +73,3 @@ def _moves(scene: Scene, world: WorldState, robot: str, commands: Sequence[Subta
             dropped = True  # however it comes about, the thing lies on the floor
             moves.append(_Move(subtask, after, station, drops=True))
     return moves
-
-
-def litter(world: WorldState) -> int:
-    """How many things lie on the floor."""
-    return sum(item.place == FLOOR for item in world.objects.values())

@@ -63,8 +63,7 @@ def _mark(record: Record, job: Job) -> SuiteMark:
     given: Mapping[str, Any] = {}
     if record.suite in names():
         suite = load(str(record.suite))
-        floor = job.agent == {"planner": job.agent.get("planner")} and job.agent["planner"] in suite.floors
-        given = {} if floor else suite.given(job.agent)
+        given = {} if suite.is_floor(job.agent) else suite.given(job.agent)
     return SuiteMark(
         name=str(record.suite),
         version=record.suite_version or 0,

@@ -89,7 +89,7 @@ def _listed(suite: Suite, jobs: Sequence[Job], providers: str | None) -> list[Jo
     for job in jobs:
         given: Mapping[str, Any] = {} if job.suite is None else job.suite.given
         entry = {name: value for name, value in job.agent.items() if given.get(name) != value}
-        if not (set(entry) == {"planner"} and entry["planner"] in suite.floors):
+        if not suite.is_floor(entry):
             access = Access(base_url=job.access.base_url, providers=providers)
             entries[_text(entry)] = entry, access
     if not entries:

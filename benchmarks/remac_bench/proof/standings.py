@@ -43,5 +43,4 @@ def gather(folders: Sequence[str | Path], out: str | Path) -> Path:
 
 
 def _is_floor(record: Record) -> bool:
-    agent = dict(read_job(record).agent)
-    return set(agent) == {"planner"} and agent["planner"] in load(str(record.suite)).floors
+    return load(str(record.suite)).is_floor(read_job(record).agent)
