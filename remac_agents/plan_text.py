@@ -27,7 +27,7 @@ MAX_VALUES = 100
 MAX_DEPTH = 12
 """How deep they may be nested."""
 
-_PAIRS = re.compile(r"\s*[\"']?(?P<name>[\w ]{1,40}?)[\"']?\s*:\s*\[(?P<row>[^\[\]{}]*)\]\s*(?:,|$)")
+_PAIRS = re.compile(r"[\"']?(?P<name>\w[\w ]{0,39}?)[\"']?\s*:\s*\[(?P<row>[^\[\]{}]*)\]\s*(?:,\s*|$)")
 
 
 class UnreadableError(Exception):
@@ -252,7 +252,7 @@ def _parse(text: str) -> Any:
         return json.loads(text, object_pairs_hook=_object)
     except (ValueError, RecursionError) as error:
         problem = str(error)
-    inner = text[1:-1]
+    inner = text[1:-1].strip()
     if text.startswith("[") and not re.search(r"[\[\]{}]", inner):
         return [part for part in (part.strip(" \t\n\"'") for part in re.split(r"[,;\n]", inner)) if part]
     pairs, position = [], 0

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 _WORDS = r"(?:think(?:ing)?|thoughts?|reason(?:ing)?|analysis|scratchpad|monologue|cot)"
 _TAG = re.compile(
-    rf"<\s*(?P<a>/?)\s*(?:\w{{1,20}}[:_-])?{_WORDS}(?:_\w{{1,20}})?(?:\s[^<>]{{0,80}})?>"
+    rf"<\s{{0,4}}(?P<a>/?)\s{{0,4}}(?:\w{{1,20}}[:_-])?{_WORDS}(?:_\w{{1,20}})?(?:\s[^<>]{{0,80}})?>"
     rf"|\[(?P<b>/?)(?:THINK(?:ING)?|REASONING)\]"
     rf"|[\u25c1\u25c0](?P<c>/?){_WORDS}[\u25b7\u25b6]"
     rf"|<\|(?P<d>/?){_WORDS}\|>"
@@ -38,14 +38,14 @@ _SEGMENT = re.compile(
 )
 _MARK = re.compile(r"<\|(?:end|return|call|start|message|channel|constrain)\|>")
 _BARE = re.compile(
-    r"\s*(?:assistant)?\s*(?:analysis|commentary)(?P<thoughts>.*)assistant\s*final(?P<answer>.*)", re.DOTALL
+    r"(?:assistant\s*)?(?:analysis|commentary)(?P<thoughts>.*)assistant\s*final(?P<answer>.*)", re.DOTALL
 )
-_BARE_ALONE = re.compile(r"\s*(?:assistant)?(?:analysis|commentary)(?=[A-Z])")
-_BARE_FINAL = re.compile(r"\s*(?:assistant\s*final|final(?=[A-Z\[{]))")
+_BARE_ALONE = re.compile(r"(?:assistant)?(?:analysis|commentary)(?=[A-Z])")
+_BARE_FINAL = re.compile(r"(?:assistant\s*final|final(?=[A-Z\[{]))")
 _GEMMA = re.compile(
     r"<\|channel>\s*(?:thought|thinking|analysis)?(?P<thoughts>.*?)(?:<channel\|>|(?P<open>\Z))", re.DOTALL
 )
-_OLLAMA = re.compile(r"\s*Thinking\.\.\.\s*\n(?P<thoughts>.*?)\n?\s*\.\.\.done thinking\.", re.DOTALL)
+_OLLAMA = re.compile(r"Thinking\.\.\.[ \t\r]*\n(?P<thoughts>.*?)\.\.\.done thinking\.", re.DOTALL)
 
 FINAL = "final"
 
@@ -71,7 +71,7 @@ def split_thoughts(text: str) -> Split:
     Thoughts that are never closed run to the end: what stands in them is no answer. A closing tag without an opening
     one ends thoughts that began with the text, for some servers put the opening tag into the prompt.
     """
-    text = text.lstrip("\ufeff")
+    text = text.lstrip("\ufeff").lstrip()
     found = _channels(text)
     if found is None:
         found = _tags(text)

@@ -166,8 +166,14 @@ def test_no_text_is_an_exception(text: str) -> None:
         assert all(COMMANDS.allows(step) for row in plan.rows.values() for step in row)
 
 
-@pytest.mark.parametrize("unit", ["[", "{", "[]", "a: ", "- ", "1. ", "<think>", "```\n", "\n", " ", "[a,", '"', "#*"])
-def test_long_texts_are_read_in_time(unit: str) -> None:
-    start = time.monotonic()
-    read(unit * (MAX_CHARACTERS // len(unit)))
-    assert time.monotonic() - start < 5.0
+UNITS = ["[", "{", "[]", "a: ", "- ", "1. ", "<think>", "```\n", "\n", " ", "[a,", '"', "#*", "assistant "]
+BEFORE = ["<|channel|>a", "", "{", "[", "Thinking...\n", "assistant", "analysis", "<", "<|channel|>final", "Plan:", "{a", "1."]
+
+
+@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("before", BEFORE)
+def test_reading_takes_no_more_than_a_few_steps_a_letter(before: str, unit: str) -> None:
+    """A text twice as long may take twice as long, not four times: whole texts of models are up to MAX_CHARACTERS."""
+    start = time.process_time()
+    read(before + unit * ((MAX_CHARACTERS - 20) // len(unit)) + "x}")
+    assert time.process_time() - start < 5.0, "a hang: the text is read in far less than a second otherwise"
