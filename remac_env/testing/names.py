@@ -14,11 +14,14 @@ from remac_env.state import FrozenMap, Place, WorldState
 from remac_env.tasks.goals import lost, progress
 from remac_env.testing.play import Choice, EnvMaker, Tokens, Turn, expect, opened, play, random_legal, scripted
 
+FEW_STATES = 2_000
+"""States in which a shortest plan is searched for; then any plan will do, so that the check stays quick."""
+
 
 def check_names(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int = 30, replay: bool = True) -> None:
     """Swap the two robots' actions: the robots are swapped in the result, and the verdict is the same.
 
-    Plays random legal episodes, a shortest plan, and rounds in which both robots are given the same token.
+    Plays random legal episodes, a plan that reaches the goal, and rounds in which both robots are given the same token.
 
     Args:
         replay: play the swapped actions as well and compare every round. Leave it out in physics, where robots that
@@ -35,7 +38,7 @@ def check_names(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int 
             vocabulary = env.vocabulary
             turns = _judged(env_fn, seed, random_legal(seed, vocabulary), rounds)
             observations, _ = env.reset(seed=seed)
-            plan = solve(env.start.scene, env.world, env.goal)
+            plan = solve(env.start.scene, env.world, env.goal, max_states=FEW_STATES)
             mask = observations[env.agents[-1]]["action_mask"]
             tokens = [int(token) for token in np.flatnonzero(mask) if token != vocabulary.encode("done")]
             shuffled = generator(seed, "check_names").permutation(tokens)[:rounds]

@@ -96,7 +96,7 @@ def main(folder: Path, outside: Path, *, obey: bool) -> None:
     watch = Watch(folder, port)
     agents: dict[str, Mapping[str, Any]] = {
         "http": {"planner": f"http://127.0.0.1:{port}/plan"},
-        "chat": {"model": "custom:m", "max_rounds": 6},
+        "chat": {"model": "custom:m,images=false", "max_rounds": 6},
     }
     if obey:
         agents = {"obey": {"planner": f"{Path(__file__).with_name('obedient_planner.py')}:plan"}}
