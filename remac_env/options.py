@@ -1,42 +1,61 @@
-"""The options of a kitchen, checked once before anything is built."""
+"""The options of a kitchen, one row each, checked once before anything is built."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from remac_env.errors import OptionError, check_choice, real_number, whole_number
-from remac_env.kitchen.starts import NAMINGS, STARTS
-from remac_env.tasks.spec import WORDINGS
-from remac_env.text import FEEDBACKS, TEXTS
+from remac_env.errors import OptionError
+from remac_env.option_rows import Choice, Real, Whole, check_rows, option
 from remac_env.values import python_fields
 
 BACKENDS = ("physics", "symbolic")
+STARTS = ("paper", "mixed")
+TEXTS = ("plain", "states")
+FEEDBACKS = ("status", "reason")
+NAMINGS = ("role", "category")
+"""What things are called that play a task's role: by the role's noun ("vegetable"), or as what they are ("carrot")."""
+
+WORDINGS = (1, 2, 3)
+"""1: word order follows the subtasks; 2: it does not; 3: the simplest sentence (paper, appendix)."""
+
 OBSERVATIONS = ("state", "state+images")
 REWARDS = ("sparse", "progress")
 RENDER_MODES = (None, "rgb_array", "human")
 MAX_ROBOTS = 2
 
+_ROBOTS, _WORDING = Whole(1, MAX_ROBOTS), Whole(min(WORDINGS), max(WORDINGS))
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True)
 class Options:
-    """Keywords of `remac_env.parallel_env`; see there for what each does."""
+    """Keywords of `remac_env.parallel_env`."""
 
-    robots: int = 2
-    backend: str = "physics"
-    style: str | None = None
-    layout: str | None = None
-    starts: str = "paper"
-    obs: str = "state"
-    text: str = "plain"
-    feedback: str = "status"
-    wording: int = 3
-    naming: str = "role"
-    perception_noise: float = 0.0
-    image_size: int = 128
-    render_mode: str | None = None
-    max_rounds: int = 30
-    reward: str = "sparse"
-    failure_rate: float = 0.0
+    robots: int = option(2, "1 or 2; they are called robot_0 and robot_1.", _ROBOTS)
+    backend: str = option("physics", "physics (MuJoCo decides) or symbolic (the skill table).", Choice(BACKENDS))
+    style: str | None = option(None, "Name of a look; by default the seed picks.")
+    layout: str | None = option(None, "Name of a floor plan; by default the seed picks.")
+    starts: str = option("paper", "paper (doors closed, all off) or mixed.", Choice(STARTS))
+    obs: str = option(
+        "state", "state or state+images (front, wrist, side); jobs have images where a role looks at them.",
+        Choice(OBSERVATIONS),
+    )  # fmt: skip
+    text: str = option("plain", "What planners are told: plain (names) or states.", Choice(TEXTS))
+    feedback: str = option("status", "What planners hear of a failure: status or reason.", Choice(FEEDBACKS))
+    wording: int = option(3, "Goal sentence 1, 2 or 3 (the simplest).", _WORDING)
+    naming: str = option(
+        "role", "What things that play a role are called: role (vegetable), or category (carrot); the goal sentence "
+        "always has the role's noun.", Choice(NAMINGS),
+    )  # fmt: skip
+    perception_noise: float = option(
+        0.0, "Standard deviation of the error of the poses that controllers see, m (physics).", Real(0.0, 0.1)
+    )
+    image_size: int = option(
+        128, "Pixels of a side of observation images; jobs have 512 where a role looks at them.", Whole(16, 1024)
+    )
+    render_mode: str | None = option(None, "human (watch the episodes) or rgb_array.", Choice(RENDER_MODES))
+    max_rounds: int = option(30, "Rounds after which an episode is truncated.", Whole(1, 100_000))
+    reward: str = option("sparse", "sparse (1 on success) or progress (change of goal progress).", Choice(REWARDS))
+    failure_rate: float = option(0.0, "Probability that a subtask slips (symbolic).", Real(0.0, 1.0))
 
     def __post_init__(self) -> None:
         """Refuse values that are not offered.
@@ -46,28 +65,9 @@ class Options:
             OptionError: for a number outside its range.
         """
         python_fields(self)
-        check_choice("backend", self.backend, BACKENDS)
-        check_choice("starts", self.starts, STARTS)
-        check_choice("obs", self.obs, OBSERVATIONS)
-        check_choice("text", self.text, TEXTS)
-        check_choice("feedback", self.feedback, FEEDBACKS)
-        check_choice("naming", self.naming, NAMINGS)
-        check_choice("reward", self.reward, REWARDS)
-        check_choice("render_mode", self.render_mode, RENDER_MODES)
-        self._check_whole("wording", min(WORDINGS), max(WORDINGS))
-        self._check_whole("robots", 1, MAX_ROBOTS)
-        self._check_whole("image_size", 16, 1024)
-        self._check_whole("max_rounds", 1, 100_000)
-        self._check_real("perception_noise", 0.0, 0.1)
-        self._check_real("failure_rate", 0.0, 1.0)
+        check_rows(self)
         if self.failure_rate and self.backend != "symbolic":
             raise OptionError("failure_rate is for backend='symbolic'; in physics use perception_noise")
-
-    def _check_whole(self, name: str, least: int, most: int) -> None:
-        object.__setattr__(self, name, whole_number(name, getattr(self, name), least, most))
-
-    def _check_real(self, name: str, least: float, most: float) -> None:
-        object.__setattr__(self, name, real_number(name, getattr(self, name), least, most))
 
     @property
     def robot_names(self) -> tuple[str, ...]:

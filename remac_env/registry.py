@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from remac_env.gymnasium_ids import enter_ids
+from remac_env.option_rows import takes_options
+from remac_env.options import Options
 from remac_env.tasks import add, get, names
 from remac_env.tasks.spec import TaskSpec
 
@@ -33,55 +35,21 @@ def register_task(spec: TaskSpec) -> None:
     enter_ids(names)
 
 
-def parallel_env(
-    task: str,
-    robots: int = 2,
-    backend: str = "physics",
-    style: str | None = None,
-    layout: str | None = None,
-    starts: str = "paper",
-    obs: str = "state",
-    text: str = "plain",
-    feedback: str = "status",
-    wording: int = 3,
-    naming: str = "role",
-    perception_noise: float = 0.0,
-    image_size: int = 128,
-    render_mode: str | None = None,
-    max_rounds: int = 30,
-    reward: str = "sparse",
-    failure_rate: float = 0.0,
-) -> KitchenParallelEnv:
+@takes_options(Options)
+def parallel_env(task: str, **options: Any) -> KitchenParallelEnv:
     """A task as a PettingZoo ParallelEnv. Everything is checked before anything is built.
 
     Args:
         task: one of `tasks()`.
-        robots: 1 or 2; they are called robot_0 and robot_1.
-        backend: "physics" (MuJoCo decides) or "symbolic" (the skill table, pure Python).
-        style, layout: names, or None: the seed picks from the task's table.
-        starts: "paper" (doors closed, all off) or "mixed".
-        obs: "state" or "state+images" (front, wrist, side).
-        text: "plain" (names only) or "states".
-        feedback: what planners are told of a failure: "status" or "reason".
-        wording: of the goal sentence, 1, 2 or 3, the simplest.
-        naming: what things are called that play a role: "role" ("vegetable") or "category" ("carrot"). The goal
-            sentence always has the role's noun: with "category", the planner must see that a carrot is a vegetable.
-        perception_noise: standard deviation of the error in the poses that controllers in physics see, m, 0..0.1.
-        image_size: of the observed images, pixels, 16..1024.
-        render_mode: None, "rgb_array" or "human".
-        max_rounds: rounds after which the episode is truncated.
-        reward: "sparse" (1 on success) or "progress" (change of goal progress).
-        failure_rate: 0..1, probability that a subtask slips in the symbolic backend.
+        {options}
 
     Raises:
         UnknownNameError: for an unknown task, style, layout or option value; lists the valid ones.
         OptionError: for a number outside its range.
     """
-    given = dict(locals())
-    from remac_env.options import Options
     from remac_env.parallel import KitchenParallelEnv
 
-    return KitchenParallelEnv(get(given.pop("task")), Options(**given))
+    return KitchenParallelEnv(get(task), Options(**options))
 
 
 def env(task: str, robots: int = 2, **options: Any) -> KitchenAECEnv:

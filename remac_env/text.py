@@ -8,9 +8,6 @@ from remac_env.public import PublicScene, public_scene
 from remac_env.state import Place, Scene, WorldState
 from remac_env.subtasks import Outcome
 
-TEXTS = ("plain", "states")
-FEEDBACKS = ("status", "reason")
-
 
 def describe(scene: Scene, commands: Sequence[str], goal: str) -> str:
     """The scene as names alone, how it is used, and the goal sentence; facts, and no states."""

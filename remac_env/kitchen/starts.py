@@ -13,14 +13,11 @@ from remac_env.kitchen.mixed import vary
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.scene import build_scene, resting_fixtures
 from remac_env.marks import washed
+from remac_env.options import NAMINGS, STARTS
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
 from remac_env.state import FrozenMap, ObjectState, Place, RobotState, Scene, WorldState, base_place
 from remac_env.tasks.spec import Role, TaskSpec
-
-STARTS = ("paper", "mixed")
-NAMINGS = ("role", "category")
-"""What things are called that play a task's role: by the role's noun ("vegetable"), or as what they are ("carrot")."""
 
 CLOSED_AT_RESET = 0.02
 """A closed door stands at most this far open at the start, rad (released code)."""

@@ -7,14 +7,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from remac_env.errors import OptionError
+from remac_env.options import WORDINGS
 from remac_env.tasks.goals import Goal
 from remac_env.values import python_fields
 
 if TYPE_CHECKING:
     from remac_env.vocabulary import Noun
-
-WORDINGS = (1, 2, 3)
-"""1: word order follows the subtasks; 2: it does not; 3: the simplest sentence (paper, appendix)."""
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from remac_env.options import WORDINGS
 from remac_env.oracle import solve
 from remac_env.tasks import get
-from remac_env.tasks.spec import WORDINGS, TaskSpec
+from remac_env.tasks.spec import TaskSpec
 from remac_env.testing.actions import check_actions, check_masks
 from remac_env.testing.commands import check_commands
 from remac_env.testing.determinism import check_determinism

@@ -25,7 +25,7 @@ from remac_bench.jobs import parse_names
 from remac_bench.plans.ask import Cell, Taught
 from remac_env.errors import check_choice
 from remac_env.files import prepare_file
-from remac_env.kitchen.starts import STARTS
+from remac_env.options import STARTS
 from remac_env.tasks import get
 
 OFFLINE = ("literal", "oracle", "random", "noop")

@@ -14,7 +14,7 @@ from remac_bench.experiments.desk import Desk, Result, Trial
 from remac_bench.experiments.teaching import lesson, outdone, suboptimal, teachers
 from remac_bench.metrics import wilson
 from remac_bench.plans.ask import Cell
-from remac_env.tasks.spec import WORDINGS
+from remac_env.options import WORDINGS
 
 __all__ = ["EXPERIMENTS", "Count", "counted", "faults", "reflection", "suboptimal", "validity", "wording"]
 

@@ -1,0 +1,224 @@
+"""What an option is: one row that says its default, its values and its help. Everything else is read off the rows.
+
+A row is a field of a frozen dataclass: of `remac_env.options.Options` (the kitchen), of `remac_agents.options` (the
+agent) or of the benchmark's own (the run). Keywords and their documentation, flags and their help, keys of suite files,
+entries of records and the errors about wrong values all come from it, so an option is added by adding its row.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import math
+import textwrap
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, field, fields, replace
+from typing import Any, Concatenate, ParamSpec, TypeVar
+
+from remac_env.errors import OptionError, check_choice, real_number, whole_number
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+LONGEST = 60
+"""Characters of a wrong value that an error shows."""
+
+NEEDED: Any = MISSING
+"""The default of an option that has none: it must be given."""
+
+
+class Values:
+    """Which values an option takes: any, of whatever kind. `kind` is the type of what a command line reads."""
+
+    kind: Any = str
+    many: bool = False
+
+    def check(self, name: str, value: Any) -> Any:
+        """The value as it is used.
+
+        Raises:
+            UnknownNameError, OptionError: naming the option, the value and what is valid.
+        """
+        return value
+
+    def read(self, text: Any) -> Any:
+        """The value that a command line's text says.
+
+        Raises:
+            OptionError: as `check`, without the option's name.
+        """
+        return text
+
+
+class Text(Values):
+    """A text whose meaning is looked up where it is used."""
+
+
+class Texts(Values):
+    """Texts that add up where they are repeated, or stand with commas between them."""
+
+    many = True
+
+
+class Switch(Values):
+    """On or off."""
+
+    kind = bool
+
+
+@dataclass(frozen=True)
+class Choice(Values):
+    """One of these."""
+
+    names: tuple[Any, ...]
+
+    def check(self, name: str, value: Any) -> Any:
+        """See Values."""
+        check_choice(name, value, self.names)
+        return value
+
+
+@dataclass(frozen=True)
+class Whole(Values):
+    """A whole number in least..most; `valid` says it in other words."""
+
+    least: int = 0
+    most: int | None = None
+    valid: str = ""
+    kind = int
+
+    def check(self, name: str, value: Any) -> int:
+        """See Values."""
+        try:
+            return whole_number(name, value, self.least, self.most)
+        except OptionError as error:
+            if not self.valid:
+                raise
+            raise OptionError(f"{str(error).partition('valid: ')[0]}valid: {self.valid}") from error
+
+    def read(self, text: Any) -> int:
+        """See Values."""
+        return self.check("", _number(text, int))
+
+
+@dataclass(frozen=True)
+class Real(Values):
+    """A finite number in least..most."""
+
+    least: float = 0.0
+    most: float = math.inf
+    kind = float
+
+    def check(self, name: str, value: Any) -> float:
+        """See Values."""
+        return real_number(name, value, self.least, self.most)
+
+    def read(self, text: Any) -> float:
+        """See Values."""
+        return float(self.check("", _number(text, float)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One option.
+
+    Attributes:
+        help: what it does, for documentation and command lines alike.
+        default: None also says that it may be left open; NEEDED that it must be given.
+        values: which values it takes.
+        group: what kind of option it is within its home, such as "role" or "budget"; "" where there are no kinds.
+        flag: how it is written on command lines; "": as its name.
+        spoken: whether a command line can say it: it cannot say an object.
+    """
+
+    help: str
+    default: Any = None
+    values: Values = Text()
+    group: str = ""
+    flag: str = ""
+    spoken: bool = True
+
+    def but(self, **changes: Any) -> Row:
+        """The same option where a command has another default, or says more of it."""
+        return replace(self, **changes)
+
+    def check(self, name: str, value: Any) -> Any:
+        """The value as it is used; None is valid where it is the default.
+
+        Raises:
+            UnknownNameError, OptionError: naming the option, the value and what is valid.
+        """
+        if value is None and self.default is None:
+            return None
+        try:
+            return self.values.check(name, value)
+        except OptionError as error:
+            if self.default is not None:
+                raise
+            raise OptionError(f"{error}, or None") from error
+
+
+def option(default: Any, help: str, values: Values | None = None, **more: Any) -> Any:  # noqa: A002 - as in help texts
+    """A field of a frozen dataclass that is an option; `more`: further attributes of its Row."""
+    row = Row(help=help, default=default, values=values or Text(), **more)
+    return field(default=default, metadata={"row": row})
+
+
+def rows(home: Any) -> dict[str, Row]:
+    """The options of a dataclass by their names, in order."""
+    return {each.name: each.metadata["row"] for each in fields(home) if "row" in each.metadata}
+
+
+def check_rows(made: Any) -> None:
+    """Check the options of a frozen dataclass that is being made; to be called by its __post_init__.
+
+    Raises:
+        UnknownNameError, OptionError: naming the option, the value and what is valid.
+    """
+    for name, row in rows(made).items():
+        object.__setattr__(made, name, row.check(name, getattr(made, name)))
+
+
+def takes_options(home: Callable[P, object]) -> Callable[[Callable[..., R]], Callable[Concatenate[str, P], R]]:
+    """A function whose further keywords are the options of `home`, a dataclass: by its signature, which type checkers
+    see too, and in its docstring, in which they stand in place of "{options}"."""
+
+    def wrap(function: Callable[..., R]) -> Callable[Concatenate[str, P], R]:
+        own = [p for p in inspect.signature(function).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
+        signature = inspect.Signature([*own, *inspect.signature(home).parameters.values()])
+
+        @functools.wraps(function)
+        def called(*args: Any, **given: Any) -> R:
+            try:
+                bound = signature.bind(*args, **given)
+            except TypeError as error:
+                valid = ", ".join(signature.parameters)
+                raise TypeError(f"{function.__name__}() {error}; valid: {valid}") from None
+            return function(**bound.arguments)
+
+        called.__signature__ = signature  # type: ignore[attr-defined]
+        if called.__doc__ is not None:
+            called.__doc__ = called.__doc__.replace("{options}", described(home).lstrip())
+        return called
+
+    return wrap
+
+
+def described(home: Any, *, indent: int = 8) -> str:
+    """The options of a dataclass as the lines of a docstring."""
+    edge = " " * indent
+    lines = [(f"{name}: {row.help[0].lower()}{row.help[1:]}") for name, row in rows(home).items()]
+    return "\n".join(
+        textwrap.fill(line, 120, initial_indent=edge, subsequent_indent=f"{edge}    ", break_on_hyphens=False)
+        for line in lines
+    )
+
+
+def _number(text: Any, kind: type) -> Any:
+    """What a text says; the text itself where it says no number."""
+    if not isinstance(text, str):
+        return text
+    try:
+        return kind(text)
+    except ValueError:
+        return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
