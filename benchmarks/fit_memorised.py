@@ -18,7 +18,7 @@ from remac_bench.jobs import parse_seeds
 import remac_env
 from remac_agents.planners.memorised import pattern, templated
 from remac_env.oracle import solve
-from remac_env.rounds import transition
+from remac_env.rules.rounds import transition
 from remac_env.tasks import get
 
 Row = tuple[str, ...]

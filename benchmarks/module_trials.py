@@ -22,10 +22,11 @@ from remac_env.kitchen.layout_checks import STANCE_HALF
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.rules.facts import Rules
+from remac_env.rules.subtasks import Subtask
 from remac_env.seeding import digest
 from remac_env.start import Start
-from remac_env.state import Place, Scene, WorldState, door_state
-from remac_env.subtasks import Subtask
+from remac_env.state import Place, WorldState, door_state
 from remac_env.tasks.goals import Released
 from remac_env.tasks.spec import Role, TaskSpec
 
@@ -91,7 +92,7 @@ class Found:
 class _Never(Released):
     """A goal that no start fulfils."""
 
-    def holds(self, scene: Scene, world: WorldState) -> bool:
+    def holds(self, scene: Rules, world: WorldState) -> bool:
         """Never."""
         return False
 

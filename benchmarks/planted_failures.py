@@ -17,8 +17,8 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from remac_agents.planners.oracle import OraclePlanner
+from remac_env.rules.subtasks import Subtask
 from remac_env.seeding import generator
-from remac_env.subtasks import Subtask
 
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
 KINDS = ("planner", "checker", "skill", "budget")

@@ -30,11 +30,13 @@ from remac_env.errors import SamplingError
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.worlds import TaskWorlds
-from remac_env.rounds import first_false
+from remac_env.rules.claims import first_false
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.subtasks import Subtask
 from remac_env.seeding import generator
 from remac_env.start import Start
-from remac_env.state import Scene, WorldState, base_place
-from remac_env.subtasks import Outcome, Subtask
+from remac_env.state import WorldState, base_place
 from remac_env.tasks.goals import Released
 from remac_env.tasks.spec import Role, TaskSpec
 
@@ -164,16 +166,16 @@ def _spread(start: Start, worlds: TaskWorlds) -> Start:
 class _Never(Released):
     """A goal that no start fulfils."""
 
-    def holds(self, scene: Scene, world: WorldState) -> bool:
+    def holds(self, scene: Rules, world: WorldState) -> bool:
         """Never."""
         return False
 
 
-def _can_be_tried(scene: Scene, world: WorldState, subtask: Subtask) -> bool:
+def _can_be_tried(scene: Rules, world: WorldState, subtask: Subtask) -> bool:
     return all(first_false(scene, world, ROBOT, subtask, mark) is None for mark in ("refuse", "attempt"))
 
 
-def _label(scene: Scene, world: WorldState, subtask: Subtask) -> str:
+def _label(scene: Rules, world: WorldState, subtask: Subtask) -> str:
     """The skill, with the thing and the place that make it easy or hard."""
     if subtask.skill == "pick up":
         place = base_place(world, subtask.target)

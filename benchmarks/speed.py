@@ -31,9 +31,9 @@ from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.simulation import SUBSTEPS
 from remac_env.files import prepare_file
 from remac_env.oracle import solve
-from remac_env.rounds import transition
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
-from remac_env.subtasks import Subtask
 from remac_env.tasks.goals import Goal
 
 TASK = "OpenMicrowavePnP"

@@ -33,10 +33,14 @@ from remac_env.backends.symbolic import SymbolicBackend
 from remac_env.files import prepare_file
 from remac_env.oracle import search_plan
 from remac_env.parallel import KitchenParallelEnv
-from remac_env.rounds import first_false, settle_claims, transition
+from remac_env.rules.claims import first_false, settle_claims
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.rounds import transition
+from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import Subtask
 from remac_env.seeding import generator
-from remac_env.state import Scene, WorldState
-from remac_env.subtasks import SKILLS, Outcome, Subtask
+from remac_env.state import WorldState
 
 SLIPS = ("slipped", "dropped")
 """Reasons that physics alone may give: the table does not know them."""
@@ -120,7 +124,7 @@ def compare(
         yield Compared(*where, subtask.text, subtask.skill, table, real, verdict, "; ".join(differs), ruled)
 
 
-def _by_rule(scene: Scene, before: WorldState, joint: Mapping[str, Subtask], robot: str) -> bool:
+def _by_rule(scene: Rules, before: WorldState, joint: Mapping[str, Subtask], robot: str) -> bool:
     """Whether what the table foretells for this robot is read from it by physics as well."""
     refused, _ = settle_claims(scene, before, joint)
     if robot in refused:
@@ -143,7 +147,7 @@ class _Errands:
     Seasoning comes first where there is any, as few kitchens have it.
     """
 
-    def __init__(self, chance: np.random.Generator, scene: Scene) -> None:
+    def __init__(self, chance: np.random.Generator, scene: Rules) -> None:
         order = [STRATA[k] for k in chance.permutation(len(STRATA))]
         seasons = any(facts.seasons for facts in scene.objects.values())
         first = [stratum for stratum in order if stratum[0] == "season" and seasons]
@@ -171,7 +175,7 @@ class _Errands:
         return None
 
 
-def foretell(scene: Scene, world: WorldState, robot: str, subtask: Subtask) -> str:
+def foretell(scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> str:
     """What the table foretells for one robot's command while the others stand still: a reason or "success"."""
     _, outcomes = transition(scene, world, {robot: subtask})
     return outcomes[robot].reason or "success"

@@ -7,8 +7,8 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from remac_env.conditions import Condition
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import WAIT, Subtask
 
 _LINE = re.compile(
     r"(?:round (?P<round>\d{1,6}), )?(?P<robot>.+?): (?P<command>.+) \((?P<status>success|failure)(?:: (?P<why>.+))?\)"

@@ -20,10 +20,10 @@ from remac_agents.plan import Commands, Plan
 from remac_agents.roles import Report, Roles, StopEpisode, View
 from remac_agents.tries import Try
 from remac_env.errors import LifecycleError, OptionError, check_choice
-from remac_env.public import public_scene
+from remac_env.rules.scene import public_scene
+from remac_env.rules.subtasks import DONE, WAIT, Subtask
 from remac_env.seeding import digest
 from remac_env.state import WorldState
-from remac_env.subtasks import DONE, WAIT, Subtask
 
 Told = Mapping[str, Mapping[str, Any]]
 

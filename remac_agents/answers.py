@@ -18,10 +18,12 @@ from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summar
 from remac_agents.plan import MAX_STEPS, Commands, is_unordered
 from remac_agents.printable import is_printable, quoted, type_name
 from remac_agents.roles import AdjustRequest, Advice, Verdict, View
-from remac_env.conditions import PREDICATES, Condition, Denial, denied
 from remac_env.errors import RemacError
-from remac_env.sentences import ARGUMENTS
-from remac_env.subtasks import DONE, SKILLS, WAIT, Subtask
+from remac_env.rules.conditions import Condition, Denial, denied
+from remac_env.rules.predicates import PREDICATES
+from remac_env.rules.sentences import ARGUMENTS
+from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import DONE, WAIT, Subtask
 
 LONGEST = 4_000
 """Characters of a text that a role may answer with: a lesson, a reason, an event."""
@@ -69,7 +71,7 @@ class Answers:
 
     def conditions(self, verb: str, answer: object, view: View) -> list[Condition]:
         """Conditions about this kitchen, each with names that are in it."""
-        valid = f"a list of at most {MOST_CONDITIONS} remac_env.conditions.Condition"
+        valid = f"a list of at most {MOST_CONDITIONS} remac_env.rules.conditions.Condition"
         given = self._ordered(verb, answer, MOST_CONDITIONS + 1, valid)
         if len(given) > MOST_CONDITIONS:
             raise self._error(verb, f"more than {MOST_CONDITIONS} conditions", valid)

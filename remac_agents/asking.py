@@ -12,7 +12,7 @@ from remac_agents.memory import Run
 from remac_agents.moment import Moment
 from remac_agents.plan import Commands, Plan, PlanError, read_plan
 from remac_agents.roles import Planner, PlanRequest
-from remac_env.subtasks import WAIT
+from remac_env.rules.subtasks import WAIT
 
 if TYPE_CHECKING:
     from remac_agents.episode import Episode

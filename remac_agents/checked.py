@@ -21,8 +21,8 @@ from remac_agents.roles import (
     Verdict,
     View,
 )
-from remac_env.conditions import Condition
-from remac_env.subtasks import Subtask
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import Subtask
 
 PROBLEM = 2_000
 """Characters of what a planner says about its own failure."""

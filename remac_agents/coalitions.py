@@ -15,7 +15,7 @@ from typing import Any
 
 from remac_agents.plan import MAX_STEPS, Commands, Plan, PlanError
 from remac_agents.plan_words import Names, without_thoughts
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.subtasks import WAIT, Subtask
 
 MAX_SUBTASKS = 40
 """A longer decomposition is refused."""

@@ -13,10 +13,10 @@ from remac_agents.moment import Moment, shown
 from remac_agents.plan import Commands, Plan, PlanError
 from remac_agents.roles import AdjustRequest, PlanRequest, ReflectRequest, Roles, Verdict, View
 from remac_agents.tries import Try
-from remac_env.conditions import Condition
-from remac_env.public import Rules
+from remac_env.rules.conditions import Condition
+from remac_env.rules.facts import Rules
+from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.state import WorldState
-from remac_env.subtasks import WAIT, Subtask
 
 Turns = Generator[dict[str, Subtask], View, None]
 """What a method is: it yields what its robots do next, and is sent the view after the round."""

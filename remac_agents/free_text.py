@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from remac_env.conditions import Condition, Kind
-from remac_env.public import Rules
+from remac_env.rules.conditions import Condition
+from remac_env.rules.facts import Rules
+from remac_env.rules.predicates import Kind
 from remac_env.state import WorldState
 
 _PREDICATE = "free text"

@@ -12,8 +12,8 @@ from remac_agents.episode import Episode
 from remac_agents.ledger import Check
 from remac_agents.moment import Moment, shown
 from remac_agents.roles import Attempt, View
-from remac_env.conditions import Condition
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import WAIT, Subtask
 
 
 @dataclass(frozen=True)

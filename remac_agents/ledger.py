@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from remac_agents.free_text import FreeText, truth_of
 from remac_agents.plan import Plan
 from remac_agents.roles import Verdict
-from remac_env.state import Scene, WorldState
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.facts import Rules
+from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.state import WorldState
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Check:
         rounds: int,
         robot: str,
         subtask: Subtask,
-        scene: Scene,
+        scene: Rules,
         world: WorldState | None,
         *,
         asked: bool = False,
@@ -233,7 +234,7 @@ class Ledger:
         )
 
 
-def really_done(scene: Scene, before: WorldState, after: WorldState, robot: str, subtask: Subtask) -> bool:
+def really_done(scene: Rules, before: WorldState, after: WorldState, robot: str, subtask: Subtask) -> bool:
     """Whether a subtask's post-conditions hold; one that needs something in hand is never done without it."""
     held = before.robots[robot].holding
     needs_hold = any(r.condition.predicate == "hand_full" for r in subtask.requirements(robot))

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from remac_agents.plan import Commands
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 _BEFORE = re.compile(r'^Before "([^"]+)", do ("[^"]+"(?:, "[^"]+")*)\.$')
 _INSTEAD = re.compile(r'^With the (.+) in hand, use "([^"]+)" instead of "([^"]+)"\.$')

@@ -13,8 +13,9 @@ from remac_agents.memory import Run
 from remac_agents.plan import Commands
 from remac_agents.planners.rewriting import tidy
 from remac_agents.whereabouts import hands
-from remac_env.public import Rules, public_scene
-from remac_env.subtasks import Subtask
+from remac_env.rules.facts import Rules
+from remac_env.rules.scene import public_scene
+from remac_env.rules.subtasks import Subtask
 
 Steps = tuple[Subtask, ...]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 from remac_agents.grants import reads_rules, reads_truth
 from remac_agents.roles import View
-from remac_env.public import Rules
+from remac_env.rules.facts import Rules
+from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
-from remac_env.subtasks import Subtask
 
 
 @dataclass(frozen=True)

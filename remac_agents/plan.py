@@ -11,9 +11,10 @@ from remac_agents.plan_text import PlanText, UnreadableError
 from remac_agents.plan_words import Names, nearest
 from remac_agents.printable import quoted, type_name
 from remac_env.files import unmarked
+from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.state import FrozenMap
-from remac_env.subtasks import SKILLS, WAIT, Subtask
-from remac_env.vocabulary import normalise
+from remac_env.words import normalise
 
 MAX_STEPS = 200
 """A longer row of a plan is refused: no episode has so many rounds."""

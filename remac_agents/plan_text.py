@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from remac_agents.plan_words import Names, list_item, opening, split_heading, without_thoughts
-from remac_env.vocabulary import normalise
+from remac_env.words import normalise
 
 Rows = dict[str, list[object]]
 

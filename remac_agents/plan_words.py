@@ -9,7 +9,7 @@ from typing import Any
 
 from remac_agents.thoughts import split_thoughts
 from remac_env.files import unmarked
-from remac_env.vocabulary import normalise
+from remac_env.words import normalise
 
 _FENCE = re.compile(r"^[ \t]*(?:```|~~~)[\w+-]*[ \t]*$", re.M)
 _TYPOGRAPHY = str.maketrans("\u2018\u2019\u201c\u201d\u2022\u2023\u2013\u00a0\u202f", "''\"\"---  ", "\ufeff")

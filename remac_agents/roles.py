@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from remac_agents.accounts import Attempt, PreviousTry, Ran, Repair
 from remac_agents.plan import Plan, PlanError
-from remac_env.conditions import Condition
 from remac_env.errors import RemacError
-from remac_env.public import PublicScene, Rules
+from remac_env.rules.conditions import Condition
+from remac_env.rules.facts import Rules
+from remac_env.rules.scene import PublicScene
+from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
-from remac_env.subtasks import Subtask
 from remac_env.tasks.goals import Goal
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import Literal
 from remac_agents.episode import Episode
 from remac_agents.plan import Plan, PlanError
 from remac_agents.roles import Attempt
-from remac_env.conditions import Condition
-from remac_env.subtasks import DONE, WAIT, Subtask
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import DONE, WAIT, Subtask
 
 Told = Literal["explicit", "implicit", "success", "resample"]
 """What the planner hears of a refused step: its cause, typed; the step alone; that it failed; nothing."""

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 from remac_agents.plan import Plan
 from remac_agents.whereabouts import Whereabouts, hands
-from remac_env.public import PublicScene
-from remac_env.state import ASIDE
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.facts import ASIDE
+from remac_env.rules.scene import PublicScene
+from remac_env.rules.subtasks import WAIT, Subtask
 
 Part = tuple[Subtask, ...]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from remac_agents.ledger import Ledger
 from remac_agents.plan import Commands, Plan
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.subtasks import WAIT, Subtask
 
 
 @dataclass(frozen=True)

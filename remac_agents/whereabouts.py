@@ -9,9 +9,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable
 
-from remac_env.public import PublicScene
-from remac_env.state import ASIDE
-from remac_env.subtasks import Subtask
+from remac_env.rules.facts import ASIDE
+from remac_env.rules.scene import PublicScene
+from remac_env.rules.subtasks import Subtask
 
 
 class Whereabouts:

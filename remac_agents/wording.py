@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from remac_agents.accounts import Attempt, PreviousTry, Ran
 from remac_agents.llm import plain
 from remac_agents.roles import Report, View
-from remac_env.conditions import Condition
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.sights import describe_sight
-from remac_env.subtasks import WAIT, Subtask
 from remac_env.text import describe_room, describe_use
 
 LONGEST = 300

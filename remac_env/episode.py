@@ -9,9 +9,11 @@ from typing import Any, Literal
 
 from remac_env.backends.base import Counters, RoundResult
 from remac_env.options import Options
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
-from remac_env.state import Scene, WorldState
-from remac_env.subtasks import Outcome, Subtask
+from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal, lost, progress
 from remac_env.tasks.spec import TaskSpec
 from remac_env.text import describe, describe_outcome, describe_states
@@ -32,7 +34,7 @@ class Terms:
     phases: tuple[tuple[str, Goal], ...] = ()
 
     @property
-    def scene(self) -> Scene:
+    def scene(self) -> Rules:
         """The facts of this kitchen."""
         return self.start.scene
 

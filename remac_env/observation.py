@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.state import ASIDE, FixtureState, FrozenMap, ObjectState, Scene, WorldState
+from remac_env.rules.facts import ASIDE, Rules
+from remac_env.state import FixtureState, FrozenMap, ObjectState, WorldState
 from remac_env.vocabulary import Vocabulary
 
 _DOORS = ("closed", "ajar", "open")
@@ -25,14 +26,14 @@ class _Things:
     station the positions of the things that are used from it.
     """
 
-    scene: Scene
+    scene: Rules
     objects: FrozenMap[ObjectState]
     fixtures: FrozenMap[FixtureState]
     values: NDArray[np.float32]
     held: list[tuple[int, str]]
     at_station: dict[str, list[int]]
 
-    def are(self, scene: Scene, world: WorldState) -> bool:
+    def are(self, scene: Rules, world: WorldState) -> bool:
         """Whether this is the very state of the things in that world: equal ones are not looked for."""
         return self.scene is scene and self.objects is world.objects and self.fixtures is world.fixtures
 
@@ -59,11 +60,11 @@ class Facts:
         self._things: _Things | None = None
         self.size = fixtures_from + f * _FIXTURE_SIZE
 
-    def vector(self, scene: Scene, world: WorldState, robot: str) -> NDArray[np.float32]:
+    def vector(self, scene: Rules, world: WorldState, robot: str) -> NDArray[np.float32]:
         """The world as `robot` sees it; shape (size,), values 0 or 1."""
         return self.vectors(scene, world, (robot,))[robot]
 
-    def vectors(self, scene: Scene, world: WorldState, robots: Iterable[str]) -> dict[str, NDArray[np.float32]]:
+    def vectors(self, scene: Rules, world: WorldState, robots: Iterable[str]) -> dict[str, NDArray[np.float32]]:
         """The world as each of `robots` sees it; what they see alike is worked out once."""
         things = self._things
         if things is None or not things.are(scene, world):
@@ -80,7 +81,7 @@ class Facts:
             values[ones] = 1.0
         return told
 
-    def _see_things(self, scene: Scene, world: WorldState) -> _Things:
+    def _see_things(self, scene: Rules, world: WorldState) -> _Things:
         at, slots, objects = self._at, scene.slots, world.objects
         ones: list[int] = []
         held: list[tuple[int, str]] = []
@@ -114,7 +115,7 @@ class Facts:
         values[ones] = 1.0
         return _Things(scene, objects, world.fixtures, values, held, at_station)
 
-    def _robot(self, scene: Scene, world: WorldState, robot: str, things: _Things) -> list[int]:
+    def _robot(self, scene: Rules, world: WorldState, robot: str, things: _Things) -> list[int]:
         """Places of the ones in a robot's block, from the beginning of the block."""
         state = world.robots[robot]
         ones = [0] if state.station == ASIDE else [1 + self._at[name] for name in scene.used_from(state.station)]

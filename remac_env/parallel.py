@@ -20,10 +20,11 @@ from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.observation import Facts
 from remac_env.options import Options
 from remac_env.pictures import Moment, Pictures
+from remac_env.rules.outcomes import Outcome, failure
+from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.seeding import generator
 from remac_env.start import Start
 from remac_env.state import WorldState
-from remac_env.subtasks import WAIT, Outcome, Subtask, failure
 from remac_env.tasks.goals import Goal
 from remac_env.tasks.spec import TaskSpec
 from remac_env.values import python_value, python_values

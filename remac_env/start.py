@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from remac_env.rules.facts import Rules
 from remac_env.seeding import digest
-from remac_env.state import Scene, WorldState
+from remac_env.state import WorldState
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ class Start:
         perception_noise: standard deviation of the poses that controllers see, m.
     """
 
-    scene: Scene
+    scene: Rules
     world: WorldState
     layout: str
     style: str

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from remac_env.public import PublicScene, public_scene
-from remac_env.state import Place, Scene, WorldState
-from remac_env.subtasks import Outcome
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.scene import PublicScene, public_scene
+from remac_env.state import Place, WorldState
 
 
-def describe(scene: Scene, commands: Sequence[str], goal: str) -> str:
+def describe(scene: Rules, commands: Sequence[str], goal: str) -> str:
     """The scene as names alone, how it is used, and the goal sentence; facts, and no states."""
     return "\n".join(
         (
@@ -92,7 +93,7 @@ def _listed(names: Iterable[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def describe_states(scene: Scene, world: WorldState) -> str:
+def describe_states(scene: Rules, world: WorldState) -> str:
     """What is true now, one sentence a line; only with text="states"."""
     lines = []
     for name, robot in world.robots.items():
@@ -119,7 +120,7 @@ def describe_outcome(outcome: Outcome | None, *, feedback: str) -> str:
     return f"The last command failed{why}."
 
 
-def _where(scene: Scene, place: Place) -> str:
+def _where(scene: Rules, place: Place) -> str:
     if place.relation == "slot":
         return f"on or in the {scene.slots[place.where].fixture}"
     if place.relation == "vessel":

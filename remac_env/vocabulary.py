@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.errors import KitchenFileError, OptionError, UnknownNameError
-from remac_env.state import Scene
-from remac_env.subtasks import SKILLS, Subtask
+from remac_env.rules.facts import Rules
+from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import Subtask
 from remac_env.values import python_fields, python_value
+from remac_env.words import normalise
 
 _USES = tuple(name for name, skill in SKILLS.items() if skill.target not in ("none", "any"))
 _BARE = ("wait", "done", "navigate aside")
@@ -98,13 +99,13 @@ class Vocabulary:
         token = self._tokens.get(normalise(text))
         return None if token is None else self._subtasks[token]
 
-    def mask(self, scene: Scene) -> NDArray[np.int8]:
+    def mask(self, scene: Rules) -> NDArray[np.int8]:
         """1 for every token whose noun exists in this kitchen; shape (len,). Grammar, not feasibility."""
         mask = np.zeros(len(self), np.int8)
         mask[list(self.legal(scene).values())] = 1
         return mask
 
-    def legal(self, scene: Scene) -> dict[str, int]:
+    def legal(self, scene: Rules) -> dict[str, int]:
         """Text -> token of every legal command of this kitchen, in token order."""
         kinds = _kinds(scene)
         return {
@@ -113,7 +114,7 @@ class Vocabulary:
             if kind in kinds.get(target, ("none",))
         }
 
-    def commands(self, scene: Scene) -> tuple[str, ...]:
+    def commands(self, scene: Rules) -> tuple[str, ...]:
         """Every legal command of this kitchen as text, in token order."""
         return tuple(self.legal(scene))
 
@@ -122,12 +123,7 @@ class Vocabulary:
         return "did you mean " + ", ".join(repr(n) for n in near) + "?" if near else "see env.vocabulary"
 
 
-def normalise(text: str) -> str:
-    """Lower case, single spaces, underscores as spaces, without quotes or a stop at the ends."""
-    return re.sub(r"[\s_]+", " ", text).strip(" \t\r\n\"'`.,;").lower()
-
-
-def _kinds(scene: Scene) -> dict[str, tuple[str, ...]]:
+def _kinds(scene: Rules) -> dict[str, tuple[str, ...]]:
     """For everything there, the kinds of target that it can be: a kitchen may lack doors."""
     found = {}
     for name, fixture in scene.fixtures.items():

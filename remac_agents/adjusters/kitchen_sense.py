@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remac_agents.roles import AdjustRequest
-from remac_env.conditions import condition
-from remac_env.state import FixtureFacts, ObjectFacts
-from remac_env.subtasks import Subtask
+from remac_env.rules.conditions import condition
+from remac_env.rules.facts import FixtureFacts, ObjectFacts
+from remac_env.rules.subtasks import Subtask
 
 
 def go(target: str) -> Subtask:

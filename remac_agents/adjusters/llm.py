@@ -12,7 +12,7 @@ from remac_agents.llm import BadAnswer
 from remac_agents.model_role import ModelRole, reads, texts_in
 from remac_agents.plan import Commands, Plan, PlanError, read_plan
 from remac_agents.roles import AdjustRequest, Advice
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 MOST = 20
 """Commands that one analysis may recommend."""

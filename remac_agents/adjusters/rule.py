@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from remac_agents.adjusters.kitchen_sense import KitchenSense, go, put, take
 from remac_agents.roles import AdjustRequest, Advice
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 Repair = Callable[[KitchenSense], Advice | None]
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from remac_agents.checkers.truth import TruthChecker
 from remac_agents.roles import Verdict, View
-from remac_env.conditions import Condition
 from remac_env.errors import real_number
+from remac_env.rules.conditions import Condition
 from remac_env.seeding import generator
 
 

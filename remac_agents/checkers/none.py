@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remac_agents.roles import Verdict, View
-from remac_env.conditions import Condition
+from remac_env.rules.conditions import Condition
 
 
 class NoChecker:

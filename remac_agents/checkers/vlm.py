@@ -14,8 +14,8 @@ from remac_agents.llm import BadAnswer, Picture
 from remac_agents.model_role import ModelRole, reads
 from remac_agents.prompt import load
 from remac_agents.roles import StopEpisode, Verdict, View
-from remac_env.conditions import Condition
 from remac_env.errors import OptionError
+from remac_env.rules.conditions import Condition
 
 CAMERAS = ("side", "wrist")
 """What the paper's checks look at; all there are, where a kitchen has neither."""

@@ -11,9 +11,9 @@ from remac_agents.free_text import FreeText
 from remac_agents.llm import BadAnswer
 from remac_agents.model_role import ModelRole, reads
 from remac_agents.roles import View
-from remac_env.conditions import Condition
-from remac_env.sentences import read_condition, sentence_forms
-from remac_env.subtasks import Subtask
+from remac_env.rules.conditions import Condition
+from remac_env.rules.sentences import read_condition, sentence_forms
+from remac_env.rules.subtasks import Subtask
 
 MOST = 20
 """Sentences of one answer."""

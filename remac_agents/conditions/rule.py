@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from remac_agents.roles import View
-from remac_env.conditions import Condition
-from remac_env.subtasks import Subtask
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import Subtask
 
 OF_THE_ROUND = ("station_free",)
 """Predicates that the round itself settles, whatever is true before it: robots may change places."""

@@ -9,7 +9,7 @@ from remac_agents.lessons import Before, read_lesson
 from remac_agents.plan import Commands, Plan
 from remac_agents.roles import HandoverRequest
 from remac_agents.teamwork import parts_of, share_out
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 
 class ReflectionHandover:

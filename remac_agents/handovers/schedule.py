@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from remac_agents.plan import Plan
 from remac_agents.whereabouts import Whereabouts
-from remac_env.public import PublicScene
-from remac_env.state import ASIDE
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.facts import ASIDE
+from remac_env.rules.scene import PublicScene
+from remac_env.rules.subtasks import WAIT, Subtask
 
 _ASIDE = Subtask("navigate aside")
 _NAVIGATION = ("navigate to", "navigate aside")

@@ -11,9 +11,10 @@ from remac_agents.planners.oracle import for_robots
 from remac_agents.roles import HandoverRequest
 from remac_env.errors import whole_number
 from remac_env.oracle import search_plan
-from remac_env.rounds import transition
-from remac_env.state import FixtureState, Place, Scene, WorldState
-from remac_env.subtasks import Subtask
+from remac_env.rules.facts import Rules
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import FixtureState, Place, WorldState
 
 MAX_STATES = 60_000
 """States to look at before the search gives up."""
@@ -61,14 +62,14 @@ class SearchHandover:
         return Plan.of({name: [joint[name] for joint in found.rounds] for name in scene.robots})
 
 
-def _simulate(scene: Scene, world: WorldState, robot: str, steps: Sequence[Subtask]) -> WorldState:
+def _simulate(scene: Rules, world: WorldState, robot: str, steps: Sequence[Subtask]) -> WorldState:
     """The world after the plan, by the skill table."""
     for step in steps:
         world, _ = transition(scene, world, {robot: step})
     return world
 
 
-def _result(scene: Scene, world: WorldState) -> _Result:
+def _result(scene: Rules, world: WorldState) -> _Result:
     """What counts as the same end: places, doors and switches, but not which of several like slots."""
     places = {name: _where(scene, item.place) for name, item in world.objects.items()}
     return places, dict(world.fixtures)
@@ -81,7 +82,7 @@ def _rounds_at_least(now: _Result, wanted: _Result, robots: int) -> int:
     return max(max(steps, default=0), math.ceil(sum(steps) / robots))
 
 
-def _where(scene: Scene, place: Place) -> tuple[str, str]:
+def _where(scene: Rules, place: Place) -> tuple[str, str]:
     if place.relation != "slot":
         return place.relation, place.where
     fixture = scene.slots[place.where].fixture

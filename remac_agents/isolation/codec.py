@@ -32,7 +32,8 @@ DEEPEST = 40
 
 _MODULES = (
     *(f"remac_agents.{name}" for name in ("accounts", "free_text", "hindsight", "plan", "roles")),
-    *(f"remac_env.{name}" for name in ("conditions", "public", "state", "subtasks", "tasks.goals")),
+    *(f"remac_env.rules.{name}" for name in ("conditions", "facts", "outcomes", "scene", "subtasks")),
+    *(f"remac_env.{name}" for name in ("state", "tasks.goals")),
 )
 """Where the dataclasses are that may travel."""
 

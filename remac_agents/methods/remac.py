@@ -7,7 +7,7 @@ from remac_agents.mastery import proven_plan
 from remac_agents.methods.cc import checked
 from remac_agents.plan import PlanError, read_plan
 from remac_agents.roles import HandoverRequest
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 
 def remac(episode: Episode) -> Turns:

@@ -8,7 +8,7 @@ from typing import Any
 from remac_agents.planners.rewriting import tidy
 from remac_agents.roles import PlanRequest
 from remac_agents.teamwork import independent, parts_of
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 _ASIDE = Subtask("navigate aside")
 

@@ -17,7 +17,7 @@ from remac_agents import wording
 from remac_agents.plan import MAX_STEPS, Commands, Plan, PlanError
 from remac_agents.roles import PlanRequest
 from remac_env.files import unmarked
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 LINES_MAX = 1000
 """Lines read for one plan at most: an input that never says anything valid does not hold an episode for ever."""

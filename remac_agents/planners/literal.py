@@ -16,7 +16,7 @@ from remac_agents.planners.rewriting import apply, tidy
 from remac_agents.planners.sentence import SentenceReader
 from remac_agents.roles import PlanRequest
 from remac_agents.teamwork import parts_of, share_out
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 
 class LiteralPlanner:

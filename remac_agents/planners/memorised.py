@@ -12,7 +12,7 @@ from importlib import resources
 
 from remac_agents.plan import Commands, Plan
 from remac_agents.roles import PlanRequest
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 FILE = "memorised.toml"
 

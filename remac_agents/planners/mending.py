@@ -11,8 +11,8 @@ from remac_agents.plan import Plan
 from remac_agents.planners.rewriting import Steps, tidy
 from remac_agents.roles import AdjustRequest, Attempt, PlanRequest, View
 from remac_agents.whereabouts import Whereabouts, hands
-from remac_env.conditions import Condition
-from remac_env.subtasks import Subtask
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import Subtask
 
 _LASTING = ("open door", "close door", "turn on", "turn off")
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 from remac_agents.plan import Plan, PlanError
 from remac_agents.roles import PlanRequest
 from remac_env import oracle
-from remac_env.state import FrozenMap, Scene, WorldState
+from remac_env.rules.facts import Rules
+from remac_env.state import FrozenMap, WorldState
 
 
 class OraclePlanner:
@@ -26,7 +27,7 @@ class OraclePlanner:
         return Plan.of({robot: [joint[robot] for joint in found.rounds] for robot in request.robots})
 
 
-def for_robots(scene: Scene, world: WorldState, robots: tuple[str, ...]) -> tuple[Scene, WorldState]:
+def for_robots(scene: Rules, world: WorldState, robots: tuple[str, ...]) -> tuple[Rules, WorldState]:
     """The kitchen with these robots alone."""
     kept = FrozenMap({name: world.robots[name] for name in robots})
     return replace(scene, robots=robots), replace(world, robots=kept)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from remac_agents.lessons import Before, Instead, LeaveOut, Lesson
 from remac_agents.whereabouts import Whereabouts, hands
-from remac_env.public import PublicScene
-from remac_env.subtasks import Subtask
+from remac_env.rules.scene import PublicScene
+from remac_env.rules.subtasks import Subtask
 
 Steps = list[Subtask]
 

@@ -15,9 +15,9 @@ import re
 from collections.abc import Mapping
 
 from remac_agents.plan import Commands
-from remac_env.public import PublicScene
-from remac_env.subtasks import Subtask
-from remac_env.vocabulary import normalise
+from remac_env.rules.scene import PublicScene
+from remac_env.rules.subtasks import Subtask
+from remac_env.words import normalise
 
 _BREAKS = re.compile(r"\s*(?:[,;.]\s*(?:and then\b|and\b|then\b)?|\band then\b|\band\b|\bthen\b)\s*")
 _THING = r"(?:the |a |an |some )?(?P<thing>.+?)"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from remac_agents.lessons import Before, Instead, LeaveOut, is_leave_out
 from remac_agents.roles import ReflectRequest
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 
 class RuleReflector:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summary, last_tries
-from remac_env.conditions import Condition
-from remac_env.subtasks import Subtask
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import Subtask
 
 
 class RuleSummariser:

@@ -9,9 +9,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.subtasks import Subtask
 from remac_env.start import Offset, Start
 from remac_env.state import WorldState
-from remac_env.subtasks import Outcome, Subtask
 
 
 @dataclass(frozen=True)

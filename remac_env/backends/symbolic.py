@@ -8,10 +8,14 @@ import numpy as np
 
 from remac_env.backends.base import RoundResult, Start
 from remac_env.errors import LifecycleError, OptionError
-from remac_env.rounds import settle_claims, transition
+from remac_env.rules.claims import settle_claims
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import Outcome, failure
+from remac_env.rules.rounds import transition
+from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.seeding import generator
-from remac_env.state import Scene, WorldState
-from remac_env.subtasks import SKILLS, WAIT, Outcome, Subtask, failure
+from remac_env.state import WorldState
 
 
 class SymbolicBackend:
@@ -59,7 +63,7 @@ class SymbolicBackend:
         """Forget the episode."""
         self._start = self._world = None
 
-    def _slips(self, scene: Scene, world: WorldState, subtasks: Mapping[str, Subtask]) -> set[str]:
+    def _slips(self, scene: Rules, world: WorldState, subtasks: Mapping[str, Subtask]) -> set[str]:
         """The robots whose accepted subtask slips."""
         if self._failure_rate == 0.0:
             return set()

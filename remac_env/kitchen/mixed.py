@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from remac_env.conditions import has_room
-from remac_env.state import ObjectState, Place, Scene, base_place, door_state, occupant
+from remac_env.rules.facts import Rules
+from remac_env.rules.places import has_room
+from remac_env.state import ObjectState, Place, base_place, door_state, occupant
 from remac_env.tasks.goals import Goal, Inside, SwitchedOn
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def _add(draft: Draft, place: Place, wanted: tuple[str, ...], rng: np.random.Gen
         _move(draft, loose[int(rng.integers(len(loose)))], place)
 
 
-def _is_loose(scene: Scene, noun: str, state: ObjectState) -> bool:
+def _is_loose(scene: Rules, noun: str, state: ObjectState) -> bool:
     return state.place.relation == "slot" and scene.objects[noun].small
 
 

@@ -1,4 +1,4 @@
-"""From a layout and a choice of things to the Scene that planners, checks and both backends share."""
+"""From a layout and a choice of things to the Rules that planners, checks and both backends share."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.state import FixtureFacts, FixtureState, FrozenMap, ObjectFacts, Scene, SlotFacts
+from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules, SlotFacts
+from remac_env.state import FixtureState, FrozenMap
 
 SHUT_TO_RUN = ("microwave",)
 """Kinds of fixtures that can only be switched on with their door closed."""
@@ -16,7 +17,7 @@ WATER, BASIN = "faucet", "sink"
 """The kind of fixture that gives water, and the kind into which it runs: the one at the same station."""
 
 
-def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence[str]) -> Scene:
+def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence[str]) -> Rules:
     """The facts of a kitchen: the layout's usable fixtures, and `things` (noun -> category)."""
     basins = {name: str(f.station) for name, f in layout.fixtures.items() if f.kind == BASIN}
     slots_of: dict[str, list[str]] = defaultdict(list)
@@ -52,10 +53,10 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
         for noun, category in things.items()
     }
     slots = {name: SlotFacts(name, layout.noun(slot), slot.station) for name, slot in layout.slots.items()}
-    return Scene(tuple(robots), FrozenMap(fixtures), FrozenMap(slots), FrozenMap(objects), layout.conflicts())
+    return Rules(tuple(robots), FrozenMap(fixtures), FrozenMap(slots), FrozenMap(objects), layout.conflicts())
 
 
-def resting_fixtures(scene: Scene) -> FrozenMap[FixtureState]:
+def resting_fixtures(scene: Rules) -> FrozenMap[FixtureState]:
     """Every door closed and everything off."""
     return FrozenMap({n: FixtureState("closed" if f.door else None) for n, f in scene.fixtures.items()})
 

@@ -12,11 +12,12 @@ from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.mixed import vary
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.scene import build_scene, resting_fixtures
-from remac_env.marks import washed
 from remac_env.options import NAMINGS, STARTS
+from remac_env.rules.facts import Rules
+from remac_env.rules.marks import washed
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
-from remac_env.state import FrozenMap, ObjectState, Place, RobotState, Scene, WorldState, base_place
+from remac_env.state import FrozenMap, ObjectState, Place, RobotState, WorldState, base_place
 from remac_env.tasks.spec import Role, TaskSpec
 
 CLOSED_AT_RESET = 0.02
@@ -50,7 +51,7 @@ _ATTEMPTS = 100
 class Draft:
     """A start being drawn: changed by `mixed.vary`, frozen by `sample`."""
 
-    scene: Scene
+    scene: Rules
     world: WorldState
     doors: dict[str, float] = field(default_factory=dict)
 
@@ -182,7 +183,7 @@ def _confused(one: Category, other: Category) -> bool:
     return one.name in other.roles or other.name in one.roles
 
 
-def _place(spec: TaskSpec, scene: Scene, names: Mapping[str, str], rng: np.random.Generator) -> WorldState:
+def _place(spec: TaskSpec, scene: Rules, names: Mapping[str, str], rng: np.random.Generator) -> WorldState:
     """Everything in a slot: the roles at stations of their own that the goal's fixtures do not use."""
     places: dict[str, Place] = {}
     stations = {scene.fixtures[name].station for name in spec.goal.names() if name in scene.fixtures}
@@ -204,7 +205,7 @@ def _place(spec: TaskSpec, scene: Scene, names: Mapping[str, str], rng: np.rando
 
 def _role_slot(
     spec: TaskSpec,
-    scene: Scene,
+    scene: Rules,
     role: Role,
     places: Mapping[str, Place],
     stations: set[str],
@@ -220,7 +221,7 @@ def _role_slot(
     return free[int(rng.integers(len(free)))]
 
 
-def _open_surfaces(scene: Scene) -> list[str]:
+def _open_surfaces(scene: Rules) -> list[str]:
     return [name for name, facts in scene.fixtures.items() if facts.slots and facts.kind == "counter"]
 
 

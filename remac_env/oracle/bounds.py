@@ -10,17 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 
-from remac_env.conditions import stations_of
-from remac_env.marks import SEASONED, WASHED
 from remac_env.oracle.commands import to_mark
-from remac_env.state import Scene, WorldState, contents, inside, supports
+from remac_env.rules.facts import Rules
+from remac_env.rules.marks import SEASONED, WASHED
+from remac_env.rules.places import stations_of
+from remac_env.state import WorldState, contents, inside, supports
 from remac_env.tasks.goals import DoorIs, Goal, Inside, Marked, SwitchedOn
 
 IMPOSSIBLE = 1_000_000
 """The bound of a world from which no plan leads to the goal: what must be moved lies on the floor."""
 
 
-def make_bound(scene: Scene, goal: Goal) -> Callable[[WorldState], int]:
+def make_bound(scene: Rules, goal: Goal) -> Callable[[WorldState], int]:
     """A function from a world to rounds that the goal needs from there at least."""
     needs = _Needs(scene, goal)
     return needs.at_least
@@ -29,7 +30,7 @@ def make_bound(scene: Scene, goal: Goal) -> Callable[[WorldState], int]:
 class _Needs:
     """What one goal needs in one kitchen; what does not change is looked up once."""
 
-    def __init__(self, scene: Scene, goal: Goal) -> None:
+    def __init__(self, scene: Rules, goal: Goal) -> None:
         self._scene, self._atoms = scene, tuple(goal.atoms())
         self._to_wash = frozenset(to_mark(goal, WASHED))
         self._basins = tuple(basin for facts in scene.fixtures.values() for basin in facts.wets)

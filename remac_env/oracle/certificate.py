@@ -8,7 +8,8 @@ from typing import Literal
 from remac_env.oracle.bounds import IMPOSSIBLE, make_bound
 from remac_env.oracle.commands import relevant_commands
 from remac_env.oracle.search import MAX_STATES, OraclePlan, search
-from remac_env.state import ASIDE, FrozenMap, Scene, WorldState
+from remac_env.rules.facts import ASIDE, Rules
+from remac_env.state import FrozenMap, WorldState
 from remac_env.tasks.goals import Goal
 
 GREED = 4.0
@@ -55,7 +56,7 @@ class Certificate:
 
 
 def certify(
-    scene: Scene, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int = MAX_STATES
+    scene: Rules, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int = MAX_STATES
 ) -> Certificate:
     """The certificate of a start for all robots of the scene.
 
@@ -81,7 +82,7 @@ def certify(
 
 
 def solve(
-    scene: Scene, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int = MAX_STATES
+    scene: Rules, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int = MAX_STATES
 ) -> OraclePlan | None:
     """The cheapest plan to the goal for all robots of the scene, or None where none of at most `max_rounds` is known.
 
@@ -91,7 +92,7 @@ def solve(
     return certificate.plan
 
 
-def solvable(scene: Scene, world: WorldState, goal: Goal, *, max_states: int = MAX_STATES) -> bool | None:
+def solvable(scene: Rules, world: WorldState, goal: Goal, *, max_states: int = MAX_STATES) -> bool | None:
     """Whether any plan reaches the goal, however long; None where the search gave up.
 
     One robot is tried first, since that is quicker; then all of them together.

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from remac_env.marks import SEASONED, WASHED
-from remac_env.state import Scene, WorldState, contents, occupant, supports
-from remac_env.subtasks import Subtask
+from remac_env.rules.facts import Rules
+from remac_env.rules.marks import SEASONED, WASHED
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import WorldState, contents, occupant, supports
 from remac_env.tasks.goals import Goal, Marked
 
 
-def relevant_commands(scene: Scene, world: WorldState, goal: Goal) -> list[Subtask]:
+def relevant_commands(scene: Rules, world: WorldState, goal: Goal) -> list[Subtask]:
     """The commands that can matter: about what the goal names, what is around or in its way, and where to put down.
 
     Things are put down on open surfaces, and in any vessel: an empty plate may be nearer than a free place.
@@ -37,7 +38,7 @@ def to_mark(goal: Goal, mark: str) -> list[str]:
     return [atom.name for atom in goal.atoms() if isinstance(atom, Marked) and atom.mark == mark]
 
 
-def relevant_nouns(scene: Scene, world: WorldState, goal: Goal) -> tuple[list[str], list[str]]:
+def relevant_nouns(scene: Rules, world: WorldState, goal: Goal) -> tuple[list[str], list[str]]:
     """Objects and fixtures that can matter: what the goal names first, then what is around it or in its way."""
     objects = [name for name in goal.names() if name in scene.objects]
     fixtures = [name for name in goal.names() if name in scene.fixtures]

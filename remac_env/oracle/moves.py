@@ -6,11 +6,13 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from remac_env.conditions import destination
-from remac_env.marks import washed
-from remac_env.rounds import NAVIGATION, attempt, first_false, merge
-from remac_env.state import Scene, WorldState
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.claims import NAVIGATION, first_false
+from remac_env.rules.facts import Rules
+from remac_env.rules.marks import washed
+from remac_env.rules.places import destination
+from remac_env.rules.rounds import attempt, merge
+from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.state import WorldState
 
 LITTER_ROUNDS = 4
 """What letting a thing fall costs, in rounds: one more than to carry it to a free place, put it down and come back, so
@@ -30,7 +32,7 @@ class _Move:
 
 
 def joint_moves(
-    scene: Scene, world: WorldState, commands: Sequence[Subtask]
+    scene: Rules, world: WorldState, commands: Sequence[Subtask]
 ) -> Iterator[tuple[Joint, WorldState, int]]:
     """Every round that changes the world: robot -> subtask, the world after it, and its cost in rounds.
 
@@ -50,7 +52,7 @@ def joint_moves(
             yield joint, washed(scene, after), 1 + LITTER_ROUNDS * sum(move.drops for move in choice)
 
 
-def _moves(scene: Scene, world: WorldState, robot: str, commands: Sequence[Subtask]) -> list[_Move]:
+def _moves(scene: Rules, world: WorldState, robot: str, commands: Sequence[Subtask]) -> list[_Move]:
     """What this robot can do now that changes something, and waiting."""
     here = world.robots[robot].station
     moves = [_Move(WAIT, world, here)]

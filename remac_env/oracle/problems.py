@@ -6,11 +6,12 @@ import hashlib
 import json
 
 from remac_env.oracle.commands import relevant_nouns
-from remac_env.state import Place, Scene, WorldState, occupant
+from remac_env.rules.facts import Rules
+from remac_env.state import Place, WorldState, occupant
 from remac_env.tasks.goals import Goal
 
 
-def problem_id(scene: Scene, world: WorldState, goal: Goal) -> str:
+def problem_id(scene: Rules, world: WorldState, goal: Goal) -> str:
     """Twelve hexadecimal digits that two starts share when they are equal up to renaming.
 
     Looked at are the goal and whatever can matter for it (`relevant_nouns`): the fixture on or in which each object
@@ -38,7 +39,7 @@ def _renamed(atom: Goal, number: dict[str, str]) -> list[str]:
 
 
 def _object(
-    scene: Scene, world: WorldState, name: str, number: dict[str, str], kinds: set[str]
+    scene: Rules, world: WorldState, name: str, number: dict[str, str], kinds: set[str]
 ) -> list[object]:
     facts, state = scene.objects[name], world.objects[name]
     rules = [facts.needs_vessel_in, facts.vessel_in, facts.too_big_for, facts.too_deep_in]
@@ -46,14 +47,14 @@ def _object(
     return [_place(scene, world, state.place, number), sorted(state.marks), what]
 
 
-def _place(scene: Scene, world: WorldState, place: Place, number: dict[str, str]) -> list[object]:
+def _place(scene: Rules, world: WorldState, place: Place, number: dict[str, str]) -> list[object]:
     if place.relation != "slot":
         return [place.relation, number.get(place.where, "")]
     fixture = scene.slots[place.where].fixture
     return ["slot", fixture, place.where in world.fixtures[fixture].on]
 
 
-def _fixture(scene: Scene, world: WorldState, name: str) -> list[object]:
+def _fixture(scene: Rules, world: WorldState, name: str) -> list[object]:
     facts, state = scene.fixtures[name], world.fixtures[name]
     full = bool(facts.slots) and all(occupant(world, slot) is not None for slot in facts.slots)
     return [facts.kind, state.door, len(state.on), full]

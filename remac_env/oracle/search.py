@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 from remac_env.oracle.bounds import IMPOSSIBLE
 from remac_env.oracle.moves import Joint, joint_moves
-from remac_env.state import Scene, WorldState
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.facts import Rules
+from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.state import WorldState
 
 Reached = Callable[[WorldState], bool]
 _Entry = tuple[float, int, int, WorldState, WorldState | None, Joint]
@@ -65,7 +66,7 @@ class Found:
 
 
 def search_plan(
-    scene: Scene,
+    scene: Rules,
     world: WorldState,
     reached: Reached,
     *,
@@ -81,7 +82,7 @@ def search_plan(
 
 
 def search(
-    scene: Scene,
+    scene: Rules,
     world: WorldState,
     reached: Reached,
     *,

@@ -16,7 +16,8 @@ from remac_env.kitchen.fixtures.base import WALL_Y
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.layout_checks import world_blocks
 from remac_env.rendering.cameras import FIELD, HELD, WRIST, WRIST_AT, WRIST_LOOKS_AT, axes, fitted, side_offset
-from remac_env.state import ASIDE, WorldState
+from remac_env.rules.facts import ASIDE
+from remac_env.state import WorldState
 
 Floats = NDArray[np.float64]
 

@@ -10,8 +10,9 @@ import numpy as np
 from remac_env.kitchen.layout import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
+from remac_env.rules.facts import ASIDE
 from remac_env.start import Offset, Start
-from remac_env.state import ASIDE, Place, WorldState, door_state
+from remac_env.state import Place, WorldState, door_state
 
 DOOR_ANGLES = {"closed": 0.0, "ajar": 0.4, "open": 1.45}
 """Angles at which doors are drawn when their own is not known, rad."""

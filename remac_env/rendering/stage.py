@@ -14,14 +14,15 @@ from remac_env.kitchen.builder import build_spec, show_switches
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.drawing import show_seasoned
-from remac_env.marks import SEASONED
 from remac_env.rendering.cameras import FRONT, HELD, SIDE, WIDE, WRIST, add_cameras
 from remac_env.rendering.following import follow
 from remac_env.rendering.posing import pose
 from remac_env.rendering.renderer import BEAUTY, CLOSE, OBSERVATION, Quality, Renderer
 from remac_env.rendering.window import Window
+from remac_env.rules.facts import ASIDE
+from remac_env.rules.marks import SEASONED
 from remac_env.start import Start
-from remac_env.state import ASIDE, WorldState
+from remac_env.state import WorldState
 
 RENDER_SIZE = (768, 432)
 """Width and height of `render()` and of videos, pixels."""

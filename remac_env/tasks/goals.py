@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 
-from remac_env.state import FLOOR, Door, Scene, WorldState, base_place, inside, supports
+from remac_env.rules.facts import Rules
+from remac_env.state import FLOOR, Door, WorldState, base_place, inside, supports
 
 _NAME_FIELDS = ("name", "container", "fixture", "under")
 
@@ -21,7 +22,7 @@ class Goal(ABC):
         """The goal in plain English."""
 
     @abstractmethod
-    def holds(self, scene: Scene, world: WorldState) -> bool:
+    def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether the goal is reached."""
 
     @abstractmethod
@@ -67,7 +68,7 @@ class Inside(_Atom):
     container: str
     only_on: tuple[str, ...] | None = None
 
-    def holds(self, scene: Scene, world: WorldState) -> bool:
+    def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether it is there."""
         if not inside(scene, world, self.name, self.container):
             return False
@@ -86,7 +87,7 @@ class Released(_Atom):
 
     name: str
 
-    def holds(self, scene: Scene, world: WorldState) -> bool:
+    def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether every gripper has let go of it."""
         return all(robot.holding != self.name for robot in world.robots.values())
 
@@ -103,7 +104,7 @@ class SwitchedOn(_Atom):
     fixture: str
     under: str = ""
 
-    def holds(self, scene: Scene, world: WorldState) -> bool:
+    def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether it is on."""
         on = world.fixtures[self.fixture].on
         return bool(on) if not self.under else world.objects[self.under].place.where in on
@@ -121,7 +122,7 @@ class DoorIs(_Atom):
     fixture: str
     door: Door
 
-    def holds(self, scene: Scene, world: WorldState) -> bool:
+    def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether the door is so."""
         return world.fixtures[self.fixture].door == self.door
 
@@ -138,7 +139,7 @@ class Marked(_Atom):
     name: str
     mark: str
 
-    def holds(self, scene: Scene, world: WorldState) -> bool:
+    def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether it has happened."""
         return self.mark in world.objects[self.name].marks
 
@@ -162,7 +163,7 @@ class All(Goal):
         for goal in self.goals:
             yield from goal.atoms()
 
-    def holds(self, scene: Scene, world: WorldState) -> bool:
+    def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether all hold."""
         return all(goal.holds(scene, world) for goal in self.goals)
 
@@ -184,13 +185,13 @@ class All(Goal):
         return " and ".join(goal.text for goal in self.goals)
 
 
-def progress(goal: Goal, scene: Scene, world: WorldState) -> float:
+def progress(goal: Goal, scene: Rules, world: WorldState) -> float:
     """The fraction of the goal's atoms that hold, 0..1."""
     held = [atom.holds(scene, world) for atom in goal.atoms()]
     return sum(held) / len(held)
 
 
-def lost(goal: Goal, scene: Scene, world: WorldState) -> bool:
+def lost(goal: Goal, scene: Rules, world: WorldState) -> bool:
     """True when a goal object lies where no robot can reach it: a rule, not a search."""
     objects = (name for name in goal.names() if name in scene.objects)
     return any(base_place(world, name) == FLOOR for name in objects)

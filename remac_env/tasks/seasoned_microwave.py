@@ -5,7 +5,7 @@ Hidden: the microwave door is closed. Scored by its four phases.
 
 from __future__ import annotations
 
-from remac_env.marks import SEASONED
+from remac_env.rules.marks import SEASONED
 from remac_env.tasks.goals import All, DoorIs, Inside, Marked, Released
 from remac_env.tasks.spec import Role, TaskSpec
 

@@ -5,7 +5,7 @@ The fifth task of the released code; not in the paper's tables.
 
 from __future__ import annotations
 
-from remac_env.marks import WASHED
+from remac_env.rules.marks import WASHED
 from remac_env.tasks.goals import All, Inside, Marked, Released, SwitchedOn
 from remac_env.tasks.spec import Role, TaskSpec
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from gymnasium import spaces
 
+from remac_env.rules.outcomes import REASONS
 from remac_env.state import WorldState
-from remac_env.subtasks import REASONS
 from remac_env.testing.play import EnvMaker, Turn, expect, opened, play, random_legal
 from remac_env.testing.world import check_world
 

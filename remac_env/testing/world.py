@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from remac_env.state import ASIDE, FrozenMap, Scene, WorldState
+from remac_env.rules.facts import ASIDE, Rules
+from remac_env.state import FrozenMap, WorldState
 from remac_env.testing.play import expect
 
 
-def check_world(scene: Scene, world: WorldState, *, where: str = "check_world") -> None:
+def check_world(scene: Rules, world: WorldState, *, where: str = "check_world") -> None:
     """Look whether a world is whole.
 
     Every robot, object and fixture of the scene is there, and nothing else; each thing is in one place that exists, no
@@ -36,7 +37,7 @@ def _parts(world: WorldState) -> tuple[FrozenMap, FrozenMap, FrozenMap]:
     return world.robots, world.objects, world.fixtures
 
 
-def _check_places(scene: Scene, world: WorldState, where: str) -> None:
+def _check_places(scene: Rules, world: WorldState, where: str) -> None:
     filled: dict[tuple[str, str], list[str]] = {}
     known = {"slot": set(scene.slots), "vessel": set(scene.objects), "held": set(world.robots), "floor": {""}}
     for name, item in world.objects.items():
@@ -67,7 +68,7 @@ def _check_hands(world: WorldState, where: str) -> None:
         expect(held == told, f"{where}: {robot} holds {told}, but in its hand are {held}")
 
 
-def _check_stations(scene: Scene, world: WorldState, where: str) -> None:
+def _check_stations(scene: Rules, world: WorldState, where: str) -> None:
     for robot, state in world.robots.items():
         known = state.station == ASIDE or state.station in scene.stations
         expect(known, f"{where}: {robot} is at an unknown station {state.station!r}")
@@ -76,7 +77,7 @@ def _check_stations(scene: Scene, world: WorldState, where: str) -> None:
         expect(not clash, f"{where}: {first} at {one.station} and {second} at {other.station} are in conflict")
 
 
-def _check_fixtures(scene: Scene, world: WorldState, where: str) -> None:
+def _check_fixtures(scene: Rules, world: WorldState, where: str) -> None:
     for name, state in world.fixtures.items():
         facts = scene.fixtures[name]
         doors = ("closed", "ajar", "open") if facts.door else (None,)

@@ -8,20 +8,10 @@ from typing import Any
 
 import remac_env.registry as registry
 from remac_agents import Agent, EpisodeReport
-from remac_env.rounds import transition
-from remac_env.state import (
-    FixtureFacts,
-    FixtureState,
-    FrozenMap,
-    ObjectFacts,
-    ObjectState,
-    Place,
-    RobotState,
-    Scene,
-    SlotFacts,
-    WorldState,
-)
-from remac_env.subtasks import Subtask
+from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules, SlotFacts
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import FixtureState, FrozenMap, ObjectState, Place, RobotState, WorldState
 from remac_env.tasks.goals import Goal
 from remac_env.vocabulary import Noun, Vocabulary
 
@@ -66,7 +56,7 @@ class MadeUpKitchen:
             for name, facts in self.fixtures.items()
             for slot in facts.slots
         }
-        self.scene = Scene(
+        self.scene = Rules(
             self.robots, FrozenMap(self.fixtures), FrozenMap(slots), FrozenMap(self.objects), frozenset()
         )
         vocabulary = Vocabulary(

@@ -19,8 +19,8 @@ from remac_agents.conditions.rule import RuleConditions
 from remac_agents.plan import Commands
 from remac_agents.prompt import load, names
 from remac_agents.roles import View
-from remac_env.public import public_scene
-from remac_env.sentences import read_condition
+from remac_env.rules.scene import public_scene
+from remac_env.rules.sentences import read_condition
 
 PICTURES = {name: np.full((8, 8, 3), shade, np.uint8) for shade, name in enumerate(("front", "wrist", "side"))}
 """Stand-ins for what cameras see: the scripted model looks at the world instead."""

@@ -18,8 +18,8 @@ from remac_agents.free_text import FreeText
 from remac_agents.hindsight import Explanation, Summary
 from remac_agents.plan import PlanError
 from remac_agents.roles import Advice, Verdict
-from remac_env.conditions import Condition
-from remac_env.subtasks import Subtask
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import Subtask
 
 HALF = "half a pair: \ud83d"
 

@@ -10,9 +10,9 @@ from remac_agents.checkers.noisy import NoisyChecker
 from remac_agents.handovers.schedule import schedule
 from remac_agents.plan import Commands, Plan
 from remac_agents.roles import HandoverRequest, View
-from remac_env.conditions import condition
-from remac_env.public import public_scene
-from remac_env.subtasks import Subtask
+from remac_env.rules.conditions import condition
+from remac_env.rules.scene import public_scene
+from remac_env.rules.subtasks import Subtask
 
 ALONE = (
     "navigate to tray",

@@ -6,7 +6,7 @@ import pytest
 from agent_kitchens import MadeUpKitchen, play
 
 import remac_agents
-from remac_env.state import FixtureFacts, ObjectFacts
+from remac_env.rules.facts import FixtureFacts, ObjectFacts
 from remac_env.tasks.goals import All, DoorIs, Inside, SwitchedOn
 
 BENCH = FixtureFacts("bench", "bench", "bench_left", slots=("bench.0", "bench.1", "bench.2", "bench.3"))

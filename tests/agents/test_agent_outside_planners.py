@@ -25,7 +25,7 @@ from remac_agents.planners.http import HttpPlanner
 from remac_agents.request_json import as_json, png
 from remac_agents.roles import PlanRequest
 from remac_env.errors import OptionError, RemacError, UnknownNameError
-from remac_env.public import public_scene
+from remac_env.rules.scene import public_scene
 
 PAGE = Path(__file__).parents[2] / "docs" / "planners.md"
 TASK = "OpenMicrowavePnP"

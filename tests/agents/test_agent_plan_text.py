@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from remac_agents.plan import MAX_CHARACTERS, MAX_STEPS, Commands, Plan, PlanError, parse_text, read_plan
-from remac_env.subtasks import Subtask
+from remac_env.rules.subtasks import Subtask
 
 TEXTS = ("wait", "done", "navigate aside", "navigate to red box", "pick up cup", "open red box door", "turn on lamp")
 COMMANDS = Commands(TEXTS)

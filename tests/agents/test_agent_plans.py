@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from remac_agents.plan import MAX_STEPS, Commands, Plan, PlanError, read_plan
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.subtasks import WAIT, Subtask
 
 COMMANDS = Commands(
     [

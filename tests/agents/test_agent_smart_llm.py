@@ -18,7 +18,7 @@ from remac_agents.plan import Commands, Plan, PlanError
 from remac_agents.planners.dividing import allocated, decomposed
 from remac_agents.planners.literal import LiteralPlanner
 from remac_agents.roles import PlanRequest
-from remac_env.subtasks import WAIT
+from remac_env.rules.subtasks import WAIT
 
 COMMANDS = Commands(towels().commands)
 ALL = skills_of(COMMANDS.values())

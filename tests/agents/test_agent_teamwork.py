@@ -12,9 +12,9 @@ from test_agent_made_up_tasks import BENCH, STATIONS, dough
 import remac_agents
 from remac_agents.plan import Commands, Plan
 from remac_agents.teamwork import parts_of, share_out
-from remac_env.rounds import transition
-from remac_env.state import FixtureFacts, ObjectFacts, Scene
-from remac_env.subtasks import Subtask
+from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import Subtask
 from remac_env.tasks.goals import All, Inside, Marked
 
 BASIN = FixtureFacts("basin", "basin", "basin", slots=("basin.0", "basin.1"))
@@ -86,7 +86,7 @@ def test_what_cannot_be_shared_stays_with_the_first() -> None:
     assert share_out([], ("a", "b"), kitchen.scene, places=True).length == 0
 
 
-def _done(scene: Scene, kitchen: MadeUpKitchen, plan: Plan) -> list[str]:
+def _done(scene: Rules, kitchen: MadeUpKitchen, plan: Plan) -> list[str]:
     """The steps of a plan that fail by the skill table."""
     world = replace(kitchen.start, robots=kitchen.start.robots)
     failed = []

@@ -18,10 +18,11 @@ from remac_agents.accounts import Ran
 from remac_agents.free_text import FreeText
 from remac_agents.prompt import load
 from remac_agents.roles import Report, Verdict, View
-from remac_env.conditions import SENTENCES, Condition, Denial, condition, denied
 from remac_env.errors import OptionError, RemacError
-from remac_env.public import public_scene
-from remac_env.sentences import ARGUMENTS, predicate_of, read_condition, sentence_forms
+from remac_env.rules.conditions import Condition, Denial, condition, denied
+from remac_env.rules.predicates import SENTENCES
+from remac_env.rules.scene import public_scene
+from remac_env.rules.sentences import ARGUMENTS, predicate_of, read_condition, sentence_forms
 from remac_env.sights import CAMERAS
 
 TASK = "DefrostInBowl"

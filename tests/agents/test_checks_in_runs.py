@@ -23,8 +23,8 @@ import remac_agents
 import remac_env
 from remac_agents.methods import METHODS
 from remac_agents.roles import Verdict, View
-from remac_env.conditions import Condition
 from remac_env.errors import OptionError
+from remac_env.rules.conditions import Condition
 
 EYES, BLIND = "openai:o3", "deepseek:deepseek-reasoner"
 TASK = "DefrostInBowl"

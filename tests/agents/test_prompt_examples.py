@@ -13,8 +13,8 @@ from collections.abc import Iterator
 import pytest
 
 from remac_agents.prompt import load, names
-from remac_env.conditions import SENTENCES
-from remac_env.subtasks import SKILLS
+from remac_env.rules.predicates import SENTENCES
+from remac_env.rules.skills import SKILLS
 
 TOLD = ("not_at_station", "hands_full", "hands_empty", "already_done", "station_occupied")
 """Reasons of requirements that a command's own words say, or that the kitchen's text tells."""

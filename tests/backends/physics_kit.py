@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
-from remac_env.subtasks import Subtask
 from remac_env.tasks.goals import Inside
 from remac_env.tasks.spec import Role, TaskSpec
 

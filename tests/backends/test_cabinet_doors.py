@@ -16,9 +16,9 @@ from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rendering.posing import pose
+from remac_env.rules.outcomes import Outcome
 from remac_env.start import Offset, Start
 from remac_env.state import Place, door_state
-from remac_env.subtasks import Outcome
 from remac_env.tasks.goals import Inside
 from remac_env.tasks.spec import Role, TaskSpec
 

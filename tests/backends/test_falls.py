@@ -9,19 +9,20 @@ from remac_env.backends.physics.falls import fallen
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.scene import build_scene, resting_fixtures
-from remac_env.state import FLOOR, FrozenMap, ObjectState, Place, RobotState, Scene, WorldState
-from remac_env.subtasks import Subtask
+from remac_env.rules.facts import Rules
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import FLOOR, FrozenMap, ObjectState, Place, RobotState, WorldState
 
 A, B = "robot_0", "robot_1"
 
 
 @pytest.fixture(scope="module")
-def scene() -> Scene:
+def scene() -> Rules:
     things = {noun: catalogue.get(noun) for noun in ("carrot", "bowl", "mug")}
     return build_scene(layouts.load("one_wall_large"), things, (A, B))
 
 
-def world(scene: Scene, **places: Place) -> WorldState:
+def world(scene: Rules, **places: Place) -> WorldState:
     """Robots aside and things in these places; what a place says is held is held."""
     objects = {"carrot": Place("slot", "counter.1"), "bowl": Place("slot", "counter.2"), "mug": Place("slot", "sink.0")}
     objects.update(places)
@@ -52,7 +53,7 @@ DRIVE, WAIT = Subtask("navigate to", "sink"), Subtask("wait")
     ],
 )  # fmt: skip
 def test_who_answers(
-    scene: Scene, before: dict[str, Place], after: dict[str, Place], subtasks: dict[str, Subtask], answers: list[object]
+    scene: Rules, before: dict[str, Place], after: dict[str, Place], subtasks: dict[str, Subtask], answers: list[object]
 ) -> None:
     assert list(fallen(scene, world(scene, **before), world(scene, **after), subtasks)) == answers
 

@@ -12,7 +12,7 @@ from remac_env.backends.physics import dispatch, season
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.happened import Happened
 from remac_env.backends.physics.skill import Steps
-from remac_env.marks import SEASONED
+from remac_env.rules.marks import SEASONED
 from remac_env.state import WorldState
 
 MEAT = {"meat": "counter", "seasoning": "counter"}

@@ -15,9 +15,9 @@ from remac_env.errors import LifecycleError
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.scene import build_scene, resting_fixtures
+from remac_env.rules.subtasks import Subtask
 from remac_env.start import Offset, Start
 from remac_env.state import FrozenMap, ObjectState, Place, RobotState, WorldState
-from remac_env.subtasks import Subtask
 
 WAIT = Subtask("wait")
 

@@ -21,7 +21,7 @@ def note(found: object) -> None:
 
 def is_kitchen(value: object) -> bool:
     """Whether something is an environment, or the truth about one."""
-    return type(value).__name__ in ("KitchenParallelEnv", "WorldState", "Scene", "Episode", "Agent")
+    return type(value).__name__ in ("KitchenParallelEnv", "WorldState", "Rules", "Episode", "Agent")
 
 
 class Spy(LiteralPlanner):

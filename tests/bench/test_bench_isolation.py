@@ -55,7 +55,7 @@ def test_a_request_leads_to_no_start_in_this_process_either(folder: Path) -> Non
 
 def test_who_declares_it_is_given_rules_and_truth(folder: Path) -> None:
     listed = jobs(seeds=range(1), planner="spying_planners:Told", isolated=True)
-    assert found(folder, listed) == [["Scene", "WorldState", "All", False]]
+    assert found(folder, listed) == [["Rules", "WorldState", "All", False]]
     (entry,) = read(folder / "out")
     assert "planner" in entry.truth_readers and "planner" in entry.rule_readers
 

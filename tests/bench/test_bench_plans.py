@@ -19,8 +19,8 @@ from remac_agents.catalogue import make_role
 from remac_agents.plan import Commands, read_plan
 from remac_agents.roles import PlanRequest, ReflectRequest
 from remac_env.oracle import solve
+from remac_env.rules.outcomes import REASONS
 from remac_env.state import Place
-from remac_env.subtasks import REASONS
 
 OVEN = [  # a shortest plan of OpenMicrowavePnP
     "navigate to microwave",

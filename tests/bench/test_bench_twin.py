@@ -9,8 +9,8 @@ import pytest
 import twin
 
 import remac_env
+from remac_env.rules.outcomes import Outcome, failure
 from remac_env.state import Place
-from remac_env.subtasks import Outcome, failure
 
 
 @pytest.fixture

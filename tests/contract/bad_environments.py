@@ -9,8 +9,8 @@ import numpy as np
 
 from remac_env.options import Options
 from remac_env.parallel import KitchenParallelEnv
+from remac_env.rules.outcomes import REASONS
 from remac_env.state import FrozenMap, Place
-from remac_env.subtasks import REASONS
 from remac_env.tasks import get
 
 REWARD, TERMINATED, TRUNCATED, INFOS = 1, 2, 3, 4

@@ -11,7 +11,7 @@ import remac_env
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import starts as drawing
 from remac_env.kitchen.worlds import TaskWorlds
-from remac_env.public import public_scene
+from remac_env.rules.scene import public_scene
 from remac_env.start import Start
 from remac_env.state import contents
 from remac_env.tasks import get

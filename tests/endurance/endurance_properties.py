@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from remac_env.state import CLOSED_MAX, OPEN_MIN, Scene, WorldState
-from remac_env.subtasks import REASONS
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import REASONS
+from remac_env.state import CLOSED_MAX, OPEN_MIN, WorldState
 from remac_env.testing import check_world
 from remac_env.testing.play import expect
 
@@ -34,7 +35,7 @@ class Seen:
     In the symbolic backend there are no joints, numbers or warnings.
     """
 
-    scene: Scene
+    scene: Rules
     before: WorldState
     after: WorldState
     observations: Mapping[str, Mapping[str, Any]]

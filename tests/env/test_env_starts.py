@@ -13,13 +13,14 @@ import numpy as np
 import pytest
 
 import remac_env
-from remac_env.conditions import condition
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.starts import INWARD_YAW
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.oracle import solve
-from remac_env.state import ASIDE, base_place, inside, occupant
+from remac_env.rules.conditions import condition
+from remac_env.rules.facts import ASIDE
+from remac_env.state import base_place, inside, occupant
 from remac_env.tasks.goals import All, Inside, Released, SwitchedOn
 from remac_env.tasks.spec import Role, TaskSpec
 from remac_env.testing import check_world

@@ -10,7 +10,7 @@ import pytest
 
 import remac_env
 from remac_env.frozen import FrozenMap
-from remac_env.public import public_scene
+from remac_env.rules.scene import public_scene
 from remac_env.testing.text import STATE_WORDS
 from remac_env.text import describe
 

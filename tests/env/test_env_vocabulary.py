@@ -10,8 +10,9 @@ import pytest
 
 import remac_env
 from remac_env.errors import UnknownNameError
-from remac_env.subtasks import SKILLS
-from remac_env.vocabulary import built_in, normalise
+from remac_env.rules.skills import SKILLS
+from remac_env.vocabulary import built_in
+from remac_env.words import normalise
 
 FROZEN = json.loads((Path(__file__).resolve().parents[1] / "data" / "vocabulary_1.json").read_text("utf-8"))
 

@@ -7,21 +7,10 @@ import itertools
 import random
 from dataclasses import dataclass
 
-from remac_env.rounds import transition
-from remac_env.state import (
-    FLOOR,
-    FixtureFacts,
-    FixtureState,
-    FrozenMap,
-    ObjectFacts,
-    ObjectState,
-    Place,
-    RobotState,
-    Scene,
-    SlotFacts,
-    WorldState,
-)
-from remac_env.subtasks import Subtask
+from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules, SlotFacts
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import FLOOR, FixtureState, FrozenMap, ObjectState, Place, RobotState, WorldState
 from remac_env.tasks.goals import All, DoorIs, Goal, Inside, Marked, Released, SwitchedOn
 
 LITTER = 4
@@ -53,7 +42,7 @@ OBJECTS = {
 class Problem:
     """A start and a goal."""
 
-    scene: Scene
+    scene: Rules
     world: WorldState
     goal: Goal
 
@@ -82,7 +71,7 @@ def draw(seed: int) -> Problem:
     of = {slot: facts.name for facts in fixtures.values() for slot in facts.slots}
     objects = dice.sample(sorted(OBJECTS), dice.randint(2, 3))
     robots = ("a", "b")[: dice.randint(1, 2)]
-    scene = Scene(
+    scene = Rules(
         robots,
         fixtures,
         FrozenMap({slot: SlotFacts(slot, of[slot], STATIONS.get(slot, fixtures[of[slot]].station)) for slot in slots}),
@@ -92,7 +81,7 @@ def draw(seed: int) -> Problem:
     return Problem(scene, _world(scene, dice, slots), _goal(scene, dice))
 
 
-def _world(scene: Scene, dice: random.Random, slots: list[str]) -> WorldState:
+def _world(scene: Rules, dice: random.Random, slots: list[str]) -> WorldState:
     free = dice.sample(slots, len(slots))
     places: dict[str, ObjectState] = {}
     holding: dict[str, str | None] = dict.fromkeys(scene.robots)
@@ -119,7 +108,7 @@ def _world(scene: Scene, dice: random.Random, slots: list[str]) -> WorldState:
     return WorldState(FrozenMap(there), FrozenMap(places), FrozenMap(states))
 
 
-def _goal(scene: Scene, dice: random.Random) -> Goal:
+def _goal(scene: Rules, dice: random.Random) -> Goal:
     parts: list[Goal] = []
     for name in dice.sample(sorted(scene.objects), dice.randint(1, 2)):
         into = [fixture for fixture, facts in scene.fixtures.items() if facts.slots]

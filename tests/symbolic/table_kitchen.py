@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from remac_env.kitchen import layout
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.scene import build_scene, resting_fixtures
-from remac_env.rounds import transition
-from remac_env.state import FrozenMap, ObjectState, Place, RobotState, Scene, WorldState
-from remac_env.subtasks import Outcome
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.rounds import transition
+from remac_env.state import FrozenMap, ObjectState, Place, RobotState, WorldState
 from remac_env.vocabulary import built_in
 
 A, B = "robot_0", "robot_1"
@@ -35,7 +36,7 @@ class TableKitchen:
     def __init__(self, *, vegetable: str = "carrot") -> None:
         categories = catalogue.load()
         things = {noun: categories[name] for noun, name in {**_THINGS, "vegetable": vegetable}.items()}
-        self.scene: Scene = build_scene(layout.load("one_wall_large"), things, (A, B))
+        self.scene: Rules = build_scene(layout.load("one_wall_large"), things, (A, B))
         self.world = WorldState(
             FrozenMap({name: RobotState() for name in (A, B)}),
             FrozenMap({noun: ObjectState(Place("slot", slot)) for noun, slot in _PLACES.items()}),

@@ -12,21 +12,22 @@ from small_kitchens import cheapest, draw
 import remac_env
 from remac_env.oracle import LITTER_ROUNDS, certify, relevant_commands, search_plan, solvable, solve
 from remac_env.oracle.bounds import make_bound
-from remac_env.rounds import transition
-from remac_env.state import FLOOR, FrozenMap, ObjectFacts, ObjectState, Place, Scene, WorldState, occupant
-from remac_env.subtasks import WAIT, Subtask
+from remac_env.rules.facts import ObjectFacts, Rules
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.state import FLOOR, FrozenMap, ObjectState, Place, WorldState, occupant
 from remac_env.tasks.goals import All, DoorIs, Goal, Inside, Marked, Released
 
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
 
 
-def problem(task: str, seed: int, *, robots: int, starts: str) -> tuple[Any, Scene, WorldState, Goal]:
+def problem(task: str, seed: int, *, robots: int, starts: str) -> tuple[Any, Rules, WorldState, Goal]:
     env = remac_env.parallel_env(task, robots=robots, backend="symbolic", starts=starts)
     env.reset(seed=seed)
     return env, env.start.scene, env.world, env.goal
 
 
-def all_commands(env: Any, scene: Scene) -> list[Subtask]:
+def all_commands(env: Any, scene: Rules) -> list[Subtask]:
     texts = env.vocabulary.commands(scene)
     return [env.vocabulary.parse(text) for text in texts if text not in ("wait", "done")]
 
@@ -42,7 +43,7 @@ def test_shortest_plans_from_paper_starts(task: str, robots: int, length: int) -
         assert plan is not None and plan.length == length, seed
 
 
-def breadth_first(scene: Scene, world: WorldState, goal: Goal, commands: list[Subtask]) -> int | None:
+def breadth_first(scene: Rules, world: WorldState, goal: Goal, commands: list[Subtask]) -> int | None:
     """Written anew for one robot, without anything of the oracle's: every command, rounds run by the table."""
     (robot,) = scene.robots
     queue, seen = deque([(world, 0)]), {world}
@@ -224,7 +225,7 @@ def test_letting_a_thing_fall_is_no_way_to_save_rounds() -> None:
     assert dropped.plan is not None and dropped.plan.length == 2 and dropped.optimum == 2 + LITTER_ROUNDS
 
 
-def _without_room(scene: Scene, world: WorldState) -> tuple[Scene, WorldState]:
+def _without_room(scene: Rules, world: WorldState) -> tuple[Rules, WorldState]:
     """The same with every slot taken by a brick."""
     slots = [slot for slot in scene.slots if occupant(world, slot) is None]
     bricks = {f"brick_{at}": slot for at, slot in enumerate(slots)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import remac_env
-from remac_env.marks import WASHED, washed
+from remac_env.rules.marks import WASHED, washed
 
 OPEN = ("navigate to microwave", "open microwave door")
 FETCH = ("navigate to vegetable", "pick up vegetable")

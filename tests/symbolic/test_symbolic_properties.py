@@ -13,9 +13,10 @@ from hypothesis import given, settings
 from table_kitchen import A, B, TableKitchen
 
 import remac_env
-from remac_env.rounds import transition
+from remac_env.rules.outcomes import REASONS
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import Subtask
 from remac_env.state import FrozenMap, WorldState
-from remac_env.subtasks import REASONS, Subtask
 from remac_env.testing import check_world, swap_robots
 from remac_env.vocabulary import built_in
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from table_kitchen import A, B, TableKitchen
 
-from remac_env.state import ASIDE, Place
+from remac_env.rules.facts import ASIDE
+from remac_env.state import Place
 
 
 @pytest.fixture

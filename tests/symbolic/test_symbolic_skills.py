@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 from table_kitchen import A, TableKitchen
 
-from remac_env.state import ASIDE, FLOOR, Place
-from remac_env.subtasks import REASONS, SKILLS
+from remac_env.rules.facts import ASIDE
+from remac_env.rules.outcomes import REASONS
+from remac_env.rules.skills import SKILLS
+from remac_env.state import FLOOR, Place
 
 AT_STATION = ("navigate to", "navigate aside", "wait", "done")
 

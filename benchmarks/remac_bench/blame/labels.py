@@ -12,8 +12,9 @@ from remac_bench.blame.faults import Fault, Faults, find_faults, lost_rounds
 from remac_bench.blame.replay import Joint, Replay, play_again, rescue, rounds_of
 from remac_bench.judging.episodes import cap_rounds, distinct, setting
 from remac_bench.records import Record
-from remac_env.rounds import first_false, transition
-from remac_env.subtasks import DONE, WAIT
+from remac_env.rules.claims import first_false
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import DONE, WAIT
 
 Label = Literal["planner", "checker", "skill", "budget", "crash", "unclear"]
 LABELS: tuple[Label, ...] = Label.__args__  # type: ignore[attr-defined]

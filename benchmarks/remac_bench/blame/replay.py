@@ -12,9 +12,11 @@ from remac_bench.judging.episodes import RESTING
 from remac_bench.records import OutcomeEntry, Record
 from remac_env.errors import UnknownNameError
 from remac_env.oracle import Certificate, certify, solve
-from remac_env.rounds import transition
-from remac_env.state import Scene, WorldState
-from remac_env.subtasks import WAIT, Outcome, Subtask
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal
 
 Joint = Mapping[str, Subtask]
@@ -50,7 +52,7 @@ class Replay:
         rounds: what was played; where it is not faithful, only up to the difference.
     """
 
-    scene: Scene
+    scene: Rules
     commands: Mapping[str, Subtask]
     goal: Goal
     start: WorldState

@@ -12,8 +12,8 @@ from remac_bench.judging.episodes import cap_rounds, setting, shared_key
 from remac_bench.judging.statistics import mean
 from remac_bench.records import CheckEntry, Record
 from remac_bench.sight import checked_by
-from remac_env.conditions import Condition
-from remac_env.sentences import predicate_of
+from remac_env.rules.conditions import Condition
+from remac_env.rules.sentences import predicate_of
 
 BUDGETS = ("max_calls", "max_tokens", "max_money", "max_seconds")
 """Options of an agent that say nothing of what it is."""

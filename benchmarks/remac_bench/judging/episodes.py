@@ -9,7 +9,8 @@ from typing import Any
 
 from remac_bench.records import Record
 from remac_env.options import Options
-from remac_env.subtasks import DONE, SKILLS, WAIT
+from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import DONE, WAIT
 
 LONGEST = max(skill.seconds for skill in SKILLS.values())
 """Nominal seconds of the longest skill, from the skill table."""

@@ -38,7 +38,7 @@ BY_REASON = {
     "blocked": "blocked",
     "already_done": "redundant",
 }
-"""Reason of a failed outcome (remac_env.subtasks.REASONS) -> type; the reasons of physics do not come up here."""
+"""Reason of a failed outcome (remac_env.rules.outcomes.REASONS) -> type; the reasons of physics do not come up here."""
 
 
 @dataclass(frozen=True, kw_only=True)

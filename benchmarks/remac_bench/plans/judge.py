@@ -10,9 +10,13 @@ from remac_agents.plan import Plan, PlanError
 from remac_bench.asked import Asked
 from remac_bench.plans.faults import BY_REASON, Fault
 from remac_env.oracle import solve
-from remac_env.rounds import first_false, transition
-from remac_env.state import Scene, WorldState
-from remac_env.subtasks import DONE, SKILLS, WAIT, Outcome, Subtask
+from remac_env.rules.claims import first_false
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.rounds import transition
+from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import DONE, WAIT, Subtask
+from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal
 
 _LONGEST_CUT = 4
@@ -70,7 +74,7 @@ class _Course:
         return self.fault is None and self.reached is not None
 
 
-def judge(scene: Scene, world: WorldState, goal: Goal, plan: Plan | PlanError, optimum: int | None) -> Judgement:
+def judge(scene: Rules, world: WorldState, goal: Goal, plan: Plan | PlanError, optimum: int | None) -> Judgement:
     """Judge a plan from a start.
 
     Args:
@@ -112,7 +116,7 @@ def _without_done(plan: Plan) -> Plan:
     return Plan.of(rows)
 
 
-def _follow(scene: Scene, world: WorldState, goal: Goal, plan: Plan) -> _Course:
+def _follow(scene: Rules, world: WorldState, goal: Goal, plan: Plan) -> _Course:
     """Run a plan until it fails, reaches the goal or ends."""
     idle: Fault | None = None
     for index in range(plan.length):
@@ -130,7 +134,7 @@ def _follow(scene: Scene, world: WorldState, goal: Goal, plan: Plan) -> _Course:
 
 
 def _fault(
-    scene: Scene, world: WorldState, plan: Plan, index: int, robot: str, subtask: Subtask, outcome: Outcome
+    scene: Rules, world: WorldState, plan: Plan, index: int, robot: str, subtask: Subtask, outcome: Outcome
 ) -> Fault | None:
     """What is wrong with one step."""
     advised = first_false(scene, world, robot, subtask, "advise")
@@ -146,7 +150,7 @@ def _fault(
 
 
 def _seen_to_later(
-    scene: Scene, world: WorldState, plan: Plan, index: int, robot: str, subtask: Subtask
+    scene: Rules, world: WorldState, plan: Plan, index: int, robot: str, subtask: Subtask
 ) -> bool:
     """Whether a later step moves the door, or turns the switch, that the step needs."""
     needed = first_false(scene, world, robot, subtask, "attempt")
@@ -161,7 +165,7 @@ def _seen_to_later(
     return any(needed.condition.holds(scene, step.effect(scene, world, other)) for other, step in later)
 
 
-def _unfinished(scene: Scene, goal: Goal, world: WorldState) -> Fault:
+def _unfinished(scene: Rules, goal: Goal, world: WorldState) -> Fault:
     """All steps worked, and the goal does not hold."""
     open_parts = [atom.text for atom in goal.atoms() if not atom.holds(scene, world)]
     kind = "goal_not_reached" if solve(scene, world, goal) is None else "missing_step"
@@ -169,7 +173,7 @@ def _unfinished(scene: Scene, goal: Goal, world: WorldState) -> Fault:
 
 
 def _lengthy(
-    scene: Scene, world: WorldState, goal: Goal, plan: Plan, course: _Course, optimum: int | None
+    scene: Rules, world: WorldState, goal: Goal, plan: Plan, course: _Course, optimum: int | None
 ) -> Fault | None:
     """Why a plan that works is longer than the shortest."""
     if optimum is None or plan.length <= optimum:

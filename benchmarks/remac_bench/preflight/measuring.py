@@ -28,7 +28,7 @@ from remac_agents.plan import Plan
 from remac_agents.roles import AdjustRequest, Advice, HandoverRequest, PlanRequest, ReflectRequest, Verdict, View
 from remac_bench import agents
 from remac_bench.preflight.estimates import Need
-from remac_env.conditions import Condition
+from remac_env.rules.conditions import Condition
 
 MODEL = "openai:gpt-4o"
 """Whose questions are counted: it takes pictures. None is sent."""

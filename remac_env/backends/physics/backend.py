@@ -24,11 +24,12 @@ from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import Worlds
-from remac_env.marks import SEASONED, washed
-from remac_env.rounds import settle_claims
+from remac_env.rules.claims import settle_claims
+from remac_env.rules.marks import SEASONED, washed
+from remac_env.rules.outcomes import Outcome, failure
+from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
 from remac_env.state import WorldState
-from remac_env.subtasks import Outcome, Subtask, failure
 
 _REST_SPEED = 0.02  # m/s or rad/s below which the kitchen is at rest
 _REST_LEAST, _REST_MOST = 6, 60  # control periods

@@ -20,11 +20,13 @@ from remac_env.kitchen.layout import Layout, Station
 from remac_env.kitchen.layout_checks import work_floor
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.ik import Kinematics
-from remac_env.rounds import NAVIGATION
+from remac_env.rules.claims import NAVIGATION
+from remac_env.rules.facts import ASIDE
+from remac_env.rules.outcomes import Outcome, failure
+from remac_env.rules.subtasks import Subtask
 from remac_env.seeding import generator
 from remac_env.start import Start
-from remac_env.state import ASIDE, WorldState
-from remac_env.subtasks import Outcome, Subtask, failure
+from remac_env.state import WorldState
 
 SKILL_TIME = 60.0  # s, after which a skill is stopped
 _RECOVERY_TIME = 20.0  # s for coming home after a failure

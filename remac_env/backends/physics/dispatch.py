@@ -11,12 +11,14 @@ from remac_env.backends.physics.place import place_on
 from remac_env.backends.physics.season import season
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, require_open
 from remac_env.backends.physics.switches import press_button, turn_knob, turn_lever
-from remac_env.conditions import condition, landing, switch_for
 from remac_env.kitchen.fixtures import Slot
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array
-from remac_env.state import Scene, WorldState, base_place, contents
-from remac_env.subtasks import Subtask
+from remac_env.rules.conditions import condition
+from remac_env.rules.facts import Rules
+from remac_env.rules.places import landing, switch_for
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import WorldState, base_place, contents
 
 _CAVITY_LIFT = 0.10  # m by which a vessel is raised in a cavity where there is room
 _OUTWARDS = ((-0.35, 0.6), (-0.35, 0.4), (-0.30, 0.8))  # back (m) and share of the lift
@@ -24,7 +26,7 @@ _OUT_OF_BASIN = ((0.0, 1.0), (-0.08, 1.0), (-0.14, 1.0), (-0.2, 1.0))
 _FALL = 20  # control periods in which a dropped thing reaches the floor
 
 
-def motion(here: Surroundings, scene: Scene, world: WorldState, robot: str, subtask: Subtask) -> Steps:
+def motion(here: Surroundings, scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> Steps:
     """The generator that runs an accepted subtask other than driving."""
     target = subtask.target
     if subtask.skill == "pick up":
@@ -61,7 +63,7 @@ def _slot_of(here: Surroundings, world: WorldState, name: str) -> Slot:
     return here.layout.slots[place.where]
 
 
-def _pick_up(here: Surroundings, scene: Scene, world: WorldState, target: str) -> Steps:
+def _pick_up(here: Surroundings, scene: Rules, world: WorldState, target: str) -> Steps:
     slot = _slot_of(here, world, target)
     require_open(here, slot.fixture)
     if not condition("graspable", target).holds(scene, world):
@@ -80,7 +82,7 @@ def _pick_up(here: Surroundings, scene: Scene, world: WorldState, target: str) -
         yield from pick_up(here, target, kind=slot.kind, vessel=vessel, contents=inner, lift=lift, lifts=lifts)
 
 
-def _place(here: Surroundings, scene: Scene, world: WorldState, robot: str, target: str) -> Steps:
+def _place(here: Surroundings, scene: Rules, world: WorldState, robot: str, target: str) -> Steps:
     if here.hand.body is None:
         raise SkillFailure("hands_empty", "there is nothing to place")
     require_open(here, target if target in scene.fixtures else _slot_of(here, world, target).fixture)
@@ -106,7 +108,7 @@ def _season(here: Surroundings, world: WorldState, target: str) -> Steps:
     yield from season(here, target, inside=slot.fixture if slot.kind == "cavity" else None)
 
 
-def _switch(here: Surroundings, scene: Scene, world: WorldState, target: str, *, on: bool) -> Steps:
+def _switch(here: Surroundings, scene: Rules, world: WorldState, target: str, *, on: bool) -> Steps:
     fixture = here.layout.fixtures[target]
     if fixture.kind == "stove":
         switches = [switch_for(scene, world, target)] if on else sorted(world.fixtures[target].on)

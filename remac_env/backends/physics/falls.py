@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from remac_env.state import Scene, WorldState, base_place
-from remac_env.subtasks import Subtask
+from remac_env.rules.facts import Rules
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import WorldState, base_place
 
 _STILL = ("wait", "done")
 
 
 def fallen(
-    scene: Scene, before: WorldState, after: WorldState, subtasks: Mapping[str, Subtask]
+    scene: Rules, before: WorldState, after: WorldState, subtasks: Mapping[str, Subtask]
 ) -> Iterator[tuple[str, tuple[str, ...]]]:
     """Each thing that ended on the floor, or out of the vessel in or on which it lay, with the robots that answer.
 
@@ -28,7 +29,7 @@ def fallen(
 
 
 def _answering(
-    scene: Scene, before: WorldState, after: WorldState, subtasks: Mapping[str, Subtask], name: str
+    scene: Rules, before: WorldState, after: WorldState, subtasks: Mapping[str, Subtask], name: str
 ) -> tuple[str, ...]:
     base = base_place(before, name)
     if base.relation == "held":

@@ -14,7 +14,7 @@ from remac_env.kitchen.fixtures import Fixture
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array
-from remac_env.state import Scene
+from remac_env.rules.facts import Rules
 
 _LET_GO = 3  # control periods for which a button has to be out before it can be pressed again
 
@@ -52,7 +52,7 @@ class Happened:
     """
 
     def __init__(
-        self, simulation: Simulation, scene: Scene, layout: Layout, things: Mapping[str, Category], on: Collection[str]
+        self, simulation: Simulation, scene: Rules, layout: Layout, things: Mapping[str, Category], on: Collection[str]
     ) -> None:
         self._simulation, self._scene, self._things = simulation, scene, things
         self._buttons = [_Button(fixture) for fixture in layout.fixtures.values() if fixture.buttons]

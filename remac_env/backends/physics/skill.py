@@ -20,7 +20,7 @@ from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
 from remac_env.robots.ik import Kinematics
 from remac_env.robots.rotation import Array
-from remac_env.subtasks import Reason
+from remac_env.rules.outcomes import Reason
 
 Steps = Generator[None, None, None]
 
@@ -35,7 +35,7 @@ _FLOOR_THING = 0.4  # m; things lower than this have fallen down
 
 
 class SkillFailure(Exception):
-    """A skill gave up. ``reason`` is one of the closed list in :mod:`remac_env.subtasks`."""
+    """A skill gave up. ``reason`` is one of the closed list in :mod:`remac_env.rules.outcomes`."""
 
     def __init__(self, reason: Reason, detail: str = "") -> None:
         super().__init__(f"{reason}: {detail}")

@@ -11,17 +11,8 @@ from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array
-from remac_env.state import (
-    ASIDE,
-    FLOOR,
-    FixtureState,
-    FrozenMap,
-    ObjectState,
-    Place,
-    RobotState,
-    Scene,
-    WorldState,
-)
+from remac_env.rules.facts import ASIDE, Rules
+from remac_env.state import FLOOR, FixtureState, FrozenMap, ObjectState, Place, RobotState, WorldState
 
 STATION_DISTANCE = 0.20  # m; released threshold
 STATION_COSINE = 0.98  # of the heading's error; released threshold
@@ -35,7 +26,7 @@ _UPRIGHT = 0.8  # z component of a vessel's axis
 
 
 def read_world(
-    simulation: Simulation, scene: Scene, layout: Layout, things: Mapping[str, Category], *,
+    simulation: Simulation, scene: Rules, layout: Layout, things: Mapping[str, Category], *,
     marks: Mapping[str, frozenset[str]], running: frozenset[str],
 ) -> WorldState:
     """The world as it is.

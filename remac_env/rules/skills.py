@@ -12,51 +12,15 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
-from remac_env.conditions import Condition, condition, destination, landing, switch_for
-from remac_env.marks import SEASONED
-from remac_env.state import ASIDE, FLOOR, Place, Scene, WorldState
+from remac_env.rules.conditions import Condition, condition
+from remac_env.rules.facts import ASIDE, Rules
+from remac_env.rules.marks import SEASONED
+from remac_env.rules.outcomes import Outcome, Reason, failure
+from remac_env.rules.places import destination, landing, switch_for
+from remac_env.state import FLOOR, Place, WorldState
 
 Mark = Literal["refuse", "attempt", "advise"]
-Reason = Literal[
-    "not_at_station",
-    "station_occupied",
-    "hands_full",
-    "hands_empty",
-    "loaded",
-    "door_closed",
-    "unreachable",
-    "blocked",
-    "slipped",
-    "dropped",
-    "already_done",
-    "not_found",
-    "timeout",
-    "invalid",
-]
-REASONS: tuple[str, ...] = Reason.__args__  # type: ignore[attr-defined]
-"""The closed list of failure reasons."""
-
 TargetKind = Literal["none", "any", "object", "surface", "door", "switch", "food"]
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """How one robot's subtask of a round ended. `reason` is None on success; `seconds` is simulated time."""
-
-    status: Literal["success", "failure"]
-    reason: Reason | None = None
-    detail: str = ""
-    seconds: float = 0.0
-
-    @property
-    def success(self) -> bool:
-        """True when the subtask did what it says."""
-        return self.status == "success"
-
-
-def failure(reason: Reason, detail: str = "", *, seconds: float = 0.0) -> Outcome:
-    """A failed outcome."""
-    return Outcome("failure", reason, detail, seconds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,38 +52,8 @@ class Skill:
     target: TargetKind
     seconds: float
     requires: Callable[[str, str], tuple[Requirement, ...]]
-    effect: Callable[[Scene, WorldState, str, str], WorldState]
+    effect: Callable[[Rules, WorldState, str, str], WorldState]
     achieves: Callable[[str, str, str | None], tuple[Condition, ...]]
-
-
-@dataclass(frozen=True, slots=True)
-class Subtask:
-    """A skill with its target ("" where it has none)."""
-
-    skill: str
-    target: str = ""
-
-    @property
-    def text(self) -> str:
-        """The command, as "pick up vegetable"."""
-        return SKILLS[self.skill].form.format(self.target)
-
-    def requirements(self, robot: str) -> tuple[Requirement, ...]:
-        """What must hold before `robot` runs it, in the order in which it is tested."""
-        return _requirements(self.skill, self.target, robot)
-
-    def achieves(self, robot: str, held: str | None) -> tuple[Condition, ...]:
-        """What holds after success; `held` is what the robot held before."""
-        return SKILLS[self.skill].achieves(robot, self.target, held)
-
-    def effect(self, scene: Scene, world: WorldState, robot: str) -> WorldState:
-        """The world after success."""
-        return SKILLS[self.skill].effect(scene, world, robot, self.target)
-
-
-@lru_cache(maxsize=4096)
-def _requirements(skill: str, target: str, robot: str) -> tuple[Requirement, ...]:
-    return SKILLS[skill].requires(robot, target)
 
 
 # -- requirements ---------------------------------------------------------------------------------------------------
@@ -211,46 +145,46 @@ def _for_season(robot: str, target: str) -> tuple[Requirement, ...]:
 # -- effects --------------------------------------------------------------------------------------------------------
 
 
-def _stay(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _stay(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world
 
 
-def _step_aside(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _step_aside(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_robot(robot, station=ASIDE)
 
 
-def _go(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _go(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_robot(robot, station=destination(scene, world, robot, target))
 
 
-def _take(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _take(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_object(target, place=Place("held", robot)).with_robot(robot, holding=target)
 
 
-def _put(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _put(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     held, place = world.robots[robot].holding, landing(scene, world, robot, target)
     return world.with_object(str(held), place=place).with_robot(robot, holding=None)
 
 
-def _set_on(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _set_on(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_fixture(target, on=world.fixtures[target].on | {switch_for(scene, world, target)})
 
 
-def _set_off(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _set_off(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_fixture(target, on=frozenset())
 
 
-def _open(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _open(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     opened = world.with_fixture(target, door="open")
     # A fixture that runs only when shut stops when its door is opened.
     return opened.with_fixture(target, on=frozenset()) if scene.fixtures[target].shut_to_run else opened
 
 
-def _close(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _close(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_fixture(target, door="closed")
 
 
-def _season(scene: Scene, world: WorldState, robot: str, target: str) -> WorldState:
+def _season(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_object(target, marks=world.objects[target].marks | {SEASONED})
 
 
@@ -295,6 +229,3 @@ _TABLE: tuple[Skill, ...] = (
 
 SKILLS: dict[str, Skill] = {skill.name: skill for skill in _TABLE}
 """The skill table by name. Nominal seconds are the means seen in physics (benchmarks/skills.py)."""
-
-WAIT = Subtask("wait")
-DONE = Subtask("done")

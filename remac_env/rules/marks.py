@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from remac_env.state import Scene, WorldState, supports
+from remac_env.rules.facts import Rules
+from remac_env.state import WorldState, supports
 
 WASHED = "washed"
 """The mark of a thing on which water has run."""
@@ -11,7 +12,7 @@ SEASONED = "seasoned"
 """The mark of a thing over which a shaker was shaken."""
 
 
-def washed(scene: Scene, world: WorldState) -> WorldState:
+def washed(scene: Rules, world: WorldState) -> WorldState:
     """The world with the mark `washed` on whatever washable thing stands under running water."""
     for tap, basins in scene.taps:
         if not world.fixtures[tap].on:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from remac_env.vocabulary import normalise
+from remac_env.words import normalise
 
 FILE = Path(__file__).with_name("paraphrases.toml")
 

@@ -7,12 +7,14 @@ import re
 from collections.abc import Iterator
 from functools import lru_cache
 
-from remac_env.conditions import SENTENCES, Condition, denied
-from remac_env.marks import WASHED
-from remac_env.paraphrases import plain_form, table, undenied
-from remac_env.public import PublicScene, Rules, public_scene
-from remac_env.subtasks import SKILLS
-from remac_env.vocabulary import normalise
+from remac_env.rules.conditions import Condition, denied
+from remac_env.rules.facts import Rules
+from remac_env.rules.marks import WASHED
+from remac_env.rules.paraphrases import plain_form, table, undenied
+from remac_env.rules.predicates import SENTENCES
+from remac_env.rules.scene import PublicScene, public_scene
+from remac_env.rules.skills import SKILLS
+from remac_env.words import normalise
 
 ARGUMENTS: dict[str, tuple[str, ...]] = {
     "at": ("robot", "thing"),

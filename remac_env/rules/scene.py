@@ -11,10 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from remac_env.frozen import FrozenMap
-from remac_env.state import ASIDE, Scene
-
-Rules = Scene
-"""A kitchen with its rules: what a backend and a judge read."""
+from remac_env.rules.facts import ASIDE, Rules
 
 
 @dataclass(frozen=True, slots=True)

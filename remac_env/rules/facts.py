@@ -1,0 +1,120 @@
+"""What cannot change in a kitchen during an episode, with all that the skill table reads: the rules' side of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from remac_env.frozen import FrozenMap
+
+ASIDE = "aside"
+"""The station away from everything. Any number of robots may stand there."""
+
+
+@dataclass(frozen=True, slots=True)
+class SlotFacts:
+    """A place on a surface that can hold one thing."""
+
+    name: str
+    fixture: str
+    station: str
+
+
+@dataclass(frozen=True, slots=True)
+class FixtureFacts:
+    """A thing that stays where it is. `switches` are what `turn on` and `turn off` act on.
+
+    A fixture that has one switch per slot (a stove) lists its slots. `shut_to_run`: it can only be switched on with its
+    door closed. `wets`: where its water runs.
+    """
+
+    name: str
+    kind: str
+    station: str
+    door: bool = False
+    switches: tuple[str, ...] = ()
+    slots: tuple[str, ...] = ()
+    shut_to_run: bool = False
+    wets: tuple[str, ...] = ()
+
+    @property
+    def switch_per_slot(self) -> bool:
+        """True where each slot has a switch of its own, as the burners of a stove."""
+        return bool(self.switches) and self.switches == self.slots
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectFacts:
+    """A thing that can be carried.
+
+    `needs_vessel_in`, `vessel_in`, `too_big_for`, `too_deep_in` name fixture kinds: meat needs a vessel in a sink, a
+    bowl is one, a plate leaves no room for a hand in a microwave, and no hand reaches into a bowl in a cabinet.
+    `holds`: how many things fit on or in it; `seasons`: a shaker; `small`: it fits into a vessel; `washable`: water
+    leaves it washed.
+    """
+
+    name: str
+    category: str
+    needs_vessel_in: frozenset[str] = frozenset()
+    vessel_in: frozenset[str] = frozenset()
+    holds: int = 0
+    seasons: bool = False
+    small: bool = True
+    washable: bool = False
+    too_big_for: frozenset[str] = frozenset()
+    too_deep_in: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Everything about a kitchen that an episode cannot change.
+
+    `conflicts` are pairs of stations that two robots cannot use at the same time.
+    """
+
+    robots: tuple[str, ...]
+    fixtures: FrozenMap[FixtureFacts]
+    slots: FrozenMap[SlotFacts]
+    objects: FrozenMap[ObjectFacts]
+    conflicts: frozenset[frozenset[str]] = frozenset()
+
+    @cached_property
+    def stations(self) -> tuple[str, ...]:
+        """All stations, in the order of the fixtures and then of the slots, without `aside`."""
+        names = [fixture.station for fixture in self.fixtures.values()]
+        names += [slot.station for slot in self.slots.values()]
+        return tuple(dict.fromkeys(names))
+
+    @cached_property
+    def taps(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        """The fixtures that give water, each with those into which it runs."""
+        return tuple((name, facts.wets) for name, facts in self.fixtures.items() if facts.wets)
+
+    @cached_property
+    def washables(self) -> tuple[str, ...]:
+        """The objects that running water leaves washed."""
+        return tuple(name for name, facts in self.objects.items() if facts.washable)
+
+    @cached_property
+    def _stations_of(self) -> dict[str, tuple[str, ...]]:
+        of = {name: [self.slots[slot].station for slot in facts.slots] for name, facts in self.fixtures.items()}
+        return {name: tuple(dict.fromkeys(at or [self.fixtures[name].station])) for name, at in of.items()}
+
+    @cached_property
+    def _fixtures_at(self) -> dict[str, tuple[str, ...]]:
+        at = self._stations_of
+        return {station: tuple(name for name in at if station in at[name]) for station in self.stations}
+
+    def stations_of(self, fixture: str) -> tuple[str, ...]:
+        """The stations from which a fixture can be used: those of its slots, in their order, else its own."""
+        return self._stations_of[fixture]
+
+    def used_from(self, station: str) -> tuple[str, ...]:
+        """The fixtures that can be used from a station."""
+        return self._fixtures_at.get(station, ())
+
+    def conflicting(self, first: str, second: str) -> bool:
+        """True when two robots cannot stand at these stations at the same time."""
+        if first == second:
+            return first != ASIDE
+        return frozenset((first, second)) in self.conflicts and ASIDE not in (first, second)
