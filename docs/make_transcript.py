@@ -15,11 +15,11 @@ from remac_bench.preflight.measuring import SHADOWS, Meter
 
 import remac_agents
 import remac_env
-from remac_agents.catalogue import MODEL_ROLES
-from remac_agents.ledger import Exchange
 from remac_agents.llm import Budget
-from remac_agents.models import Models
-from remac_agents.prompt import load, names
+from remac_agents.prompting.models import Models
+from remac_agents.prompting.prompt import load, names
+from remac_agents.report import Exchange
+from remac_agents.wiring.catalogue import MODEL_ROLES
 
 PAGE = Path(__file__).parent / "transcript.md"
 TASK, SEED, ITERATIONS = "OpenMicrowavePnP", 0, 3

@@ -15,14 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from remac_agents.agent import Agent
-from remac_agents.briefing import Bounds
-from remac_agents.catalogue import ROLES
-from remac_agents.filling import fill_roles, read_options
-from remac_agents.ledger import Check, EpisodeReport, Exchange, Step, Usage
 from remac_agents.memory import Memory, Run
 from remac_agents.methods import METHODS
 from remac_agents.plan import Plan, PlanError
+from remac_agents.report import Check, EpisodeReport, Exchange, Step, Usage
 from remac_agents.roles import Roles, StopEpisode
+from remac_agents.running.briefing import Bounds
+from remac_agents.wiring.catalogue import ROLES
+from remac_agents.wiring.filling import fill_roles, read_options
 from remac_env.errors import OptionError, check_choice, whole_number
 from remac_env.files import prepare_file
 from remac_env.values import python_value, python_values

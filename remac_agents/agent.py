@@ -6,19 +6,20 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from remac_agents.asking import ran_so_far
-from remac_agents.briefing import Bounds, Briefing
-from remac_agents.checked import checked, everyone
-from remac_agents.coalitions import skills_of
-from remac_agents.correspondence import Correspondence
-from remac_agents.episode import Episode
-from remac_agents.grants import isolation, readers, reads_rules, reads_truth
-from remac_agents.ledger import Check, EpisodeReport, Ledger
 from remac_agents.memory import Memory, Run
 from remac_agents.methods import Method
 from remac_agents.plan import Commands, Plan
+from remac_agents.planning.coalitions import skills_of
+from remac_agents.report import Check, EpisodeReport
 from remac_agents.roles import Report, Roles, StopEpisode, View
-from remac_agents.tries import Try
+from remac_agents.roles.grants import isolation, readers, reads_rules, reads_truth
+from remac_agents.running.asking import ran_so_far
+from remac_agents.running.briefing import Bounds, Briefing
+from remac_agents.running.ledger import Ledger
+from remac_agents.running.method_run import Episode
+from remac_agents.running.tries import Try
+from remac_agents.wiring.checked import checked, everyone
+from remac_agents.wiring.correspondence import Correspondence
 from remac_env.errors import LifecycleError, OptionError, check_choice
 from remac_env.rules.scene import public_scene
 from remac_env.rules.subtasks import DONE, WAIT, Subtask

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping, MappingView, Sequence, 
 from dataclasses import dataclass
 from typing import Any
 
-from remac_agents.plan_text import PlanText, UnreadableError
-from remac_agents.plan_words import Names, nearest
-from remac_agents.printable import quoted, type_name
+from remac_agents.text.plan_text import PlanText, UnreadableError
+from remac_agents.text.plan_words import Names, nearest
+from remac_agents.text.printable import quoted, type_name
 from remac_env.files import unmarked
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import WAIT, Subtask

@@ -147,7 +147,7 @@ def asked_models(agent: Mapping[str, Any], *, providers: str | None = None) -> l
     Args:
         providers: see Access.
     """
-    from remac_agents.catalogue import ROLES as KNOWN
+    from remac_agents.wiring.catalogue import ROLES as KNOWN
 
     named = [_bare(agent["model"])] if "model" in agent else []
     for name in ROLES:
@@ -204,7 +204,7 @@ def role(text: object) -> object:
     Raises:
         UsageError: for an option that is not name=value.
     """
-    from remac_agents.catalogue import read_role
+    from remac_agents.wiring.catalogue import read_role
 
     if not isinstance(text, str) or "," not in text:
         return text
@@ -228,7 +228,7 @@ def changed_options(given: Mapping[str, Any]) -> dict[str, Any]:
         OptionError: for a bound on what models may take that is none.
     """
     import remac_agents
-    from remac_agents.filling import DEFAULTS, check_spending
+    from remac_agents.wiring.filling import DEFAULTS, check_spending
 
     for name in BUDGET:
         check_spending(name, given.get(name))
@@ -249,7 +249,7 @@ def methods() -> list[str]:
 
 def planners() -> list[str]:
     """The names of all planners that come along."""
-    from remac_agents.catalogue import ROLES
+    from remac_agents.wiring.catalogue import ROLES
 
     return list(ROLES["planner"])
 

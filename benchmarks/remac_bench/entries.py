@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from remac_agents.printable import printable
+from remac_agents.text.printable import printable
 from remac_bench.records import CheckEntry, ExchangeEntry, UsageEntry
 from remac_bench.redaction import redact
 from remac_bench.store import PICTURES

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from remac_agents.isolation.remote import RemoteError
-from remac_agents.printable import printable, type_name, words
+from remac_agents.text.printable import printable, type_name, words
 from remac_bench.agents import Agent
 from remac_bench.entries import MESSAGE_MAX, EndpointError, report_fields, save_pictures
 from remac_bench.errors import JobTimeoutError

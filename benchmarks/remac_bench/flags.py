@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from remac_agents.option_text import MOST_SPENT
+from remac_agents.text.options import MOST_SPENT
 from remac_bench import agents
 from remac_bench.command import real, whole
 from remac_env.options import MAX_ROBOTS, Options

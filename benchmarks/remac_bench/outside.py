@@ -22,7 +22,7 @@ def plugins(agent: Mapping[str, Any], *, providers: str | None = None) -> dict[s
     Args:
         providers: see `agents.Access`.
     """
-    from remac_agents.catalogue import ROLES, is_plugin
+    from remac_agents.wiring.catalogue import ROLES, is_plugin
 
     return {name: agent[name] for name in ROLES if name in agent and is_plugin(name, agent[name], providers=providers)}
 

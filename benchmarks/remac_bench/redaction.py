@@ -26,7 +26,7 @@ def redact(text: str) -> str:
     last part; addresses (http://host/...) stay as they are.
     """
     from remac_agents.llm.redaction import Redactor  # only here: episodes without errors need no client
-    from remac_agents.printable import printable
+    from remac_agents.text.printable import printable
 
     secrets = {
         value: name for name, value in os.environ.items() if len(value) >= SHORTEST_SECRET and SECRET_NAMES.search(name)
@@ -44,7 +44,7 @@ def redact(text: str) -> str:
 
 def printable_values(value: Any) -> Any:
     """Plain values with every text in them made printable."""
-    from remac_agents.printable import printable
+    from remac_agents.text.printable import printable
 
     if isinstance(value, str):
         return printable(value)

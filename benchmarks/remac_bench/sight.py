@@ -41,7 +41,7 @@ def viewers(method: str, agent: Mapping[str, Any], access: agents.Access) -> tup
     Raises:
         UnknownNameError, OptionError: for a role or model that does not exist.
     """
-    from remac_agents.catalogue import looks_at_pictures
+    from remac_agents.wiring.catalogue import looks_at_pictures
 
     filled = {role: who for role, who in _fillers(agent, access).items() if role == "planner" or checks(method)}
     outside = plugins(filled, providers=access.providers) if access.isolated else {}
@@ -72,7 +72,7 @@ def kitchen_for(viewers: tuple[str, ...], kitchen: Mapping[str, Any]) -> dict[st
 
 def checked_by(record: Record) -> str:
     """Who judged an episode's conditions, as the entry named it; "" for a method that asks nobody."""
-    from remac_agents.filling import DEFAULTS
+    from remac_agents.wiring.filling import DEFAULTS
 
     agent = record.options.get("agent", {})
     if not (checks(record.method) or record.pre_checks or record.post_checks):
@@ -83,7 +83,7 @@ def checked_by(record: Record) -> str:
 
 
 def _fillers(agent: Mapping[str, Any], access: agents.Access) -> dict[str, Any]:
-    from remac_agents.filling import fillers
+    from remac_agents.wiring.filling import fillers
 
     roles = {name: agent[name] for name in agents.ROLES if name in agent}
     if "model" not in agent:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from remac_agents.option_text import MOST_SPENT
+from remac_agents.text.options import MOST_SPENT
 from remac_bench import agents
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError

@@ -7,10 +7,10 @@ from typing import Any
 
 from pydantic import BaseModel, Field
 
-from remac_agents import wording
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import ModelRole, reads, texts_in
 from remac_agents.plan import Commands, Plan, PlanError, read_plan
+from remac_agents.prompting import wording
+from remac_agents.prompting.model_role import ModelRole, reads, texts_in
 from remac_agents.roles import AdjustRequest, Advice
 from remac_env.rules.subtasks import Subtask
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from remac_agents.free_text import truth_of
 from remac_agents.roles import Verdict, View
+from remac_agents.roles.free_text import truth_of
 from remac_env.rules.conditions import Condition
 
 UNMATCHED = "no sentence of the skill table says the same, and only a model can judge these words"

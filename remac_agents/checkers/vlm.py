@@ -9,10 +9,10 @@ from typing import Any
 
 from pydantic import BaseModel, Field, field_validator
 
-from remac_agents import wording
 from remac_agents.llm import BadAnswer, Picture
-from remac_agents.model_role import ModelRole, reads
-from remac_agents.prompt import load
+from remac_agents.prompting import wording
+from remac_agents.prompting.model_role import ModelRole, reads
+from remac_agents.prompting.prompt import load
 from remac_agents.roles import StopEpisode, Verdict, View
 from remac_env.errors import OptionError
 from remac_env.rules.conditions import Condition

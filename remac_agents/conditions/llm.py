@@ -5,12 +5,11 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-from remac_agents import wording
 from remac_agents.conditions.rule import OF_THE_ROUND
-from remac_agents.free_text import FreeText
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import ModelRole, reads
-from remac_agents.roles import View
+from remac_agents.prompting import wording
+from remac_agents.prompting.model_role import ModelRole, reads
+from remac_agents.roles import FreeText, View
 from remac_env.rules.conditions import Condition
 from remac_env.rules.sentences import read_condition, sentence_forms
 from remac_env.rules.subtasks import Subtask

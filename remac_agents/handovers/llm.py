@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from remac_agents import wording
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import ModelRole
 from remac_agents.plan import Commands, Plan, PlanError, read_plan
-from remac_agents.plan_words import without_thoughts
+from remac_agents.prompting import wording
+from remac_agents.prompting.model_role import ModelRole
 from remac_agents.roles import HandoverRequest
+from remac_agents.text.plan_words import without_thoughts
 
 ALONE = "alone"
 """The answer that declines."""

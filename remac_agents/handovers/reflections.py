@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remac_agents.handovers.schedule import schedule
-from remac_agents.lessons import Before, read_lesson
 from remac_agents.plan import Commands, Plan
+from remac_agents.planning.lessons import Before, read_lesson
+from remac_agents.planning.teamwork import parts_of, share_out
 from remac_agents.roles import HandoverRequest
-from remac_agents.teamwork import parts_of, share_out
 from remac_env.rules.subtasks import Subtask
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remac_agents.plan import Plan
-from remac_agents.whereabouts import Whereabouts
+from remac_agents.planning.whereabouts import Whereabouts
 from remac_env.rules.facts import ASIDE
 from remac_env.rules.scene import PublicScene
 from remac_env.rules.subtasks import WAIT, Subtask

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_agents.plan import is_unordered
-from remac_agents.printable import quoted
-from remac_agents.request_json import png
+from remac_agents.roles.request_json import png
+from remac_agents.text.printable import quoted
 from remac_env.frozen import FrozenMap
 
 MOST_PARTS = 2_000
@@ -31,7 +31,7 @@ DEEPEST = 40
 """Levels of an answer."""
 
 _MODULES = (
-    *(f"remac_agents.{name}" for name in ("accounts", "free_text", "hindsight", "plan", "roles")),
+    *(f"remac_agents.{name}" for name in ("plan", "roles")),
     *(f"remac_env.rules.{name}" for name in ("conditions", "facts", "outcomes", "scene", "subtasks")),
     *(f"remac_env.{name}" for name in ("state", "tasks.goals")),
 )

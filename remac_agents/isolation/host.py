@@ -6,12 +6,12 @@ import os
 import traceback
 from typing import Any
 
-from remac_agents.catalogue import VERBS, make_role
-from remac_agents.grants import reads_truth
 from remac_agents.isolation.codec import dumps, loads
 from remac_agents.isolation.lines import Ended, Lines
-from remac_agents.printable import printable, type_name, words
 from remac_agents.roles import StopEpisode
+from remac_agents.roles.grants import reads_truth
+from remac_agents.text.printable import printable, type_name, words
+from remac_agents.wiring.catalogue import VERBS, make_role
 
 OPTIONAL = ("begin_episode", "review")
 """Verbs that a role may have beside those of its protocol."""

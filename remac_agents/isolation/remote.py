@@ -13,11 +13,11 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from remac_agents.catalogue import VERBS
 from remac_agents.isolation.codec import dumps, loads
 from remac_agents.isolation.host import OPTIONAL
 from remac_agents.isolation.lines import Ended, Lines
 from remac_agents.roles import StopEpisode
+from remac_agents.wiring.catalogue import VERBS
 from remac_env import errors
 
 Left = Callable[[], float | None]

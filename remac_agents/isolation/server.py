@@ -18,10 +18,10 @@ import sys
 from contextlib import suppress
 from typing import Any
 
-from remac_agents.catalogue import find_plugin
 from remac_agents.isolation.codec import classes
 from remac_agents.isolation.host import serve, told_error
 from remac_agents.isolation.lines import Ended, Lines
+from remac_agents.wiring.catalogue import find_plugin
 
 _DIE_WITH_PARENT = 1
 """PR_SET_PDEATHSIG of Linux."""

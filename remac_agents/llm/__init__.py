@@ -9,7 +9,6 @@ with ChatClient("openai:gpt-4o", budget=Budget(calls=100, money=2.0)) as client:
 from __future__ import annotations
 
 from remac_agents.llm.adapting import Manners
-from remac_agents.llm.answer import Answer, BadAnswer, read_json
 from remac_agents.llm.budget import Budget, Spent
 from remac_agents.llm.cassette import Cassette
 from remac_agents.llm.client import ChatClient
@@ -19,6 +18,7 @@ from remac_agents.llm.providers import Catalogue, Endpoint, Model, Provider, loa
 from remac_agents.llm.redaction import file_name, plain
 from remac_agents.llm.request import Picture
 from remac_agents.llm.settings import ModelSettings, plain_model_name, read_model_name, read_settings
+from remac_agents.text.json_text import Answer, BadAnswer, read_json
 
 __all__ = [
     "KINDS",

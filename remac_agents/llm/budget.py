@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass
 
-from remac_agents.option_text import MOST_SPENT, check_number
+from remac_agents.text.options import MOST_SPENT, check_number
 
 
 @dataclass(frozen=True)

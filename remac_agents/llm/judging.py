@@ -8,7 +8,7 @@ from typing import Any
 from remac_agents.llm.outcomes import ChatError, ChatReply
 from remac_agents.llm.request import ChatRequest
 from remac_agents.llm.wire import Raw
-from remac_agents.thoughts import split_reasoning
+from remac_agents.text.thoughts import split_reasoning
 
 MOST_TOKENS = 100_000_000
 """A larger count of tokens is not credible."""

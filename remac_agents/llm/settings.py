@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 from remac_agents.llm.providers import Endpoint
-from remac_agents.option_text import check_number, join_options, read_value, split_options
+from remac_agents.text.options import check_number, join_options, read_value, split_options
 from remac_env.errors import OptionError
 
 LONGEST_S = 86_400.0

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from remac_agents.episode import Episode, Turns
 from remac_agents.methods.base import base
 from remac_agents.methods.best import best_of
 from remac_agents.methods.cape import cape
@@ -18,6 +17,7 @@ from remac_agents.methods.re import re
 from remac_agents.methods.reflect import reflect, reflect_cc
 from remac_agents.methods.remac import remac
 from remac_agents.methods.smart_llm import smart_llm
+from remac_agents.running.method_run import Episode, Turns
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from remac_agents.episode import Episode, Turns
+from remac_agents.running.method_run import Episode, Turns
 
 
 def base(episode: Episode) -> Turns:

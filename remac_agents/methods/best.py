@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from remac_agents.episode import Episode, Turns
+from remac_agents.running.method_run import Episode, Turns
 
 
 def best_of(method: Callable[[Episode], Turns]) -> Callable[[Episode], Turns]:

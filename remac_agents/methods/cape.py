@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from remac_agents.episode import Episode, Turns
-from remac_agents.stepwise import Stepwise, Told
+from remac_agents.running.method_run import Episode, Turns
+from remac_agents.running.stepwise import Stepwise, Told
 
 
 def cape(told: Told) -> Callable[[Episode], Turns]:
-    """The method by what the planner is told of a failed pre-condition; see `remac_agents.stepwise`."""
+    """The method by what the planner is told of a failed pre-condition; see `remac_agents.running.stepwise`."""
 
     def run(episode: Episode) -> Turns:
         steps = Stepwise(episode, told)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from remac_agents.episode import Episode, Turns
 from remac_agents.methods.cc import cc
+from remac_agents.running.method_run import Episode, Turns
 
 
 def re(episode: Episode) -> Turns:

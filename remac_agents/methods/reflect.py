@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from remac_agents.episode import Episode, Turns
-from remac_agents.hindsight import correct
 from remac_agents.methods.base import base, open_loop
 from remac_agents.methods.cc import cc, checked
+from remac_agents.running.hindsight import correct
+from remac_agents.running.method_run import Episode, Turns
 
 
 def reflect(episode: Episode) -> Turns:

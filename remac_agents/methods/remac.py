@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from remac_agents.episode import Episode, Turns
-from remac_agents.mastery import proven_plan
 from remac_agents.methods.cc import checked
 from remac_agents.plan import PlanError, read_plan
+from remac_agents.planning.mastery import proven_plan
 from remac_agents.roles import HandoverRequest
+from remac_agents.running.method_run import Episode, Turns
 from remac_env.rules.subtasks import Subtask
 
 

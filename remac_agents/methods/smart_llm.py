@@ -11,12 +11,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
-from remac_agents.asking import ask
-from remac_agents.coalitions import as_values, lay_out, read_allocation, read_decomposition
-from remac_agents.episode import Episode, Turns
 from remac_agents.methods.base import open_loop
 from remac_agents.plan import Plan, PlanError
+from remac_agents.planning.coalitions import as_values, lay_out, read_allocation, read_decomposition
 from remac_agents.roles import PlanRequest
+from remac_agents.running.asking import ask
+from remac_agents.running.method_run import Episode, Turns
 
 T = TypeVar("T")
 

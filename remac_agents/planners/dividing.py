@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from remac_agents.planners.rewriting import tidy
+from remac_agents.planning.rewriting import tidy
+from remac_agents.planning.teamwork import independent, parts_of
 from remac_agents.roles import PlanRequest
-from remac_agents.teamwork import independent, parts_of
 from remac_env.rules.subtasks import Subtask
 
 _ASIDE = Subtask("navigate aside")

@@ -12,8 +12,8 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from remac_agents.plan import PlanError
-from remac_agents.request_json import as_json
 from remac_agents.roles import PlanRequest
+from remac_agents.roles.request_json import as_json
 from remac_env.errors import OptionError, real_number
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from remac_agents import wording
 from remac_agents.plan import MAX_STEPS, Commands, Plan, PlanError
+from remac_agents.prompting import wording
 from remac_agents.roles import PlanRequest
 from remac_env.files import unmarked
 from remac_env.rules.subtasks import Subtask

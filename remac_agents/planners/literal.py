@@ -8,14 +8,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from remac_agents.lessons import read_lesson
 from remac_agents.plan import Commands, Plan
 from remac_agents.planners.dividing import allocated, decomposed
 from remac_agents.planners.mending import corrected, next_steps
-from remac_agents.planners.rewriting import apply, tidy
 from remac_agents.planners.sentence import SentenceReader
+from remac_agents.planning.lessons import read_lesson
+from remac_agents.planning.rewriting import apply, tidy
+from remac_agents.planning.teamwork import parts_of, share_out
 from remac_agents.roles import PlanRequest
-from remac_agents.teamwork import parts_of, share_out
 from remac_env.rules.subtasks import Subtask
 
 

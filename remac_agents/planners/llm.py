@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 
-from remac_agents import wording
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import JSON, ModelRole, sent_back
 from remac_agents.plan import PlanError
-from remac_agents.prompt import Prompt, load
+from remac_agents.prompting import wording
+from remac_agents.prompting.model_role import JSON, ModelRole, sent_back
+from remac_agents.prompting.prompt import Prompt, load
 from remac_agents.roles import PlanRequest
 
 STAGES = {"decompose": "smart_llm_decompose", "allocate": "smart_llm_allocate"}

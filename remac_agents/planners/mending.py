@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from remac_agents.adjusters.rule import RuleAdjuster
 from remac_agents.plan import Plan
-from remac_agents.planners.rewriting import Steps, tidy
+from remac_agents.planning.rewriting import Steps, tidy
+from remac_agents.planning.whereabouts import Whereabouts, hands
 from remac_agents.roles import AdjustRequest, Attempt, PlanRequest, View
-from remac_agents.whereabouts import Whereabouts, hands
 from remac_env.rules.conditions import Condition
 from remac_env.rules.subtasks import Subtask
 

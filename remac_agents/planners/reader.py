@@ -13,8 +13,8 @@ from functools import lru_cache
 from importlib import resources
 
 from remac_agents.plan import Commands, Plan
-from remac_agents.planners.rewriting import tidy
 from remac_agents.planners.sentence import SentenceReader
+from remac_agents.planning.rewriting import tidy
 from remac_agents.roles import PlanRequest
 from remac_env.rules.subtasks import Subtask
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pydantic import BaseModel
 
-from remac_agents import wording
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import ModelRole, reads
+from remac_agents.prompting import wording
+from remac_agents.prompting.model_role import ModelRole, reads
 from remac_agents.roles import ReflectRequest
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from remac_agents.lessons import Before, Instead, LeaveOut, is_leave_out
+from remac_agents.planning.lessons import Before, Instead, LeaveOut, is_leave_out
 from remac_agents.roles import ReflectRequest
 from remac_env.rules.subtasks import Subtask
 

@@ -7,10 +7,10 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from remac_agents import wording
-from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summary
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import ModelRole, reads
+from remac_agents.prompting import wording
+from remac_agents.prompting.model_role import ModelRole, reads
+from remac_agents.roles import ExplainRequest, Explanation, SeenStep, Summary
 from remac_agents.summarisers.rule import RuleSummariser
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summary, last_tries
+from remac_agents.roles import ExplainRequest, Explanation, SeenStep, Summary, last_tries
 from remac_env.rules.conditions import Condition
 from remac_env.rules.subtasks import Subtask
 

@@ -17,7 +17,7 @@ from chaos_server import Asked, ChaosServer, says
 import remac_agents
 from remac_agents.conditions.rule import RuleConditions
 from remac_agents.plan import Commands
-from remac_agents.prompt import load, names
+from remac_agents.prompting.prompt import load, names
 from remac_agents.roles import View
 from remac_env.rules.scene import public_scene
 from remac_env.rules.sentences import read_condition

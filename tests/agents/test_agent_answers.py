@@ -12,12 +12,10 @@ from agent_kitchens import play, suite_kitchen
 
 import remac_agents
 from remac_agents.adjusters.rule import RuleAdjuster
-from remac_agents.answers import LONGEST, AnswerError
-from remac_agents.catalogue import make_role
-from remac_agents.free_text import FreeText
-from remac_agents.hindsight import Explanation, Summary
 from remac_agents.plan import PlanError
-from remac_agents.roles import Advice, Verdict
+from remac_agents.roles import Advice, Explanation, FreeText, Summary, Verdict
+from remac_agents.wiring.answers import LONGEST, AnswerError
+from remac_agents.wiring.catalogue import make_role
 from remac_env.rules.conditions import Condition
 from remac_env.rules.subtasks import Subtask
 
@@ -88,7 +86,7 @@ def test_verdicts_in_another_form_are_the_same(change: Any) -> None:
 
 def test_a_checker_may_say_that_it_cannot_tell() -> None:
     asked = (Condition("hand_empty", ("robot_0",)), Condition("hand_full", ("robot_0",)))
-    from remac_agents.answers import Answers
+    from remac_agents.wiring.answers import Answers
 
     read = Answers("checker", object()).verdicts([Verdict(c, None) for c in asked], asked)  # type: ignore[arg-type]
     assert [verdict.value for verdict in read] == [None, None]

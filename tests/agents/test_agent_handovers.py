@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from test_agent_made_up_tasks import dough, towels
 
-from remac_agents.catalogue import make_role
 from remac_agents.checkers.noisy import NoisyChecker
 from remac_agents.handovers.schedule import schedule
 from remac_agents.plan import Commands, Plan
 from remac_agents.roles import HandoverRequest, View
+from remac_agents.wiring.catalogue import make_role
 from remac_env.rules.conditions import condition
 from remac_env.rules.scene import public_scene
 from remac_env.rules.subtasks import Subtask

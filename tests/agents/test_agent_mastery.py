@@ -9,9 +9,9 @@ from agent_kitchens import play, suite_kitchen
 from test_agent_made_up_tasks import towels
 
 import remac_agents
-from remac_agents.mastery import proven_plan, without_detours
 from remac_agents.memory import Run
 from remac_agents.plan import Commands
+from remac_agents.planning.mastery import proven_plan, without_detours
 from remac_env.errors import OptionError
 
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")

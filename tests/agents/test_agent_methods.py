@@ -15,10 +15,9 @@ from remac_bench.store import Store
 from test_agent_roles import Spy
 
 import remac_agents
-from remac_agents.hindsight import ExplainRequest, Explanation, SeenStep, Summary
 from remac_agents.methods import METHODS
 from remac_agents.planners.literal import LiteralPlanner
-from remac_agents.roles import Advice, PlanRequest
+from remac_agents.roles import Advice, ExplainRequest, Explanation, PlanRequest, SeenStep, Summary
 
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
 CAPES = ("CAPE", "CAPE-IMPLICIT", "CAPE-SUCCESS", "CAPE-RESAMPLE")

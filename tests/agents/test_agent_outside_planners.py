@@ -19,11 +19,11 @@ from agent_kitchens import play, suite_kitchen
 from remac_bench import agents as bench_agents
 
 import remac_agents
-from remac_agents.catalogue import make_role
 from remac_agents.plan import PlanError
 from remac_agents.planners.http import HttpPlanner
-from remac_agents.request_json import as_json, png
 from remac_agents.roles import PlanRequest
+from remac_agents.roles.request_json import as_json, png
+from remac_agents.wiring.catalogue import make_role
 from remac_env.errors import OptionError, RemacError, UnknownNameError
 from remac_env.rules.scene import public_scene
 

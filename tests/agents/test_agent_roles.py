@@ -8,8 +8,8 @@ import pytest
 from agent_kitchens import play, suite_kitchen
 
 import remac_agents
-from remac_agents.briefing import ANSWERS
 from remac_agents.roles import PlanRequest, View
+from remac_agents.running.briefing import ANSWERS
 from remac_env.errors import LifecycleError, OptionError, UnknownNameError
 
 TASK = "DefrostInBowl"
@@ -121,7 +121,7 @@ def test_reasons_are_seen_only_with_that_feedback() -> None:
         def check(self, conditions: Any, view: View) -> Any:
             reasons = {report.reason for report in view.reports.values() if report is not None}
             seen.setdefault(feedback, set()).update(reasons)
-            return remac_agents.catalogue.make_role("checker", "none").check(conditions, view)
+            return remac_agents.wiring.catalogue.make_role("checker", "none").check(conditions, view)
 
     for feedback in ("status", "reason"):
         env = suite_kitchen("OpenCabinetPnP", feedback=feedback)

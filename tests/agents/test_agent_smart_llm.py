@@ -13,10 +13,10 @@ from test_agent_made_up_tasks import towels
 from test_agent_teamwork import washings
 
 import remac_agents
-from remac_agents.coalitions import Task, lay_out, read_allocation, read_decomposition, skills_of
 from remac_agents.plan import Commands, Plan, PlanError
 from remac_agents.planners.dividing import allocated, decomposed
 from remac_agents.planners.literal import LiteralPlanner
+from remac_agents.planning.coalitions import Task, lay_out, read_allocation, read_decomposition, skills_of
 from remac_agents.roles import PlanRequest
 from remac_env.rules.subtasks import WAIT
 

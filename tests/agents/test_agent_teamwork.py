@@ -11,7 +11,7 @@ from test_agent_made_up_tasks import BENCH, STATIONS, dough
 
 import remac_agents
 from remac_agents.plan import Commands, Plan
-from remac_agents.teamwork import parts_of, share_out
+from remac_agents.planning.teamwork import parts_of, share_out
 from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules
 from remac_env.rules.rounds import transition
 from remac_env.rules.subtasks import Subtask

@@ -10,7 +10,7 @@ import pytest
 
 import remac_agents
 import remac_env
-from remac_agents.prompt import names
+from remac_agents.prompting.prompt import names
 from remac_env.registry import tasks
 
 SOURCES = sorted(Path(str(remac_agents.__file__)).parent.rglob("*.py"))

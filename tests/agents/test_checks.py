@@ -14,10 +14,8 @@ from chaos_server import Asked
 from scripted_model import PICTURES, ScriptedModel, run, scripted
 
 import remac_agents
-from remac_agents.accounts import Ran
-from remac_agents.free_text import FreeText
-from remac_agents.prompt import load
-from remac_agents.roles import Report, Verdict, View
+from remac_agents.prompting.prompt import load
+from remac_agents.roles import FreeText, Ran, Report, Verdict, View
 from remac_env.errors import OptionError, RemacError
 from remac_env.rules.conditions import Condition, Denial, condition, denied
 from remac_env.rules.predicates import SENTENCES

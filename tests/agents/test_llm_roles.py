@@ -38,7 +38,7 @@ def test_a_model_that_answers_well_succeeds(method: str) -> None:
 @pytest.mark.parametrize("word", ["", "no idea", '{"x": 1}', "Plan: [open the pod bay doors]", "[]", "{}"])
 def test_a_model_that_answers_badly_is_a_failure_of_the_agent_and_ends(method: str, word: str) -> None:
     with scripted() as model:
-        model.answers = dict.fromkeys(remac_agents.prompt.names(), word or " ")
+        model.answers = dict.fromkeys(remac_agents.prompting.prompt.names(), word or " ")
         report = play(model.env, agent_of(model, method))
         assert not report.success
         assert report.infrastructure is None

@@ -16,14 +16,12 @@ from remac_bench.plans.ask import Cell, judged, teach_by
 from scripted_model import NAIVE, RIGHT, TASK, ScriptedModel, agent_of, run, scripted
 
 import remac_agents
-from remac_agents import wording
-from remac_agents.accounts import PreviousTry, Ran
-from remac_agents.catalogue import make_role
-from remac_agents.free_text import FreeText
 from remac_agents.llm import BadAnswer
-from remac_agents.model_role import reads, texts_in
-from remac_agents.request_json import as_json
-from remac_agents.roles import AdjustRequest, Advice, PlanRequest, StopEpisode
+from remac_agents.prompting import wording
+from remac_agents.prompting.model_role import reads, texts_in
+from remac_agents.roles import AdjustRequest, Advice, FreeText, PlanRequest, PreviousTry, Ran, StopEpisode
+from remac_agents.roles.request_json import as_json
+from remac_agents.wiring.catalogue import make_role
 
 TOO_FAR = "open microwave door"
 """Fails wherever the robot does not stand at the microwave, as it does not at the start."""

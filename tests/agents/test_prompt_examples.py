@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from remac_agents.prompt import load, names
+from remac_agents.prompting.prompt import load, names
 from remac_env.rules.predicates import SENTENCES
 from remac_env.rules.skills import SKILLS
 

@@ -13,7 +13,7 @@ from remac_bench.runner import Settings, run_jobs
 from test_bench_cli import remac
 
 import remac_agents
-from remac_agents.ledger import EpisodeReport, Exchange, Usage
+from remac_agents.report import EpisodeReport, Exchange, Usage
 
 HERE = Settings(workers=0)
 PNG = b"\x89PNG\r\n\x1a\n a picture"

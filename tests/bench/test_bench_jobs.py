@@ -11,7 +11,7 @@ from remac_bench.commands import bench
 from remac_bench.errors import UsageError
 from remac_bench.jobs import make_jobs, parse_names, parse_seeds
 
-from remac_agents.filling import ModelOptions
+from remac_agents.wiring.filling import ModelOptions
 from remac_env.errors import OptionError, UnknownNameError
 from remac_env.options import Options
 

@@ -15,9 +15,9 @@ from remac_bench.plans.faults import BY_REASON, FAULTS
 from remac_bench.plans.judge import judge
 from typer.testing import CliRunner
 
-from remac_agents.catalogue import make_role
 from remac_agents.plan import Commands, read_plan
 from remac_agents.roles import PlanRequest, ReflectRequest
+from remac_agents.wiring.catalogue import make_role
 from remac_env.oracle import solve
 from remac_env.rules.outcomes import REASONS
 from remac_env.state import Place

@@ -15,7 +15,7 @@ from llm_kit import ASK, KEY, Kit, open_kit
 
 from remac_agents.llm import KINDS, Budget, ChatClient, ChatError, ChatReply, Picture, plain, resolve
 from remac_agents.llm.budget import Cost
-from remac_agents.thoughts import split_reasoning
+from remac_agents.text.thoughts import split_reasoning
 from remac_env.errors import OptionError
 
 

@@ -13,9 +13,9 @@ from llm_kit import ASK, Kit, open_kit
 from remac_bench.agents import asked_models
 
 import remac_agents
-from remac_agents.catalogue import MODEL_ROLES, make_role, read_role
 from remac_agents.llm import Budget, ChatClient, ModelSettings, plain_model_name, read_model_name, resolve
-from remac_agents.option_text import join_options, split_options
+from remac_agents.text.options import join_options, split_options
+from remac_agents.wiring.catalogue import MODEL_ROLES, make_role, read_role
 from remac_env.errors import OptionError, RemacError, UnknownNameError
 
 ALL = (

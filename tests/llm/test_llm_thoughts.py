@@ -13,7 +13,7 @@ from llm_kit import Kit, open_kit
 
 from remac_agents.llm.judging import FILTERED, LENGTHS, STOPS, TOOLS
 from remac_agents.plan import Commands, Plan, read_plan
-from remac_agents.thoughts import split_reasoning
+from remac_agents.text.thoughts import split_reasoning
 
 COMMANDS = Commands(["wait", "done", "navigate to red box", "pick up cup", "open red box door"])
 WRONG = "Plan: [open red box door, pick up cup]"

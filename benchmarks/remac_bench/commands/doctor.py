@@ -61,7 +61,7 @@ def _ask_models(
     names: list[str], *, base_url: str | None, providers: str | None, via: str | None, as_json: bool
 ) -> None:
     from remac_agents.llm import read_model_name
-    from remac_agents.models import Models
+    from remac_agents.prompting.models import Models
     from remac_bench.agents import by_route
     from remac_bench.commands.preflight import ask_and_show
     from remac_bench.preflight.probes import ask_all

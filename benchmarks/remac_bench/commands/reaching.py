@@ -57,14 +57,14 @@ class Reach:
         """Who fills a role; a model with a budget of its own.
 
         Raises:
-            UnknownNameError, OptionError: see `remac_agents.catalogue.make_role`.
+            UnknownNameError, OptionError: see `remac_agents.wiring.catalogue.make_role`.
         """
-        from remac_agents.catalogue import make_role
+        from remac_agents.wiring.catalogue import make_role
 
         if not isinstance(text, str) or not agents.is_model(text.partition(",")[0].strip(), self.providers):
             return make_role(role, text)
         from remac_agents.llm import Budget  # only here: no offline role needs the client
-        from remac_agents.models import LIMITS, Models
+        from remac_agents.prompting.models import LIMITS, Models
 
         bounds: dict[str, Any] = {
             name: LIMITS.get(name) if (bound := getattr(self, f"max_{name}")) is None else bound

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from remac_agents.memory_file import MemoryFile
+from remac_agents.memory.file import MemoryFile
 from remac_bench.asked import Asked
 from remac_bench.errors import UsageError
 from remac_env.files import prepare_file

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from remac_agents.free_text import FreeText
+from remac_agents.roles import FreeText
 from remac_bench.board import Column, Sheet
 from remac_bench.judging.alarms import detour_tokens, detours, is_false_alarm, tally
 from remac_bench.judging.cells import Cells, count, number, only_known, rate, word

@@ -9,13 +9,12 @@ from typing import Any
 
 import remac_agents
 from remac_agents import Bounds, Memory, Plan, PlanError
-from remac_agents.accounts import PreviousTry, Ran
 from remac_agents.agent import Agent
-from remac_agents.asking import previous_try
-from remac_agents.episode import Episode, Turns
 from remac_agents.methods import Method
-from remac_agents.printable import type_name, words
-from remac_agents.roles import StopEpisode
+from remac_agents.roles import PreviousTry, Ran, StopEpisode
+from remac_agents.running.asking import previous_try
+from remac_agents.running.method_run import Episode, Turns
+from remac_agents.text.printable import type_name, words
 from remac_bench.asked import Asked
 from remac_bench.entries import MESSAGE_MAX
 from remac_bench.episode import Fault, blaming
@@ -101,8 +100,8 @@ def judged(cell: Cell, planner: object, taught: Taught | None = None) -> Judgeme
     """Ask the planner for a plan for all robots of the cell, and judge it.
 
     Args:
-        planner: a ready planner (`remac_agents.catalogue.make_role`). What it raises counts as an answer that is no
-            plan, and so does a budget that is spent.
+        planner: a ready planner (`remac_agents.wiring.catalogue.make_role`). What it raises counts as an answer that
+            is no plan, and so does a budget that is spent.
         taught: what it is told of an earlier iteration.
 
     Raises:

@@ -18,14 +18,14 @@ from typing import Any
 import numpy
 
 import remac_agents
-from remac_agents import wording
-from remac_agents.catalogue import MODEL_ROLES, make_role
-from remac_agents.filling import DEFAULTS
 from remac_agents.llm import Budget, Cassette, ChatReply
 from remac_agents.llm.request import CHARACTERS_PER_TOKEN, TOKENS_PER_PICTURE
-from remac_agents.models import Models
 from remac_agents.plan import Plan
+from remac_agents.prompting import wording
+from remac_agents.prompting.models import Models
 from remac_agents.roles import AdjustRequest, Advice, HandoverRequest, PlanRequest, ReflectRequest, Verdict, View
+from remac_agents.wiring.catalogue import MODEL_ROLES, make_role
+from remac_agents.wiring.filling import DEFAULTS
 from remac_bench import agents
 from remac_bench.preflight.estimates import Need
 from remac_env.rules.conditions import Condition

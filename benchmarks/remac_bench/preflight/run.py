@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from remac_agents.llm import Cassette, ChatClient, Model
-from remac_agents.models import LIMITS
+from remac_agents.prompting.models import LIMITS
 from remac_bench import agents
 from remac_bench.jobs import Job
 from remac_bench.preflight.estimates import Costs, Need

@@ -74,7 +74,7 @@ def _mark(record: Record, job: Job) -> SuiteMark:
 
 def repeatable(record: Record) -> bool:
     """Whether the agent answers the same when it is asked again: all of its roles are our own offline ones."""
-    from remac_agents.catalogue import ROLES
+    from remac_agents.wiring.catalogue import ROLES
 
     agent: Mapping[str, Any] = record.options.get("agent", {})
     names = {role: str(agent[role]).partition(",")[0] for role in agents.ROLES if role in agent}
@@ -84,7 +84,7 @@ def repeatable(record: Record) -> bool:
 
 def asks_only_models(record: Record) -> bool:
     """Whether everyone whom the agent asks is our own or a language model, so that a cassette can play it again."""
-    from remac_agents.catalogue import ROLES
+    from remac_agents.wiring.catalogue import ROLES
 
     agent: Mapping[str, Any] = record.options.get("agent", {})
     names = [(role, str(agent[role]).partition(",")[0]) for role in agents.ROLES if role in agent]

@@ -1,0 +1,108 @@
+"""When one robot has mastered a task, and with which plan: what a run carried out, without what changed nothing.
+
+False alarms of a checker add steps that come to nothing. A run that succeeded proves the steps that are left without
+them, however often its plan was adjusted on the way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from remac_agents.memory import Run
+from remac_agents.plan import Commands
+from remac_agents.planning.rewriting import tidy
+from remac_agents.planning.whereabouts import hands
+from remac_agents.roles import Ran
+from remac_env.rules.facts import Rules
+from remac_env.rules.scene import public_scene
+from remac_env.rules.subtasks import Subtask
+
+Steps = tuple[Subtask, ...]
+
+_NAVIGATION = ("navigate to", "navigate aside")
+
+
+def proven_plan(runs: Sequence[Run], commands: Commands, facts: Rules, *, last: bool = False) -> Steps | None:
+    """The single-robot plan of a task that is mastered, or None.
+
+    A run by one robot that succeeded masters it if its plan was not adjusted, or came out no longer than it was
+    planned or than an earlier one came out: there is nothing left to learn. A run by several robots that failed
+    takes the mastery away again.
+
+    Args:
+        runs: those of the task, oldest first.
+        last: no other iteration follows; any success counts then, and the shortest plan is taken.
+    """
+    mastered: Steps | None = None
+    best: Steps | None = None
+    for run in runs:
+        if len(run.initial_plan) > 1:
+            mastered, best = (mastered, best) if run.success else (None, None)
+            continue
+        planned = _read([text for row in run.initial_plan.values() for text in row], commands)
+        came_out = planned if not run.adjusted else carried_out(run, commands, facts, planned or ())
+        if not run.success or not came_out:
+            mastered = None
+            continue
+        refuted = best == planned != came_out  # it was tried, and more was needed
+        shorter = best is None or refuted or len(came_out) <= len(best)
+        settled = best is not None and shorter and not refuted
+        efficient = not run.adjusted or len(came_out) <= len(planned or ()) or settled
+        mastered = came_out if efficient else None
+        best = came_out if shorter else best
+    return mastered or (best if last else None)
+
+
+def carried_out(run: Run, commands: Commands, facts: Rules, planned: Steps) -> Steps | None:
+    """What one robot did, without steps that failed and detours; None for what this kitchen has no command for."""
+    entries = (Ran.read(line) for line in run.action_list)
+    steps = _read([ran.command for ran in entries if ran is not None and ran.succeeded], commands)
+    return None if steps is None else without_detours(steps, facts, planned)
+
+
+def without_detours(steps: Sequence[Subtask], facts: Rules, planned: Steps) -> Steps:
+    """The steps without idle ways, and without things that were put down on a plain surface and taken up again.
+
+    Where other work was done between, the thing was fetched too early; that holds only if the plan itself had the
+    fetch before that work. One that came in later may have been what made the work possible.
+    """
+    old: list[Subtask] = []
+    scene = public_scene(facts)
+    new = tidy(steps, scene)
+    while new != old:
+        old = new
+        new = tidy(_without_one_rest(new, facts, planned), scene)
+    return tuple(new)
+
+
+def _without_one_rest(steps: list[Subtask], facts: Rules, planned: Steps) -> list[Subtask]:
+    held = hands(steps)
+    for down, step in enumerate(steps):
+        if step.skill != "place to" or not _is_plain(step.target, facts):
+            continue
+        fetch = Subtask("pick up", held[down] or "")
+        work = [(i, other) for i, other in enumerate(steps) if other.skill not in _NAVIGATION]
+        again = next((i for i, other in work if i > down and held[down] in (other.target, held[i])), None)
+        between = [other for i, other in work if again is not None and down < i < again]
+        if again is None or steps[again] != fetch:
+            continue
+        taken = max(i for i in range(down) if steps[i] == fetch)
+        early = any(taken < i < down for i, _ in work) or fetch not in planned
+        first = planned[: planned.index(fetch)] if fetch in planned else ()
+        if not between:
+            return [other for i, other in enumerate(steps) if i not in (down, again)]
+        if not early and not set(between) & set(first):
+            return [other for i, other in enumerate(steps) if i not in (taken, down)]
+    return steps
+
+
+def _is_plain(target: str, facts: Rules) -> bool:
+    """Whether putting a thing there does nothing else to it."""
+    fixture = facts.fixtures.get(target)
+    basins = {basin for _, under in facts.taps for basin in under}
+    return fixture is not None and not fixture.door and not fixture.switches and target not in basins
+
+
+def _read(texts: Sequence[str], commands: Commands) -> Steps | None:
+    steps = [commands.parse(text) for text in texts]
+    return tuple(step for step in steps if step is not None) if None not in steps else None

@@ -1,0 +1,1 @@
+"""Texts that people and models write, read strictly: plans, reasoning, options, JSON."""
