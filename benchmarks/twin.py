@@ -5,8 +5,8 @@ rarest is chosen, half of the time among those that succeed. Where a pair needs 
 closed door), one robot's shortest way there is searched for and gone, half of the rounds. Each round is foretold by the
 table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where in physics a
 thing slips out of a hand and in the table it does not, the round is listed apart; anything else is a disagreement,
-printed with what differs. Refusals, which both backends read from one function, are counted apart too: that they agree
-is no finding.
+printed with what differs. Refusals, which both backends read from one function, and what robots never try as a rule
+(remac_env/backends/physics/room.py: `forbidden`) are counted apart too: that they agree is no finding.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from remac_bench.jobs import parse_names, parse_seeds
 from rich.table import Table
 
 import remac_env
+from remac_env.backends.physics.room import forbidden
 from remac_env.backends.symbolic import SymbolicBackend
 from remac_env.files import prepare_file
 from remac_env.oracle import search_plan
@@ -40,7 +41,7 @@ from remac_env.rules.rounds import transition
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
 from remac_env.seeding import generator
-from remac_env.state import WorldState
+from remac_env.state import WorldState, supports
 
 SLIPS = ("slipped", "dropped")
 """Reasons that physics alone may give: the table does not know them."""
@@ -56,9 +57,6 @@ STRATA: tuple[Stratum, ...] = tuple(
 )
 """The pairs that need a preparation; robots that are elsewhere, and claims, come about by themselves."""
 
-READ = ("graspable", "room")
-"""Conditions that physics reads from the table before it tries, as it reads what is refused."""
-
 _FAR, _STATES = 8, 1500  # rounds and states up to which a preparation is searched for
 
 
@@ -66,8 +64,8 @@ _FAR, _STATES = 8, 1500  # rounds and states up to which a preparation is search
 class Compared:
     """One robot's subtask in one round.
 
-    verdict: agree, slip or disagree; differs: what does, in words; by_rule: both backends read the foretold failure
-    from one function, and nothing was tried.
+    verdict: agree, slip or disagree; differs: what does, in words; by_rule: both backends keep to the same rule, and
+    nothing was tried.
     """
 
     task: str
@@ -120,17 +118,28 @@ def compare(
         slip = slipped and (table == real or outcomes[name].reason in SLIPS)
         verdict = "slip" if slip else "disagree" if differs else "agree"
         where = (env.worlds.spec.name, len(joint), env.start.seed, env.start.layout, round_, name)
-        ruled = _by_rule(env.start.scene, before, joint, name)
+        ruled = _by_rule(env, before, joint, name)
         yield Compared(*where, subtask.text, subtask.skill, table, real, verdict, "; ".join(differs), ruled)
 
 
-def _by_rule(scene: Rules, before: WorldState, joint: Mapping[str, Subtask], robot: str) -> bool:
-    """Whether what the table foretells for this robot is read from it by physics as well."""
+def _by_rule(env: KitchenParallelEnv, before: WorldState, joint: Mapping[str, Subtask], robot: str) -> bool:
+    """Whether nothing is tried of this robot's subtask: both backends keep to one and the same rule."""
+    scene, subtask = env.start.scene, joint[robot]
     refused, _ = settle_claims(scene, before, joint)
     if robot in refused:
         return True
-    false = first_false(scene, before, robot, joint[robot], "attempt")
-    return false is not None and false.condition.predicate in READ
+    false = first_false(scene, before, robot, subtask, "attempt")
+    return false is not None and false.condition.predicate == "room" and _forbidden(env, before, robot, subtask.target)
+
+
+def _forbidden(env: KitchenParallelEnv, before: WorldState, robot: str, target: str) -> bool:
+    """Whether a rule keeps what the robot holds from being put there."""
+    scene, things = env.start.scene, env.worlds.categories
+    around = [target] if target in scene.fixtures else supports(scene, before, target)
+    kind = next((scene.fixtures[name].kind for name in around if name in scene.fixtures), "")
+    thing = things[env.start.categories[str(before.robots[robot].holding)]]
+    dish = things[env.start.categories[target]] if target in scene.objects else None
+    return forbidden(thing, kind, dish) is not None
 
 
 def _fell(foretold: WorldState, happened: WorldState) -> bool:

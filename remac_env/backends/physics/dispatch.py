@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from remac_env.backends.physics.doors import close_door, open_door
 from remac_env.backends.physics.insert import insert, take_out
 from remac_env.backends.physics.pick_up import LIFTS, pick_up
 from remac_env.backends.physics.place import place_on
+from remac_env.backends.physics.room import Spot, forbidden, free_slot, spot_in, vessels_on
 from remac_env.backends.physics.season import season
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, require_open
 from remac_env.backends.physics.switches import press_button, turn_knob, turn_lever
 from remac_env.kitchen.fixtures import Slot
 from remac_env.robots import panda
-from remac_env.robots.rotation import Array
-from remac_env.rules.conditions import condition
 from remac_env.rules.facts import Rules
-from remac_env.rules.places import landing, switch_for
+from remac_env.rules.places import switch_for
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState, base_place, contents
 
@@ -66,8 +63,6 @@ def _slot_of(here: Surroundings, world: WorldState, name: str) -> Slot:
 def _pick_up(here: Surroundings, scene: Rules, world: WorldState, target: str) -> Steps:
     slot = _slot_of(here, world, target)
     require_open(here, slot.fixture)
-    if not condition("graspable", target).holds(scene, world):
-        raise SkillFailure("blocked", f"the hand has no room to take hold of the {target} on or in the {slot.fixture}")
     place = world.objects[target].place
     vessel = place.where if place.relation == "vessel" else None
     inner = tuple(contents(world, target))
@@ -86,19 +81,32 @@ def _place(here: Surroundings, scene: Rules, world: WorldState, robot: str, targ
     if here.hand.body is None:
         raise SkillFailure("hands_empty", "there is nothing to place")
     require_open(here, target if target in scene.fixtures else _slot_of(here, world, target).fixture)
-    place = landing(scene, world, robot, target)
-    if place is None:
-        raise SkillFailure("blocked", f"there is no room on the {target} for the {here.hand.body}")
-    if place.relation == "vessel":
-        slot, vessel = _slot_of(here, world, place.where), place.where
-        point: Array = here.simulation.pose(vessel)[0] + [0.0, 0.0, here.things[vessel].inside_height]
+    spot = _spot(here, scene, world, robot, target)
+    if spot.slot.kind == "cavity":
+        yield from insert(here, spot.point, vessel=spot.vessel)
     else:
-        slot, vessel = here.layout.slots[place.where], None
-        point = here.simulation.located(slot.fixture, np.array(slot.center))
-    if slot.kind == "cavity":
-        yield from insert(here, point, vessel=vessel)
+        yield from place_on(here, spot.point, kind=spot.slot.kind, vessel=spot.vessel)
+
+
+def _spot(here: Surroundings, scene: Rules, world: WorldState, robot: str, target: str) -> Spot:
+    """Where there seems to be room for the held thing. Fails with ``blocked`` where there is none."""
+    body, options = str(here.hand.body), list[tuple[Slot, str | None]]()
+    if target in scene.objects:
+        slot = _slot_of(here, world, target)
+        kind, options = here.fixture(slot.fixture).kind, [(slot, target)]
     else:
-        yield from place_on(here, point, kind=slot.kind, vessel=vessel)
+        kind, station = scene.fixtures[target].kind, world.robots[robot].station
+        slots = [name for name in scene.fixtures[target].slots if scene.slots[name].station == station]
+        free = free_slot(here, slots, here.reading(target).on)
+        options = [(free, None)] if free else [*vessels_on(here, slots, kind)]
+    why = f"no room is seen on the {target}"
+    for slot, vessel in options:
+        rule = forbidden(here.things[body], kind, here.things[vessel] if vessel else None)
+        spot = spot_in(here, slot, vessel, body) if rule is None else None
+        if spot is not None:
+            return spot
+        why = rule or why
+    raise SkillFailure("blocked", f"{why}, for the {body}")
 
 
 def _season(here: Surroundings, world: WorldState, target: str) -> Steps:

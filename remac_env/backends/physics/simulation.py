@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import mujoco
 import numpy as np
@@ -188,6 +188,11 @@ class View:
         frame = self._robot.frame
         x, y, z = error.point(np.array([*frame.point(float(point[0]), float(point[1])), point[2]]))
         return np.array([*frame.local(x, y), z])
+
+    def off(self, part: str, point: Sequence[float]) -> Array:
+        """By how much (3,) a point (3,) of a fixture seems to be off, both in the world."""
+        error = self.perception.fixtures.get(part.partition("/")[0])
+        return np.zeros(3) if error is None else error.point(np.array(point)) - np.array(point)
 
     def turned(self, part: str) -> float:
         """By how much a fixture seems to be turned about the vertical (rad)."""

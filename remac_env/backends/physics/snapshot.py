@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
-from remac_env.backends.physics.simulation import RobotHandle, Simulation
+from remac_env.backends.physics.simulation import RobotHandle, Simulation, View
 from remac_env.kitchen.fixtures import Slot
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
@@ -79,15 +79,15 @@ def _place(
     if name in holders:
         return Place("held", holders[name])
     position, _ = simulation.pose(name)
-    vessel = _vessel_around(simulation, things, name, position)
+    vessel = vessel_around(simulation, things, name, position)
     if vessel is not None:
         return Place("vessel", vessel)
     slot = slot_under(layout, position - [0.0, 0.0, things[name].rest_height])
     return FLOOR if slot is None else Place("slot", slot)
 
 
-def _vessel_around(
-    simulation: Simulation, things: Mapping[str, Category], name: str, position: Array
+def vessel_around(
+    simulation: Simulation | View, things: Mapping[str, Category], name: str, position: Array
 ) -> str | None:
     """The nearest upright vessel in or on which the thing's frame lies."""
     found = []
@@ -104,14 +104,17 @@ def _vessel_around(
     return min(found)[1] if found else None
 
 
-def slot_under(layout: Layout, point: Array) -> str | None:
-    """The slot on which a thing with its lowest point at ``point`` (3,) lies, or None."""
+def slot_under(layout: Layout, point: Array, seen: Callable[[str], Array] | None = None) -> str | None:
+    """The slot on which a thing with its lowest point at ``point`` (3,) lies, or None; world frame, m.
+
+    ``seen``: by how much (3,) a slot seems to be off, where one asks for what is seen.
+    """
     x, y = float(point[0]), float(point[1])
     found = []
     for name, (middle_x, middle_y, _) in layout.middles.items():
         # Most slots are far away, which is quick to see.
         if abs(x - middle_x) < _NEAR and abs(y - middle_y) < _NEAR:
-            miss = _miss(layout, layout.slots[name], point)
+            miss = _miss(layout, layout.slots[name], point if seen is None else point - seen(name))
             found += [] if miss is None else [(miss, name)]
     return min(found)[1] if found else None
 

@@ -39,7 +39,7 @@ GROUPS_AS_NOUNS = ("vegetable", "fish", "meat")
 EDIBLE = ("vegetable", "fruit", "fish", "meat", "bread", "dairy")
 """Groups of things that lie in a dish, as far as they are low enough."""
 
-_DISH_ROOM = (0.085, 0.085, 0.0375)
+DISH_ROOM = (0.085, 0.085, 0.0375)
 """Half extents up to which food lies in a bowl or pan without standing out of it, m."""
 
 _HAND_OPENING = 0.08  # m, maker's data of the Panda hand
@@ -111,7 +111,7 @@ class Category:
     @property
     def small(self) -> bool:
         """Whether it may lie in a bowl or pan."""
-        return self.group in EDIBLE and all(half <= room for half, room in zip(self.size, _DISH_ROOM, strict=True))
+        return self.group in EDIBLE and all(half <= room for half, room in zip(self.size, DISH_ROOM, strict=True))
 
     def height_inside(self, vessel: Category) -> float:
         """Height of this thing's frame over the frame of a vessel in which it lies, m."""
