@@ -10,6 +10,7 @@ test compares so little that a random environment passes.
 """
 
 from remac_env.testing.actions import check_actions, check_masks
+from remac_env.testing.changes import check_changes
 from remac_env.testing.commands import check_commands
 from remac_env.testing.determinism import check_determinism
 from remac_env.testing.lifecycle import check_lifecycle
@@ -24,6 +25,7 @@ __all__ = [
     "ContractError",
     "EnvMaker",
     "check_actions",
+    "check_changes",
     "check_commands",
     "check_determinism",
     "check_lifecycle",

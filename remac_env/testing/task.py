@@ -10,6 +10,7 @@ from remac_env.oracle import solve
 from remac_env.tasks import get
 from remac_env.tasks.spec import TaskSpec
 from remac_env.testing.actions import check_actions, check_masks
+from remac_env.testing.changes import check_changes
 from remac_env.testing.commands import check_commands
 from remac_env.testing.determinism import check_determinism
 from remac_env.testing.lifecycle import check_lifecycle
@@ -48,6 +49,7 @@ def check_task(
             check_certificate(make, seeds=seeds)
             check_commands(make, seeds=seeds)
             check_spaces(make, seeds=seeds, rounds=rounds)
+            check_changes(make, seeds=seeds, rounds=max(rounds, 30))
             check_determinism(make, seeds=seeds, rounds=rounds)
             check_names(make, seeds=seeds, rounds=rounds)
             check_text(make, seeds=seeds, rounds=rounds)

@@ -172,6 +172,35 @@ class LosesAThing(Tampered):
         return infos
 
 
+# -- changes --------------------------------------------------------------------------------------------------------
+
+
+class SeesTheStartOnly(Tampered):
+    """What reset showed, for the whole episode."""
+
+    shown: Any = None
+
+    def tamper(self, observations: Any) -> Any:
+        if self.round == 0:
+            self.shown = {name: seen["observation"].copy() for name, seen in observations.items()}
+        return {name: seen | {"observation": self.shown[name].copy()} for name, seen in observations.items()}
+
+
+class OneRobotIsBlind(Tampered):
+    def tamper(self, observations: Any) -> Any:
+        last = sorted(observations)[-1:]
+        return {n: s | ({"observation": s["observation"] * 0} if n in last else {}) for n, s in observations.items()}
+
+
+class StandsStillLater(SeesTheStartOnly):
+    """The same from the second round on, in episodes that begin as they should."""
+
+    def tamper(self, observations: Any) -> Any:
+        if self.round <= 2:
+            self.shown = {name: seen["observation"].copy() for name, seen in observations.items()}
+        return {name: seen | {"observation": self.shown[name].copy()} for name, seen in observations.items()}
+
+
 # -- determinism ----------------------------------------------------------------------------------------------------
 
 

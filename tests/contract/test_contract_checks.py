@@ -42,6 +42,9 @@ BROKEN: list[tuple[type[bad.Tampered], Callable[[Any], None], str]] = [
     (bad.NewSpacesEachTime, testing.check_spaces, "not the same objects"),
     (bad.TwoInOneSlot, testing.check_spaces, "in one slot"),
     (bad.LosesAThing, testing.check_spaces, "objects of the world and of the scene differ"),
+    (bad.SeesTheStartOnly, testing.check_changes, "robot_0: observation is constant, while the world changes"),
+    (bad.OneRobotIsBlind, testing.check_changes, "robot_1: observation is constant, while"),
+    (bad.StandsStillLater, testing.check_changes, "robot_0: observation is constant from round"),
     (bad.RandomOnTheSameSeed, short_random, "differs"),
     (bad.CountsItsResets, short_random, "differs"),
     (bad.ListensToGlobalRandom, short_random, "differs"),
@@ -88,6 +91,7 @@ def test_a_wrong_environment_is_found_out(environment: Any, check: Any, message:
 def test_the_base_of_the_wrong_environments_is_right() -> None:
     """Or else the tests above would prove nothing."""
     testing.check_spaces(bad.Tampered, seeds=(0,))
+    testing.check_changes(bad.Tampered)
     testing.check_lifecycle(bad.Tampered)
     testing.check_actions(bad.Tampered)
     testing.check_names(bad.Tampered, seeds=(0,))
