@@ -13,10 +13,11 @@ from remac_agents.planning.coalitions import skills_of
 from remac_agents.report import Check, EpisodeReport
 from remac_agents.roles import Report, Roles, StopEpisode, View
 from remac_agents.roles.grants import isolation, readers, reads_rules, reads_truth
-from remac_agents.running.asking import ran_so_far
+from remac_agents.running.bookkeeper import Bookkeeper
 from remac_agents.running.briefing import Bounds, Briefing
 from remac_agents.running.ledger import Ledger
-from remac_agents.running.method_run import Episode
+from remac_agents.running.method_run import MethodRun
+from remac_agents.running.moments import ran_so_far
 from remac_agents.running.tries import Try
 from remac_agents.wiring.checked import checked, everyone
 from remac_agents.wiring.correspondence import Correspondence
@@ -59,7 +60,7 @@ class Agent:
         self._infrastructure: str | None = None
         self._iterations: dict[str, int] = {}
         self._won: dict[str, Try] = {}
-        self._episode: Episode | None = None
+        self._run: MethodRun | None = None
         self._open = False
         self._success = False
         self._iteration = 0
@@ -90,14 +91,14 @@ class Agent:
             role.begin_episode(int(briefing.episode.get("seed", 0)), _public_seed(briefing), self._iteration)
         view, world = _look(obs, infos, briefing, {})
         self._check_pictures(view)
-        rules, bounds = infos[briefing.lead]["scene"], self.bounds
-        self._episode = Episode(briefing, self._checked, view, world, rules, bounds=bounds, memory=self.memory)
-        self._episode.won = self._won.get(self._label)
+        book = Bookkeeper(view, world, infos[briefing.lead]["scene"])
+        run = MethodRun(briefing, self._checked, book, bounds=self.bounds, memory=self.memory)
+        run.won = self._won.get(self._label)
         seed = briefing.episode.get("seed", "")
         label = f"{self.method.name}/{briefing.task}/{seed}/{briefing.episode.get('digest', '')}/{self._iteration}"
-        self._correspondence.begin_episode(label, self._episode.ledger.errors)
+        self._correspondence.begin_episode(label, book.ledger.errors)
         self._infrastructure = None
-        self._turns = self.method.run(self._episode)
+        self._run, self._turns = run, self.method.run(run)
         self._tokens = {robot: dict(infos[robot]["commands"]) for robot in infos}
         self._played: dict[str, Subtask] | None = None
         self._sent: dict[str, Subtask] = {}
@@ -110,7 +111,7 @@ class Agent:
             LifecycleError: before reset or after close_episode.
             OptionError: for infos that name no robot.
         """
-        episode = self._running()
+        run = self._running()
         if not self._open:
             raise LifecycleError("act() needs an episode under way: call reset(obs, infos) first")
         _check_infos(infos, ())
@@ -119,32 +120,32 @@ class Agent:
         if not turn and self._ended:
             return {robot: self._token(robot, DONE) for robot in infos}
         idle = _STEP_ASIDE if first else WAIT
-        self._sent = {robot: turn.get(robot, idle) for robot in infos if robot in episode.briefing.robots}
+        self._sent = {robot: turn.get(robot, idle) for robot in infos if robot in run.briefing.robots}
         return {robot: self._token(robot, subtask) for robot, subtask in self._sent.items()}
 
     def close_episode(self, obs: Told, infos: Told) -> None:
         """End the episode with what came last, if known (it may have crashed), and write the memory."""
-        episode = self._running()
+        run = self._running()
         if not self._open:
             return
         self._open = False
         if infos:
             if self._played is not None:
-                episode.observe(*_look(obs, infos, episode.briefing, self._sent), self._played)
+                run.observe(*_look(obs, infos, run.briefing, self._sent), self._played)
             self._success = any(bool(info.get("success")) for info in infos.values())
         review = getattr(self._checked.reflector, "review", None)
         if review is not None:
-            episode.ledger.reflections = review(episode.ledger.reflections, success=self._success)
+            run.book.ledger.reflections = review(run.book.ledger.reflections, success=self._success)
         if self._success and self.method.iterates:
-            kept = Try.of(episode.ledger, episode.plan, episode.commands)
+            kept = Try.of(run.book.ledger, run.plan, run.commands)
             self._won.setdefault(self._label, kept)
         if self.method.remembers and self._infrastructure is None:
-            self.memory.append(_run(episode, success=self._success))
+            self.memory.append(_remembered(run, success=self._success))
 
     def report(self) -> EpisodeReport:
         """What the episode, running or closed, has come to so far."""
-        episode = self._running()
-        ledger, final = episode.ledger, episode.ledger.plan_in_force(episode.plan)
+        run = self._running()
+        ledger, final = run.book.ledger, run.book.ledger.plan_in_force(run.plan)
         return EpisodeReport(
             method=self.method.name,
             iteration=self._iteration,
@@ -153,7 +154,7 @@ class Agent:
             final_plan=final.as_text(),
             initial_plan_length=ledger.initial.length if self.method.plans_ahead else None,
             final_plan_length=final.length,
-            subtasks_done=ledger.rounds_done(episode.plan),
+            subtasks_done=ledger.rounds_done(run.plan),
             executed=tuple(ledger.steps),
             pre_checks=tuple(ledger.pre_checks),
             post_checks=tuple(ledger.post_checks),
@@ -180,28 +181,28 @@ class Agent:
 
     def _next_turn(self, obs: Told, infos: Told) -> dict[str, Subtask]:
         """What the method yields next; nothing once it has ended."""
-        episode = self._running()
+        run = self._running()
         if self._ended:
             return {}
         try:
             if self._played is None:
                 return next(self._turns)
-            view, world = _look(obs, infos, episode.briefing, self._sent)
-            episode.observe(view, world, self._played)
-            self._correspondence.begin_round(episode.rounds)
+            view, world = _look(obs, infos, run.briefing, self._sent)
+            run.observe(view, world, self._played)
+            self._correspondence.begin_round(run.book.rounds)
             return self._turns.send(view)
         except StopIteration:
             self._ended = True
         except StopEpisode as stop:
             self._ended = True
-            episode.ledger.errors.append(str(stop))
+            run.book.ledger.errors.append(str(stop))
             self._infrastructure = str(stop) if stop.infrastructure else None
         return {}
 
-    def _running(self) -> Episode:
-        if self._episode is None:
+    def _running(self) -> MethodRun:
+        if self._run is None:
             raise LifecycleError("no episode has begun: call reset(obs, infos) first")
-        return self._episode
+        return self._run
 
     def _token(self, robot: str, subtask: Subtask) -> int:
         """The token of a subtask; a command that the kitchen lacks becomes a wait."""
@@ -276,15 +277,15 @@ def _report(info: Mapping[str, Any], subtask: Subtask | None) -> Report | None:
     return Report(str(outcome["status"]), reason, "" if subtask is None else subtask.text)
 
 
-def _run(episode: Episode, *, success: bool) -> Run:
+def _remembered(run: MethodRun, *, success: bool) -> Run:
     """The episode as the memory keeps it."""
-    ledger: Ledger = episode.ledger
+    ledger: Ledger = run.book.ledger
     initial: Plan = ledger.initial
     return Run(
-        task_description=episode.briefing.task,
-        task_goal=episode.briefing.goal,
+        task_description=run.briefing.task,
+        task_goal=run.briefing.goal,
         initial_plan={robot: list(row) for robot, row in initial.as_text().items()},
-        action_list=[ran.line for ran in ran_so_far(episode.moments)],
+        action_list=[ran.line for ran in ran_so_far(run.book.moments)],
         pre_check_results=[_checked(check) for check in ledger.pre_checks if not check.asked],
         post_check_results=[_checked(check) for check in ledger.post_checks],
         success=success,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from remac_agents.plan import Plan
 from remac_agents.planning.whereabouts import Whereabouts
@@ -41,10 +41,10 @@ def _try(
         goals = {robot: where.goal(robot, step) for robot, step in steps.items()}
         if steps[lead] != WAIT and not _ready(where, facts, steps[lead], goals, lead, helper, prepared):
             steps[lead], goals[lead] = WAIT, where.station.get(lead, ASIDE)
-        if steps[helper].skill in _NAVIGATION and facts.conflicting(goals[helper], goals[lead]):
+        if steps[helper].skill in _NAVIGATION and _clash(facts, goals[helper], goals[lead]):
             if steps[lead].skill in _NAVIGATION:
                 steps[lead], goals[lead] = WAIT, where.station.get(lead, ASIDE)
-            if facts.conflicting(goals[helper], goals[lead]):
+            if _clash(facts, goals[helper], goals[lead]):
                 steps[helper], goals[helper] = WAIT, where.station.get(helper, ASIDE)
         if set(steps.values()) == {WAIT} and not waits_by_choice:
             return None
@@ -62,7 +62,7 @@ def _ready(
     where: Whereabouts,
     facts: PublicScene,
     step: Subtask,
-    goals: dict[str, str],
+    goals: Mapping[str, str | None],
     lead: str,
     helper: str,
     prepared: Sequence[Subtask],
@@ -77,7 +77,12 @@ def _ready(
     ahead = [goals[helper]] + [
         where.of(other.target) for other in prepared[1:] if other.skill == "navigate to"
     ]
-    return not any(facts.conflicting(goals[lead], place) for place in ahead)
+    return not any(_clash(facts, goals[lead], place) for place in ahead)
+
+
+def _clash(facts: PublicScene, first: str | None, second: str | None) -> bool:
+    """Whether two robots cannot stand at these places at once; of one that is not told, nothing is known."""
+    return first is not None and second is not None and facts.conflicting(first, second)
 
 
 def _without_late_leaving(rows: dict[str, list[Subtask]], helper: str) -> dict[str, list[Subtask]]:

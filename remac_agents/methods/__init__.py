@@ -1,6 +1,6 @@
 """The methods: how roles are combined. Each is a generator that yields what its robots do next.
 
-A method yields `{robot: Subtask}` and is sent the next View, which the episode has taken in by then. When it
+A method yields `{robot: Subtask}` and is sent the next View, which the run has taken in by then. When it
 returns, every robot says `done`.
 """
 
@@ -17,7 +17,7 @@ from remac_agents.methods.re import re
 from remac_agents.methods.reflect import reflect, reflect_cc
 from remac_agents.methods.remac import remac
 from remac_agents.methods.smart_llm import smart_llm
-from remac_agents.running.method_run import Episode, Turns
+from remac_agents.running.method_run import MethodRun, Turns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,7 @@ class Method:
     """
 
     name: str
-    run: Callable[[Episode], Turns]
+    run: Callable[[MethodRun], Turns]
     robots: int = 1
     remembers: bool = False
     iterates: bool = False

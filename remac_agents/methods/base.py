@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from remac_agents.running.method_run import Episode, Turns
+from remac_agents.running.method_run import MethodRun, Turns
 
 
-def base(episode: Episode) -> Turns:
+def base(run: MethodRun) -> Turns:
     """Carry out the planner's plan for all robots open-loop; a subtask that fails does not stop it."""
-    episode.make_plan(episode.briefing.robots)
-    yield from open_loop(episode)
+    run.make_plan(run.briefing.robots)
+    yield from open_loop(run)
 
 
-def open_loop(episode: Episode) -> Turns:
+def open_loop(run: MethodRun) -> Turns:
     """The plan at hand to its end."""
-    while not episode.finished:
-        yield episode.turn
-        episode.advance()
+    while not run.finished:
+        yield run.turn
+        run.advance()

@@ -7,17 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from remac_agents.running.method_run import Episode, Turns
+from remac_agents.running.method_run import MethodRun, Turns
 from remac_agents.running.stepwise import Stepwise, Told
 
 
-def cape(told: Told) -> Callable[[Episode], Turns]:
+def cape(told: Told) -> Callable[[MethodRun], Turns]:
     """The method by what the planner is told of a failed pre-condition; see `remac_agents.running.stepwise`."""
 
-    def run(episode: Episode) -> Turns:
-        steps = Stepwise(episode, told)
+    def stepwise(run: MethodRun) -> Turns:
+        steps = Stepwise(run, told)
         while steps.find_next():
-            yield episode.turn
+            yield run.turn
             steps.note_outcome()
 
-    return run
+    return stepwise

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from remac_agents.running.method_run import Episode, Turns
+from remac_agents.running.checks import adjust, check_after, check_before
+from remac_agents.running.method_run import MethodRun, Turns
 
 
-def cc(episode: Episode) -> Turns:
+def cc(run: MethodRun) -> Turns:
     """Plan once, for all robots, then carry the plan out with checks."""
-    episode.make_plan(episode.briefing.robots)
-    yield from checked(episode)
+    run.make_plan(run.briefing.robots)
+    yield from checked(run)
 
 
-def checked(episode: Episode) -> Turns:
+def checked(run: MethodRun) -> Turns:
     """The loop of checks around a plan, for one robot or several.
 
     A false pre-condition changes the rest of the plan, and the pre-conditions of what then comes first are
     checked again. A false post-condition is a failure of execution: the subtask is tried again, its
     pre-conditions first.
     """
-    while not episode.finished:
-        while not episode.finished and (failed := episode.check_before()):
-            episode.adjust(failed)
-        if episode.finished:
+    while not run.finished:
+        while not run.finished and (failed := check_before(run)):
+            adjust(run, failed)
+        if run.finished:
             return
-        yield episode.turn
-        episode.check_after()
+        yield run.turn
+        check_after(run)

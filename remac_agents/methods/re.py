@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from remac_agents.methods.cc import cc
-from remac_agents.running.method_run import Episode, Turns
+from remac_agents.running.method_run import MethodRun, Turns
 
 
-def re(episode: Episode) -> Turns:
+def re(run: MethodRun) -> Turns:
     """One iteration: the memory's lessons go into the plan, and new ones into the memory."""
-    episode.recall()
-    yield from cc(episode)
+    run.recall()
+    yield from cc(run)

@@ -16,32 +16,32 @@ from remac_agents.plan import Plan, PlanError
 from remac_agents.planning.coalitions import as_values, lay_out, read_allocation, read_decomposition
 from remac_agents.roles import PlanRequest
 from remac_agents.running.asking import ask
-from remac_agents.running.method_run import Episode, Turns
+from remac_agents.running.method_run import MethodRun, Turns
 
 T = TypeVar("T")
 
 
-def smart_llm(episode: Episode) -> Turns:
+def smart_llm(run: MethodRun) -> Turns:
     """Plan in stages for all robots, then carry the plan out open-loop."""
-    episode.adopt(plan_in_stages(episode))
-    yield from open_loop(episode)
+    run.adopt(plan_in_stages(run))
+    yield from open_loop(run)
 
 
-def plan_in_stages(episode: Episode) -> Plan:
+def plan_in_stages(run: MethodRun) -> Plan:
     """The plan; an empty one where a stage has no usable answer."""
-    robots, skills = episode.briefing.robots, episode.briefing.skills
+    robots, skills = run.briefing.robots, run.briefing.skills
     told = {robot: tuple(sorted(can)) for robot, can in skills.items()}
-    request = replace(episode.plan_request(robots), question="decompose", skills=told)
-    tasks = _ask(episode, request, lambda reply: read_decomposition(reply, episode.commands, skills))
+    request = replace(run.plan_request(robots), question="decompose", skills=told)
+    tasks = _ask(run, request, lambda reply: read_decomposition(reply, run.commands, skills))
     if isinstance(tasks, PlanError):
         return Plan.of({})
     request = replace(request, question="allocate", subtasks=as_values(tasks))
-    lead = episode.briefing.lead
-    team = _ask(episode, request, lambda reply: read_allocation(reply, tasks, robots, skills, lead))
+    lead = run.briefing.lead
+    team = _ask(run, request, lambda reply: read_allocation(reply, tasks, robots, skills, lead))
     return Plan.of({}) if isinstance(team, PlanError) else lay_out(tasks, team, robots, skills)
 
 
-def _ask(episode: Episode, request: PlanRequest, read: Callable[[object], T | PlanError]) -> T | PlanError:
-    came = ask(episode.roles.planner, request, read, most=episode.bounds.replies)
-    episode.ledger.errors += [f"{request.question}: {error.told}" for error in came if isinstance(error, PlanError)]
+def _ask(run: MethodRun, request: PlanRequest, read: Callable[[object], T | PlanError]) -> T | PlanError:
+    came = ask(run.roles.planner, request, read, most=run.bounds.replies)
+    run.book.ledger.errors += [f"{request.question}: {error.told}" for error in came if isinstance(error, PlanError)]
     return came[-1] if came else PlanError("the planner may not be asked")

@@ -43,7 +43,7 @@ class Belief:
         """Whether it is known to be true; room is taken for granted."""
         arguments = condition.args
         if condition.predicate == "at":
-            return self.where.station.get(self.robot) == self.where.of(arguments[1])
+            return self.where.is_at(self.robot, arguments[1])
         if condition.predicate == "directly_on":
             return self._support.get(arguments[0]) == arguments[1]
         if condition.predicate == "inside":
@@ -111,7 +111,7 @@ def corrected(steps: Steps, request: PlanRequest) -> Steps:
         ready = [Subtask("navigate to", wanted), Subtask("pick up", wanted)]
     place = next((step for step in run[:fault][::-1] if step.skill == "navigate to"), None)
     if place is not None and redo[0].skill != "navigate to":
-        here = belief.where.station.get(belief.robot) == belief.where.of(place.target)
+        here = belief.where.is_at(belief.robot, place.target)
         ready += [] if here and not ready else [place]
     mended = belief.mend(redo, history[fault].false, wanted)
     return tidy([*ready, *mended], request.facts)

@@ -72,9 +72,10 @@ def _tidy_once(steps: Steps, facts: PublicScene) -> Steps:
     where, kept = Whereabouts(facts), []
     last: dict[str, str] = {}
     for step, following in zip(steps, [*steps, None][1:], strict=True):
-        goal = where.goal("", step)
         if step.skill in _NAVIGATION:
-            idle = following is None or following.skill in _NAVIGATION or goal == where.station.get("")
+            goal = where.goal("", step)
+            there = goal is not None and goal == where.station.get("")
+            idle = following is None or following.skill in _NAVIGATION or there
             idle = idle and not (step.skill == "navigate aside" and following is None)
         elif step.skill in _LASTING:
             idle = last.get(step.target) == step.skill
@@ -82,6 +83,6 @@ def _tidy_once(steps: Steps, facts: PublicScene) -> Steps:
         else:
             idle = step.skill == "pick up" and where.hand.get("") == step.target
         if not idle:
-            where.run("", step, goal)
+            where.run("", step)
             kept.append(step)
     return kept

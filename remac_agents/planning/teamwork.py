@@ -94,8 +94,8 @@ def _analyse(parts: Sequence[Part], facts: PublicScene, *, places: bool) -> list
     where, goals = Whereabouts(facts), []
     held = hands(step for _, step in steps)
     for _, step in steps:
-        goals.append(where.goal("", step))
-        where.run("", step, goals[-1])
+        where.run("", step)
+        goals.append(where.station[""])
     touched = [_touched(step, hand, facts) for (_, step), hand in zip(steps, held, strict=True)]
     if places:
         touched = [names | {f"at {goal}"} if names else names for names, goal in zip(touched, goals, strict=True)]

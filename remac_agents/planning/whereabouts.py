@@ -1,7 +1,8 @@
 """Where robots and things are as far as a plan itself says: labels that are equal for one and the same place.
 
 A fixture used from one station has that station as its label. A thing that no step has moved yet has a label
-of its own: where it stands is not told. What is used from several stations has a new label at each visit.
+of its own: where it stands is not told. From which of several stations a fixture will be used is not told either; each
+visit that was made there has a label of its own.
 """
 
 from __future__ import annotations
@@ -25,22 +26,28 @@ class Whereabouts:
         self.hand: dict[str, str | None] = {}
         self._things: dict[str, str] = {}
 
-    def of(self, target: str) -> str:
-        """The label of the place from which a fixture or object is used."""
+    def of(self, target: str) -> str | None:
+        """The label of the place from which a fixture or object is used; None: one of several, and not told which."""
         if target not in self._facts.fixtures:
             return self._things.get(target, f"by the {target}")
         stations = self._facts.stations_of(target)
-        return stations[0] if len(stations) == 1 else f"{target}, visit {next(self._visits)}"
+        return stations[0] if len(stations) == 1 else None
 
-    def goal(self, robot: str, step: Subtask) -> str:
-        """The label at which this step would leave the robot."""
+    def is_at(self, robot: str, target: str) -> bool:
+        """Whether the robot is known to stand where a fixture or object is used."""
+        place = self.of(target)
+        return place is not None and self.station.get(robot) == place
+
+    def goal(self, robot: str, step: Subtask) -> str | None:
+        """The label at which this step would leave the robot; None as for `of`."""
         if step.skill == "navigate aside":
             return ASIDE
         return self.of(step.target) if step.skill == "navigate to" else self.station.get(robot, ASIDE)
 
     def run(self, robot: str, step: Subtask, goal: str | None = None) -> None:
         """The step succeeds; `goal` is its label if it was asked for before."""
-        here = self.station[robot] = self.goal(robot, step) if goal is None else goal
+        here = goal or self.goal(robot, step) or f"{step.target}, visit {next(self._visits)}"
+        self.station[robot] = here
         if step.skill == "pick up":
             self.hand[robot] = step.target
             self._things.pop(step.target, None)

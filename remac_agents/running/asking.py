@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from remac_agents.memory import Run
 from remac_agents.plan import Commands, Plan, PlanError, read_plan
 from remac_agents.roles import Planner, PlanRequest, PreviousTry, Ran, Repair
-from remac_agents.running.moments import Moment
-from remac_env.rules.subtasks import WAIT
-
-if TYPE_CHECKING:
-    from remac_agents.running.method_run import Episode
+from remac_agents.running.bookkeeper import Bookkeeper
+from remac_agents.running.briefing import Briefing
+from remac_agents.running.moments import ran_so_far
 
 T = TypeVar("T")
 
@@ -45,11 +43,17 @@ def ask(
     return tuple(came)
 
 
-def plan_request(episode: Episode, robots: tuple[str, ...]) -> PlanRequest:
+def plan_request(
+    briefing: Briefing,
+    book: Bookkeeper,
+    robots: tuple[str, ...],
+    *,
+    planner: Planner,
+    lessons: tuple[str, ...],
+    previous: PreviousTry | None,
+) -> PlanRequest:
     """What the planner is told at this moment of an episode."""
-    briefing, view = episode.briefing, episode.view
-    previous = try_before(episode)
-    seen = episode.seen_by(episode.roles.planner)
+    view, seen = book.view, book.seen_by(planner)
     return PlanRequest(
         goal=briefing.goal,
         scene=view.text or briefing.text,
@@ -57,11 +61,11 @@ def plan_request(episode: Episode, robots: tuple[str, ...]) -> PlanRequest:
         robots=robots,
         lead=briefing.lead,
         commands=briefing.commands,
-        reflections=episode.lessons,
+        reflections=lessons,
         previous_plan=None if previous is None else previous.plan,
         previous=previous,
-        executed=episode.ledger.executed(),
-        ran=ran_so_far(episode.moments),
+        executed=book.ledger.executed(),
+        ran=ran_so_far(book.moments),
         holding=view.holding,
         images=view.images,
         verbs=briefing.verbs,
@@ -70,25 +74,6 @@ def plan_request(episode: Episode, robots: tuple[str, ...]) -> PlanRequest:
         world=seen.world,
         goal_test=briefing.goal_test if seen.world is not None else None,
     )
-
-
-def ran_so_far(moments: Sequence[Moment]) -> tuple[Ran, ...]:
-    """The commands of an episode's rounds in order, waits left out, and how each was reported to end."""
-    found = []
-    for moment in moments:
-        for robot, subtask in moment.played.items():
-            if subtask == WAIT:
-                continue
-            report = moment.after.reports.get(robot)
-            ended = None if report is None else report.status == "success"
-            found.append(Ran(moment.round + 1, robot, subtask.text, ended, None if report is None else report.reason))
-    return tuple(found)
-
-
-def try_before(episode: Episode) -> PreviousTry | None:
-    """The iteration before this one, where the method learns and there was one."""
-    runs = episode.memory.runs(episode.briefing.task) if episode.reflecting else ()
-    return previous_try(runs[-1]) if runs else None
 
 
 def previous_try(run: Run) -> PreviousTry:

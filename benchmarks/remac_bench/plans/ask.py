@@ -13,7 +13,7 @@ from remac_agents.agent import Agent
 from remac_agents.methods import Method
 from remac_agents.roles import PreviousTry, Ran, StopEpisode
 from remac_agents.running.asking import previous_try
-from remac_agents.running.method_run import Episode, Turns
+from remac_agents.running.method_run import MethodRun, Turns
 from remac_agents.text.printable import type_name, words
 from remac_bench.asked import Asked
 from remac_bench.entries import MESSAGE_MAX
@@ -122,16 +122,16 @@ def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> t
     """
     answers: list[Plan | PlanError] = []
 
-    def run(episode: Episode) -> Turns:
-        request = episode.plan_request(tuple(episode.briefing.robots))
+    def ask_once(run: MethodRun) -> Turns:
+        request = run.plan_request(tuple(run.briefing.robots))
         if taught is not None:
             told = {"previous": taught.previous, "previous_plan": taught.plan, "reflections": taught.reflections}
             request = replace(request, **told)  # type: ignore[arg-type]
-        answers.append(episode.answer_to(request))
+        answers.append(run.answer_to(request))
         yield from ()
 
     roles = remac_agents.make("BASE", planner=planner).roles
-    agent = Agent(Method(name="PLAN", run=run), roles, memory=Memory(), bounds=Bounds())
+    agent = Agent(Method(name="PLAN", run=ask_once), roles, memory=Memory(), bounds=Bounds())
     observations, infos = env.reset(seed=seed)
     _renew(planner)
     try:
