@@ -13,7 +13,7 @@ import sys
 from typing import Any
 
 import typer
-from remac_bench.jobs import parse_seeds
+from remac_bench.job_lists import parse_seeds
 
 import remac_env
 from remac_agents.planners.memorised import pattern, templated

@@ -15,7 +15,7 @@ import typer
 from remac_bench import agents, suites
 from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.console import clean_errors, console
-from remac_bench.jobs import parse_names, parse_seeds
+from remac_bench.job_lists import parse_names, parse_seeds
 from remac_bench.preflight.estimates import FILE, Costs, Need, measured
 from remac_bench.preflight.measuring import MODEL, measure
 from remac_bench.prices import dollars

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 from remac_bench.command import run_script, whole
 from remac_bench.extensions import load_extensions
-from remac_bench.jobs import make_jobs
+from remac_bench.job_lists import make_jobs
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.plans.ask import Cell, kitchen, optimum
 from remac_bench.runner import Settings, run_jobs

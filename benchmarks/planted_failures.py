@@ -6,11 +6,12 @@ from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
-from remac_bench.agents import Lines
 from remac_bench.blame.labels import LABELS, blame
 from remac_bench.command import run_script, whole
 from remac_bench.console import console as make_console
-from remac_bench.jobs import Job, make_jobs
+from remac_bench.job_lists import make_jobs
+from remac_bench.jobs import Job
+from remac_bench.lines import Lines
 from remac_bench.records import Record
 from remac_bench.worker import Work, play_job
 from rich.box import SIMPLE_HEAD

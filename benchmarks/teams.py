@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 from remac_bench.console import clean_errors, console
-from remac_bench.jobs import make_jobs, parse_names, parse_seeds
+from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
 from remac_bench.records import Record
 from remac_bench.worker import Work, play_job
 from rich.box import SIMPLE_HEAD

@@ -25,7 +25,7 @@ import numpy as np
 import typer
 from remac_bench.command import run_script, whole
 from remac_bench.console import console as make_console
-from remac_bench.jobs import parse_names, parse_seeds
+from remac_bench.job_lists import parse_names, parse_seeds
 from rich.table import Table
 
 import remac_env

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from remac_bench import agents, pool, ray_pool, threads
-from remac_bench.agents import Lines
 from remac_bench.errors import JobTimeoutError, UsageError
 from remac_bench.interrupts import alarm, stoppable
 from remac_bench.jobs import Job
+from remac_bench.lines import Lines
 from remac_bench.machine import cores
 from remac_bench.records import Record
 from remac_bench.watch import GRACE_SECONDS, Watch

@@ -6,7 +6,7 @@ import signal
 from collections import Counter
 from typing import Literal
 
-from remac_bench.episode import Course, Fault, make_record
+from remac_bench.playing import BlamedError, Course, make_record
 from remac_bench.records import Record
 from remac_bench.worker import Work
 
@@ -42,4 +42,4 @@ class Losses:
             kind, told = "infrastructure", "was killed from outside" if status else "was lost"
         error = WorkerDiedError(f"the worker process {told}, {DEATHS_MAX} times in a row")
         iteration = work.job.iterations if kind == "agent" else 0
-        return make_record(work.job, iteration, course=Course(), report={}, fault=Fault(kind, error))
+        return make_record(work.job, iteration, course=Course(), report={}, fault=BlamedError(kind, error))

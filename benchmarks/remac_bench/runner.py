@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from remac_bench.deadline import job_seconds
 from remac_bench.engines import Engine, play_all
 from remac_bench.errors import UsageError
 from remac_bench.extensions import load_extensions
@@ -15,7 +16,7 @@ from remac_bench.lock import locked
 from remac_bench.recording import VIDEO_CHOICES, VideoMode
 from remac_bench.records import Record
 from remac_bench.store import Store, finished_jobs
-from remac_bench.watch import Watch, job_seconds
+from remac_bench.watch import Watch
 from remac_bench.worker import Work
 from remac_env.errors import check_choice
 from remac_env.files import prepare_file, prepare_folder
@@ -47,7 +48,7 @@ class Settings:
         extensions: modules or files that register tasks, imported in every process.
         fresh: forget the records and videos that the folder holds.
         preflight: ask each language model one tiny question before jobs are played.
-        job_seconds: wall time of a job at most, after which it has failed; None: `watch.job_seconds` for each.
+        job_seconds: wall time of a job at most, after which it has failed; None: `deadline.job_seconds` for each.
     """
 
     workers: int | None = 1

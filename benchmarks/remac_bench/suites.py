@@ -12,7 +12,8 @@ from remac_agents.text.options import MOST_SPENT
 from remac_bench import agents
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
-from remac_bench.jobs import Job, SuiteMark, check_jobs, make_jobs, parse_seeds
+from remac_bench.job_lists import check_jobs, make_jobs, parse_seeds
+from remac_bench.jobs import Job, SuiteMark
 from remac_bench.suite_numbers import check_finite, number
 from remac_env.errors import RemacError
 from remac_env.files import read_text

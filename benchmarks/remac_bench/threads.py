@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from queue import Empty, SimpleQueue
 
-from remac_bench.agents import Lines
+from remac_bench.lines import Lines
 from remac_bench.records import Record
 from remac_bench.watch import LOOKS, Watch
 from remac_bench.worker import Work, play_job, timed_out

@@ -12,15 +12,14 @@ from dataclasses import asdict, dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from remac_bench import agents
-from remac_bench.agents import Lines
-from remac_bench.episode import Course, Fault, blaming, make_record, play_episode
+from remac_bench.deadline import Deadline, job_seconds
 from remac_bench.errors import JobTimeoutError
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import Job
+from remac_bench.lines import Agent, Lines, make
+from remac_bench.playing import BlamedError, Course, blaming, make_record, play_episode
 from remac_bench.recording import Recorder, VideoMode
 from remac_bench.records import Record
-from remac_bench.watch import Deadline, job_seconds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +79,7 @@ def play_job(work: Work, lines: Lines | None = None) -> list[Record]:
     try:
         with blaming("infrastructure"):
             env = _make_env(job)
-    except Fault as fault:
+    except BlamedError as fault:
         return [make_record(job, 0, course=Course(), report={}, fault=fault)]
     own = Lines() if lines is None else None
     try:
@@ -93,7 +92,7 @@ def play_job(work: Work, lines: Lines | None = None) -> list[Record]:
 
 def timed_out(work: Work) -> Record:
     """The record of a job whose time is up: a failure of the agent, in the iteration that counts."""
-    fault = Fault("agent", JobTimeoutError(work.seconds))
+    fault = BlamedError("agent", JobTimeoutError(work.seconds))
     return make_record(work.job, work.job.iterations, course=Course(), report={}, fault=fault)
 
 
@@ -102,18 +101,18 @@ def _play_iterations(work: Work, env: Any, lines: Lines, deadline: Deadline) -> 
     try:
         with blaming("infrastructure"):
             shared = lines.keywords(job)
-    except Fault as fault:
+    except BlamedError as fault:
         return [make_record(job, 0, course=Course(), report={}, fault=fault)]
     with ExitStack() as stack:
         try:
             with blaming("agent"):
-                agent = agents.make(job, shared, stack.enter_context(lines.outside(job, deadline)))
-        except Fault as fault:
+                agent = make(job, shared, stack.enter_context(lines.outside(job, deadline)))
+        except BlamedError as fault:
             return [make_record(job, job.iterations, course=Course(), report={}, fault=fault)]
         return _iterations(work, env, agent, deadline)
 
 
-def _iterations(work: Work, env: Any, agent: agents.Agent, deadline: Deadline) -> list[Record]:
+def _iterations(work: Work, env: Any, agent: Agent, deadline: Deadline) -> list[Record]:
     job = work.job
     records: list[Record] = []
     for iteration in range(job.iterations + 1):

@@ -13,7 +13,8 @@ from chaos_server import ChaosServer, says
 from remac_bench import judging, sight, suites
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
-from remac_bench.jobs import Job, make_jobs
+from remac_bench.job_lists import make_jobs
+from remac_bench.jobs import Job
 from remac_bench.judging.episodes import setting
 from remac_bench.records import Record
 from remac_bench.runner import Settings, run_jobs

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from remac_bench.agents import Access
-from remac_bench.jobs import Job, make_jobs
+from remac_bench.job_lists import make_jobs
+from remac_bench.jobs import Job
 from remac_bench.records import Record
 from remac_bench.store import Store
 

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from pages_helpers import hostile, real_run, spoken
 from remac_bench.pages import write_pages
-from remac_bench.pages.episode import page_name
+from remac_bench.pages.episode_page import page_name
 from remac_bench.report import read_records
 from remac_bench.store import Store
 

@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 from bench_helpers import jobs as listed
 from bench_helpers import read, start, timeless, wait_for
-from remac_bench.agents import Access, Lines
+from remac_bench.agents import Access
+from remac_bench.lines import Lines
 from remac_bench.report import read_rows
 from remac_bench.worker import Work, play_job
 

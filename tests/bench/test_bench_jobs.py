@@ -9,7 +9,7 @@ from bench_helpers import jobs
 from remac_bench import agents, flags
 from remac_bench.commands import bench
 from remac_bench.errors import UsageError
-from remac_bench.jobs import make_jobs, parse_names, parse_seeds
+from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
 
 from remac_agents.wiring.filling import ModelOptions
 from remac_env.errors import OptionError, UnknownNameError

@@ -13,7 +13,7 @@ from remac_bench.blame.sheet import blame_sheets, write_blames
 from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.cli import app
 from remac_bench.pages import write_pages
-from remac_bench.pages.episode import PAGE_MAX, changes, page, page_name, round_spans
+from remac_bench.pages.episode_page import PAGE_MAX, changes, page, page_name, round_spans
 from remac_bench.pages.pictures import lay_out, paint
 from remac_bench.pages.plots import scatter
 from remac_bench.pages.text import visible

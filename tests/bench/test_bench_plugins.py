@@ -11,11 +11,12 @@ import pytest
 from bench_helpers import jobs, odd_scene, read
 from remac_bench.commands.progress import Bar
 from remac_bench.console import console
+from remac_bench.deadline import ASKING_SECONDS, JOB_SECONDS, Deadline, job_seconds
 from remac_bench.errors import JobTimeoutError, UsageError
 from remac_bench.interrupts import SIGNALS, Stopped, is_stop, stoppable
 from remac_bench.redaction import redact
 from remac_bench.runner import Settings, Summary, run_jobs
-from remac_bench.watch import ASKING_SECONDS, GRACE_SECONDS, JOB_SECONDS, SLOW_SECONDS, Deadline, Watch, job_seconds
+from remac_bench.watch import GRACE_SECONDS, SLOW_SECONDS, Watch
 from remac_bench.worker import Work
 
 ODD_SEED = 1

@@ -18,7 +18,7 @@ from typing import Any
 
 from hostile_answers import corpus
 from remac_bench.agents import Access
-from remac_bench.jobs import make_jobs
+from remac_bench.job_lists import make_jobs
 from remac_bench.runner import Settings, run_jobs
 
 TASK = "OpenMicrowavePnP"

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from remac_bench.blame.replay import Replay, Round, is_work
+from remac_bench.blame.replay import Replay, ReplayedRound, is_work
 from remac_bench.judging.alarms import derailments, detours, is_false_alarm, is_miss
 from remac_bench.records import CheckEntry, Record
 from remac_env.rules.claims import first_false
@@ -100,7 +100,7 @@ def _key(fault: Fault) -> tuple[int, str, str]:
     return (fault.round, fault.robot, fault.subtask)
 
 
-def _slips(scene: Rules, index: int, turn: Round) -> Iterable[Fault]:
+def _slips(scene: Rules, index: int, turn: ReplayedRound) -> Iterable[Fault]:
     """Skills that did not do what the table says."""
     for robot, entry in turn.outcomes.items():
         if not is_work(entry) or not turn.expected[robot].success:
@@ -119,7 +119,7 @@ def _slips(scene: Rules, index: int, turn: Round) -> Iterable[Fault]:
             yield _fault("skill", index, robot, entry.subtask, f"the {name} fell to the floor")
 
 
-def _mistakes(scene: Rules, index: int, turn: Round) -> Iterable[Fault]:
+def _mistakes(scene: Rules, index: int, turn: ReplayedRound) -> Iterable[Fault]:
     """Subtasks that could not succeed, or ought not to be run, in the world before them."""
     for robot, entry in turn.outcomes.items():
         if not is_work(entry):

@@ -23,7 +23,7 @@ Joint = Mapping[str, Subtask]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Round:
+class ReplayedRound:
     """One round as it was played again.
 
     Attributes:
@@ -56,7 +56,7 @@ class Replay:
     commands: Mapping[str, Subtask]
     goal: Goal
     start: WorldState
-    rounds: tuple[Round, ...]
+    rounds: tuple[ReplayedRound, ...]
     faithful: bool
 
     @property
@@ -153,8 +153,8 @@ def _kitchen(record: Record) -> Iterator[Any]:
         env.close()
 
 
-def _re_execute(env: Any, played: Sequence[Mapping[str, OutcomeEntry]]) -> tuple[list[Round], bool]:
-    rounds: list[Round] = []
+def _re_execute(env: Any, played: Sequence[Mapping[str, OutcomeEntry]]) -> tuple[list[ReplayedRound], bool]:
+    rounds: list[ReplayedRound] = []
     commands = _commands(env)
     for outcomes in played:
         if set(outcomes) != set(env.agents):
@@ -165,7 +165,9 @@ def _re_execute(env: Any, played: Sequence[Mapping[str, OutcomeEntry]]) -> tuple
         table, expected = transition(env.start.scene, before, joint)
         _, _, _, _, infos = env.step(tokens)
         rounds.append(
-            Round(joint=joint, before=before, after=env.world, expected=expected, table=table, outcomes=outcomes)
+            ReplayedRound(
+                joint=joint, before=before, after=env.world, expected=expected, table=table, outcomes=outcomes
+            )
         )
         now = {r: (i["outcome"].get("status"), i["outcome"].get("reason")) for r, i in infos.items()}
         if any(now[robot] != (entry.status, entry.reason or "") for robot, entry in outcomes.items()):

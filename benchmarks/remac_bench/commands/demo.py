@@ -29,7 +29,7 @@ def demo(
 ) -> None:
     """Play four tasks with BASE, CC, RE and REMAC, one kitchen a task: the table, records and videos."""
     from remac_bench.commands.progress import run_and_report
-    from remac_bench.jobs import parse_seeds
+    from remac_bench.job_lists import parse_seeds
     from remac_bench.runner import Settings
     from remac_env.files import prepare_folder
 
@@ -47,7 +47,7 @@ def demo(
 def demo_jobs(seeds: list[int], backend: str) -> list[Job]:
     """The demo's jobs: every task of the table in one kitchen, the first style and layout of its own."""
     import remac_env
-    from remac_bench.jobs import make_jobs
+    from remac_bench.job_lists import make_jobs
     from remac_env.tasks import get
 
     jobs = []

@@ -21,7 +21,7 @@ from remac_bench.experiments.tables import as_json, tables
 from remac_bench.experiments.teaching import lesson, teachers
 from remac_bench.experiments.trials import EXPERIMENTS
 from remac_bench.extensions import find_local_modules, load_extensions
-from remac_bench.jobs import parse_names
+from remac_bench.job_lists import parse_names
 from remac_bench.plans.ask import Cell, Taught
 from remac_env.errors import check_choice
 from remac_env.files import prepare_file

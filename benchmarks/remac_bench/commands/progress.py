@@ -12,6 +12,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from remac_bench.console import FAILED, INTERRUPTED, console, plain
+from remac_bench.deadline import waited_for
 from remac_bench.interrupts import SIGNALS, stoppable
 from remac_bench.jobs import Job
 from remac_bench.prices import dollars
@@ -20,7 +21,6 @@ from remac_bench.report import main_table
 from remac_bench.runner import Listener, Settings, pending, run_jobs
 from remac_bench.solvable import refuse_unsolvable
 from remac_bench.store import FILE
-from remac_bench.watch import waited_for
 
 
 def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None:

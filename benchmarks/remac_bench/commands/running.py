@@ -13,7 +13,8 @@ from remac_bench.commands.progress import run_and_report
 from remac_bench.console import FAILED, console, plain
 from remac_bench.errors import UsageError
 from remac_bench.extensions import find_local_modules, load_extensions
-from remac_bench.jobs import Job, make_jobs, parse_names, parse_seeds
+from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
+from remac_bench.jobs import Job
 from remac_bench.runner import Settings
 from remac_env.files import prepare_folder
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from remac_agents.roles import StopEpisode
-from remac_bench.episode import Fault
 from remac_bench.experiments.book import Book
 from remac_bench.experiments.teaching import Lesson
 from remac_bench.plans.ask import Cell, Taught, judged, no_plan
 from remac_bench.plans.judge import Judgement
+from remac_bench.playing import BlamedError
 
 GIVES_UP = 3
 """Infrastructure errors of a planner in a row, after which it is not asked any more in this run."""
@@ -92,7 +92,7 @@ class Desk:
         try:
             if isinstance(lesson, StopEpisode):
                 raise lesson
-            if isinstance(lesson, Fault):
+            if isinstance(lesson, BlamedError):
                 problem = no_plan(lesson)
 
                 def failed(request: Any) -> Any:

@@ -7,14 +7,14 @@ from functools import partial
 from typing import Any
 
 from remac_agents.roles import StopEpisode
-from remac_bench.episode import Fault
 from remac_bench.experiments.book import Book
 from remac_bench.plans.ask import Cell, Taught, judged, teach, teach_by
+from remac_bench.playing import BlamedError
 
 STARTS_TRIED = 10
 """So many seeds are looked at for each start that is wanted, where starts are passed over."""
 
-Lesson = Taught | Fault | StopEpisode
+Lesson = Taught | BlamedError | StopEpisode
 """What a first iteration taught; or what the planner raised in it; or why it could not be played."""
 
 Teach = Callable[[Cell], Taught]
@@ -53,7 +53,7 @@ def lesson(teacher: Teach, cell: Cell) -> Lesson:
     """What a first iteration teaches, or what kept it from teaching anything."""
     try:
         return teacher(cell)
-    except (Fault, StopEpisode) as problem:
+    except (BlamedError, StopEpisode) as problem:
         return problem
 
 

@@ -9,7 +9,7 @@ from remac_bench.blame.labels import Blame
 from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.judging.episodes import setting
 from remac_bench.judging.published import PAPER
-from remac_bench.pages.episode import page_name
+from remac_bench.pages.episode_page import page_name
 from remac_bench.pages.plots import Interval, Scatter, interval, scatter
 from remac_bench.pages.rendering import render
 from remac_bench.records import Record

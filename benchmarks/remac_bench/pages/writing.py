@@ -8,7 +8,7 @@ from remac_bench.blame.sheet import read_blames
 from remac_bench.board import Board
 from remac_bench.errors import StorageError
 from remac_bench.pages import EPISODES, LEADERBOARD, TABLES
-from remac_bench.pages.episode import page, page_name
+from remac_bench.pages.episode_page import page, page_name
 from remac_bench.pages.leaderboard import leaderboard
 from remac_bench.pages.pictures import write_pictures
 from remac_bench.records import Record

@@ -17,8 +17,8 @@ from remac_agents.running.method_run import MethodRun, Turns
 from remac_agents.text.printable import type_name, words
 from remac_bench.asked import Asked
 from remac_bench.entries import MESSAGE_MAX
-from remac_bench.episode import Fault, blaming
 from remac_bench.plans.judge import Judgement, judge
+from remac_bench.playing import BlamedError, blaming
 from remac_bench.redaction import redact
 from remac_env.oracle import certify
 
@@ -138,7 +138,7 @@ def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> t
         with blaming("agent"):
             agent.reset(observations, infos)
             agent.act(observations, infos)
-    except Fault as fault:
+    except BlamedError as fault:
         return no_plan(fault), None
     report = agent.report()
     if answers:
@@ -148,7 +148,7 @@ def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> t
     return PlanError(report.errors[-1] if report.errors else "the planner gave no answer"), _taken(report)
 
 
-def no_plan(fault: Fault) -> PlanError:
+def no_plan(fault: BlamedError) -> PlanError:
     """What a planner raised, as the answer that it did not give."""
     return PlanError(f"{type_name(fault.error)}: {redact(words(fault.error))}"[:MESSAGE_MAX])
 
@@ -181,7 +181,7 @@ def teach_by(cell: Cell, *, planner: object, reflector: object) -> Taught:
 
     Raises:
         StopEpisode: where a role could not go on for a reason that is not its own, such as an endpoint that is down.
-        Fault: what a role raised.
+        BlamedError: what a role raised.
     """
     env = kitchen(cell)
     agent = remac_agents.make("REMAC", planner=planner, reflector=reflector)  # its first iteration, one robot

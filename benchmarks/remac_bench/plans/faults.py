@@ -42,7 +42,7 @@ BY_REASON = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fault:
+class PlanFault:
     """The first thing wrong with a plan.
 
     Attributes:

@@ -8,7 +8,7 @@ from typing import Any
 
 from remac_agents.plan import Plan, PlanError
 from remac_bench.asked import Asked
-from remac_bench.plans.faults import BY_REASON, Fault
+from remac_bench.plans.faults import BY_REASON, PlanFault
 from remac_env.oracle import solve
 from remac_env.rules.claims import first_false
 from remac_env.rules.facts import Rules
@@ -42,7 +42,7 @@ class Judgement:
     optimal: bool | None
     rounds: int | None
     optimum: int | None
-    error: Fault | None
+    error: PlanFault | None
     usage: Asked | None = None
 
     def as_json(self) -> dict[str, Any]:
@@ -57,7 +57,7 @@ class Judgement:
         rows = None if plan is None else {robot: tuple(row) for robot, row in plan.items()}
         numbers = {name: told[name] for name in ("valid", "optimal", "rounds", "optimum")}
         usage = Asked.from_json(told.get("usage"))
-        return cls(plan=rows, error=None if error is None else Fault(**error), usage=usage, **numbers)
+        return cls(plan=rows, error=None if error is None else PlanFault(**error), usage=usage, **numbers)
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,8 @@ class _Course:
     """Where a plan leads: the first fault that stops it, the first idle step, and the round that reached the goal."""
 
     world: WorldState
-    fault: Fault | None
-    idle: Fault | None
+    fault: PlanFault | None
+    idle: PlanFault | None
     reached: int | None
 
     @property
@@ -84,13 +84,13 @@ def judge(scene: Rules, world: WorldState, goal: Goal, plan: Plan | PlanError, o
     """
     if isinstance(plan, PlanError):
         kind = "unknown_thing" if plan.entry is not None else "parse"
-        unread = Fault(
+        unread = PlanFault(
             type=kind, sentence=plan.problem, robot=plan.robot, index=plan.index, subtask=plan.entry
         )
         return Judgement(plan=None, valid=False, optimal=False, rounds=None, optimum=optimum, error=unread)
     plan = _without_done(plan)
     course = _follow(scene, world, goal, plan)
-    fault: Fault | None = course.fault
+    fault: PlanFault | None = course.fault
     if course.works:
         fault = _lengthy(scene, world, goal, plan, course, optimum)
     elif fault is None:
@@ -118,7 +118,7 @@ def _without_done(plan: Plan) -> Plan:
 
 def _follow(scene: Rules, world: WorldState, goal: Goal, plan: Plan) -> _Course:
     """Run a plan until it fails, reaches the goal or ends."""
-    idle: Fault | None = None
+    idle: PlanFault | None = None
     for index in range(plan.length):
         joint = dict.fromkeys(scene.robots, WAIT) | plan.round(index)
         after, outcomes = transition(scene, world, joint)
@@ -135,7 +135,7 @@ def _follow(scene: Rules, world: WorldState, goal: Goal, plan: Plan) -> _Course:
 
 def _fault(
     scene: Rules, world: WorldState, plan: Plan, index: int, robot: str, subtask: Subtask, outcome: Outcome
-) -> Fault | None:
+) -> PlanFault | None:
     """What is wrong with one step."""
     advised = first_false(scene, world, robot, subtask, "advise")
     if outcome.success and advised is None:
@@ -146,7 +146,7 @@ def _fault(
             kind = "wrong_order"
     else:
         kind, sentence = "advised_against", f"not true: {advised.condition.sentence}" if advised else ""
-    return Fault(type=kind, sentence=sentence, robot=robot, index=index, subtask=subtask.text)
+    return PlanFault(type=kind, sentence=sentence, robot=robot, index=index, subtask=subtask.text)
 
 
 def _seen_to_later(
@@ -165,16 +165,16 @@ def _seen_to_later(
     return any(needed.condition.holds(scene, step.effect(scene, world, other)) for other, step in later)
 
 
-def _unfinished(scene: Rules, goal: Goal, world: WorldState) -> Fault:
+def _unfinished(scene: Rules, goal: Goal, world: WorldState) -> PlanFault:
     """All steps worked, and the goal does not hold."""
     open_parts = [atom.text for atom in goal.atoms() if not atom.holds(scene, world)]
     kind = "goal_not_reached" if solve(scene, world, goal) is None else "missing_step"
-    return Fault(type=kind, sentence=f"not true at the end: {' and '.join(open_parts)}")
+    return PlanFault(type=kind, sentence=f"not true at the end: {' and '.join(open_parts)}")
 
 
 def _lengthy(
     scene: Rules, world: WorldState, goal: Goal, plan: Plan, course: _Course, optimum: int | None
-) -> Fault | None:
+) -> PlanFault | None:
     """Why a plan that works is longer than the shortest."""
     if optimum is None or plan.length <= optimum:
         return None
@@ -183,7 +183,7 @@ def _lengthy(
     if course.reached is not None and course.reached < plan.length:
         robot = next(name for name in plan.robots if len(plan.row(name)) > course.reached)
         step = plan.row(robot)[course.reached]
-        return Fault(
+        return PlanFault(
             type="redundant",
             sentence="the goal holds before this step",
             robot=robot,
@@ -193,14 +193,14 @@ def _lengthy(
     for robot, first, count, shorter in _cuts(plan):
         if _follow(scene, world, goal, shorter).works:
             cut = plan.row(robot)[first : first + count]
-            return Fault(
+            return PlanFault(
                 type="redundant",
                 sentence=f"can be left out: {', '.join(step.text for step in cut)}",
                 robot=robot,
                 index=first,
                 subtask=cut[0].text,
             )
-    return Fault(type="detour", sentence=f"{plan.length} rounds, and {optimum} would do")
+    return PlanFault(type="detour", sentence=f"{plan.length} rounds, and {optimum} would do")
 
 
 def _cuts(plan: Plan) -> Iterator[tuple[str, int, int, Plan]]:

@@ -11,6 +11,7 @@ from remac_agents.llm import Cassette, ChatClient, Model
 from remac_agents.prompting.models import LIMITS
 from remac_bench import agents
 from remac_bench.jobs import Job
+from remac_bench.lines import make
 from remac_bench.preflight.estimates import Costs, Need
 from remac_bench.prices import PRICE_OPTIONS, UNKNOWN, dollars
 
@@ -62,7 +63,7 @@ def filled_by_models(job: Job) -> Filled:
     access = job.access
     if not agents.asked_models(job.agent, providers=access.providers):
         return {}
-    agent: Any = agents.make(job, {"base_url": access.base_url, "providers": access.providers})
+    agent: Any = make(job, {"base_url": access.base_url, "providers": access.providers})
     return clients_of(agent.roles.named())
 
 

@@ -7,9 +7,10 @@ from dataclasses import asdict, fields, replace
 from typing import Any
 
 from remac_bench import agents
-from remac_bench.agents import Access, Lines
-from remac_bench.episode import read_outcomes
+from remac_bench.agents import Access
 from remac_bench.jobs import Job, SuiteMark
+from remac_bench.lines import Lines
+from remac_bench.playing import read_outcomes
 from remac_bench.records import Record
 from remac_bench.worker import Work, play_job
 from remac_bench.worlds import as_values, fallen

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from remac_bench.agents import Lines
 from remac_bench.errors import JobTimeoutError
+from remac_bench.lines import Lines
 from remac_bench.machine import versions
 from remac_bench.proof.again import asks_only_models, check_job, check_rounds, repeatable
 from remac_bench.proof.complete import check_once, check_scores, check_suite

@@ -29,7 +29,7 @@ _DIGEST = re.compile(r"[A-Za-z0-9]{1,128}")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Check:
+class ShownCheck:
     """A verdict beside the truth. `wrong`: they differ."""
 
     entry: CheckEntry
@@ -43,7 +43,7 @@ class Check:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Exchange:
+class ShownExchange:
     """A question to a model with its answer, and the pictures that went with it: links, None for one that is lost."""
 
     entry: ExchangeEntry
@@ -51,7 +51,7 @@ class Exchange:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Round:
+class ShownRound:
     """All that happened in a round; `number` counts from 0 and is the index of the record's outcomes.
 
     People count from 1: `ordinal`.
@@ -62,8 +62,8 @@ class Round:
     end: float
     outcomes: Mapping[str, OutcomeEntry]
     changes: tuple[tuple[str, str, str], ...]
-    checks: tuple[Check, ...]
-    exchanges: tuple[Exchange, ...]
+    checks: tuple[ShownCheck, ...]
+    exchanges: tuple[ShownExchange, ...]
 
     @property
     def ordinal(self) -> int:
@@ -82,12 +82,12 @@ class Round:
 
 
 @dataclass(frozen=True, kw_only=True)
-class View:
+class EpisodePage:
     """A page: the record and what is computed from it. `siblings`: the job's other iterations, number and link."""
 
     record: Record
-    rounds: tuple[Round, ...]
-    after: Round | None
+    rounds: tuple[ShownRound, ...]
+    after: ShownRound | None
     gantt: Gantt
     video: str | None
     siblings: tuple[tuple[int, str], ...]
@@ -151,12 +151,12 @@ def _fitting(record: Record) -> int:
     return limit
 
 
-def _view(record: Record, folder: Path, siblings: Sequence[Record], blame: Blame | None) -> View:
+def _view(record: Record, folder: Path, siblings: Sequence[Record], blame: Blame | None) -> EpisodePage:
     spans = round_spans(record)
     rounds = tuple(_round(record, number, span, folder) for number, span in enumerate(spans))
     end = spans[-1][1] if spans else 0.0
     after = _round(record, len(spans), (end, end), folder)
-    return View(
+    return EpisodePage(
         record=record,
         rounds=rounds,
         after=after if after.checks or after.exchanges else None,
@@ -177,12 +177,12 @@ def round_spans(record: Record) -> list[tuple[float, float]]:
     return spans
 
 
-def _round(record: Record, number: int, span: tuple[float, float], folder: Path) -> Round:
+def _round(record: Record, number: int, span: tuple[float, float], folder: Path) -> ShownRound:
     # The checks after a round count it as played; those before it do not.
-    before = [Check(entry=each, when="before") for each in record.pre_checks if each.round == number]
-    after = [Check(entry=each, when="after") for each in record.post_checks if each.round == number + 1]
+    before = [ShownCheck(entry=each, when="before") for each in record.pre_checks if each.round == number]
+    after = [ShownCheck(entry=each, when="after") for each in record.post_checks if each.round == number + 1]
     worlds = record.worlds[number : number + 2]
-    return Round(
+    return ShownRound(
         number=number,
         start=span[0],
         end=span[1],
@@ -190,14 +190,14 @@ def _round(record: Record, number: int, span: tuple[float, float], folder: Path)
         changes=tuple(changes(*worlds)) if len(worlds) == 2 else (),
         checks=(*before, *after),
         exchanges=tuple(
-            Exchange(entry=each, pictures=tuple(_picture(digest, folder) for digest in each.pictures))
+            ShownExchange(entry=each, pictures=tuple(_picture(digest, folder) for digest in each.pictures))
             for each in record.exchanges
             if each.round == number
         ),
     )
 
 
-def _alarms(rounds: Iterable[Round]) -> dict[tuple[int, str], bool]:
+def _alarms(rounds: Iterable[ShownRound]) -> dict[tuple[int, str], bool]:
     """Round and robot -> whether one of the verdicts that called a condition false there was wrong."""
     alarms: dict[tuple[int, str], bool] = {}
     for each in rounds:

@@ -13,16 +13,16 @@ from typing import Any, Literal
 
 from remac_agents.isolation.remote import RemoteError
 from remac_agents.text.printable import printable, type_name, words
-from remac_bench.agents import Agent
+from remac_bench.deadline import Deadline
 from remac_bench.entries import MESSAGE_MAX, EndpointError, report_fields, save_pictures
 from remac_bench.errors import JobTimeoutError
 from remac_bench.interrupts import is_stop
 from remac_bench.jobs import Job
+from remac_bench.lines import Agent
 from remac_bench.machine import versions
 from remac_bench.recording import Recorder
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record, VideoEntry
 from remac_bench.redaction import printable_values, redact
-from remac_bench.watch import Deadline
 from remac_bench.worlds import as_values, fallen
 from remac_env.errors import ActionError, UnknownNameError
 from remac_env.oracle import Certificate, certify, problem_id
@@ -33,7 +33,7 @@ FRAMES_MAX = 12
 Kind = Literal["agent", "infrastructure"]
 
 
-class Fault(Exception):
+class BlamedError(Exception):
     """An exception, and whose it is."""
 
     def __init__(self, kind: Kind, error: BaseException) -> None:
@@ -55,20 +55,20 @@ class Fault(Exception):
 
 @contextmanager
 def blaming(kind: Kind) -> Iterator[None]:
-    """Turn any exception inside into a Fault of this kind, but for someone's wish to stop the run.
+    """Turn any exception inside into a BlamedError of this kind, but for someone's wish to stop the run.
 
     A planner that exits, or raises what only a keyboard should, has crashed: it has not stopped us.
     """
     try:
         yield
-    except Fault:
+    except BlamedError:
         raise
     except BaseException as error:  # noqa: BLE001 - planners and simulators may raise anything; it is recorded
         if is_stop(error):
             raise
         if isinstance(error, JobTimeoutError):
             kind = "agent"
-        raise Fault(kind, error) from error
+        raise BlamedError(kind, error) from error
 
 
 @dataclass
@@ -105,17 +105,17 @@ def play_episode(
         with blaming("infrastructure"):
             recorder.start()
             _play(env, agent, job, course, deadline, optimum=optimum)
-    except Fault as caught:
+    except BlamedError as caught:
         fault = caught
     try:
         if course.joined:
             report = _report(agent, recorder.folder)
-    except Fault as caught:
+    except BlamedError as caught:
         fault = fault or caught
     if fault is None and report is not None and report.broken:
-        fault = Fault("infrastructure", EndpointError(report.broken))
+        fault = BlamedError("infrastructure", EndpointError(report.broken))
     if fault is not None and course.joined:
-        with suppress(Fault), blaming("agent"):
+        with suppress(BlamedError), blaming("agent"):
             agent.close_episode({}, {})  # now, so that what fails in it is not taken for the next episode's
     wall = round(time.perf_counter() - began, 3)
     broken = fault is not None and fault.kind == "infrastructure"
@@ -128,7 +128,7 @@ def play_episode(
             )
             record.line()
             return record
-    except Fault as caught:  # the report holds what cannot be written
+    except BlamedError as caught:  # the report holds what cannot be written
         fault = fault or caught
     return make_record(job, iteration, course=course, report={}, fault=fault, wall_seconds=wall, video=video)
 
@@ -167,7 +167,7 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, 
         try:
             observations, _, _, _, course.infos = env.step(actions)
         except ActionError as error:
-            raise Fault("agent", error) from error
+            raise BlamedError("agent", error) from error
         course.outcomes.append(read_outcomes(env, actions, course.infos))
         course.progress = env.progress
         course.worlds.append(as_values(env.world))
@@ -213,7 +213,7 @@ def make_record(
     *,
     course: Course,
     report: Mapping[str, Any],
-    fault: Fault | None,
+    fault: BlamedError | None,
     wall_seconds: float = 0.0,
     video: VideoEntry | None = None,
 ) -> Record:
