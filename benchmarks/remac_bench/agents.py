@@ -79,7 +79,7 @@ def asked_models(agent: Mapping[str, Any], *, providers: str | None = None) -> l
 
 def is_model(text: str, providers: str | None = None) -> bool:
     """Whether a name speaks of a language model of a known provider."""
-    from remac_agents.llm.providers import is_model as known
+    from remac_agents.llm.resolving import is_model as known
 
     return known(text, file=providers)
 
@@ -92,7 +92,7 @@ def check_reach(*, via: str | None, providers: str | None) -> None:
     """
     if via is None and providers is None:
         return
-    from remac_agents.llm.providers import load
+    from remac_agents.llm.resolving import load
 
     catalogue = load(providers)
     if via is not None:
@@ -103,12 +103,12 @@ def by_route(text: str, *, via: str | None, providers: str | None = None) -> str
     """A role, or a model, with options: one that names a model of the paper gets the route by which it is reached.
 
     Raises:
-        UnknownNameError, OptionError: see `remac_agents.llm.providers.route`.
+        UnknownNameError, OptionError: see `remac_agents.llm.resolving.route`.
     """
     name, comma, options = text.partition(",")
     if via is None or not is_model(name.strip(), providers):
         return text
-    from remac_agents.llm.providers import route
+    from remac_agents.llm.resolving import route
 
     return route(name.strip(), via=via, file=providers) + comma + options
 

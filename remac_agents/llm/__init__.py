@@ -14,9 +14,10 @@ from remac_agents.llm.cassette import Cassette
 from remac_agents.llm.client import ChatClient
 from remac_agents.llm.limiter import Limiter
 from remac_agents.llm.outcomes import KINDS, Bill, ChatError, ChatReply
-from remac_agents.llm.providers import Catalogue, Endpoint, Model, Provider, load, resolve, route
+from remac_agents.llm.providers import Catalogue, Endpoint, Model, Provider
 from remac_agents.llm.redaction import file_name, plain
 from remac_agents.llm.request import Picture
+from remac_agents.llm.resolving import load, resolve, route
 from remac_agents.llm.settings import ModelSettings, plain_model_name, read_model_name, read_settings
 from remac_agents.text.json_text import Answer, BadAnswer, read_json
 

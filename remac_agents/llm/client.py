@@ -18,9 +18,10 @@ from remac_agents.llm.cassette import Cassette
 from remac_agents.llm.clock import Clock
 from remac_agents.llm.limiter import Limiter
 from remac_agents.llm.outcomes import PATIENT, ChatError, ChatReply
-from remac_agents.llm.providers import Endpoint, resolve
+from remac_agents.llm.providers import Endpoint
 from remac_agents.llm.redaction import Redactor, plain
 from remac_agents.llm.request import CHARACTERS_PER_TOKEN, ChatRequest, Picture, digest, read_messages
+from remac_agents.llm.resolving import resolve
 from remac_agents.llm.settings import ModelSettings, check_bounds, read_model_name
 from remac_agents.llm.transport import Transport
 from remac_agents.llm.wire import Caps

@@ -12,7 +12,7 @@ from remac_agents.llm.settings import read_settings
 from remac_agents.prompting import wording
 from remac_agents.prompting.models import Models
 from remac_agents.prompting.prompt import Message, load
-from remac_agents.running.briefing import ANSWERS
+from remac_agents.roles import ANSWERS
 from remac_agents.text.shapes import shape_problems
 
 MOST_PROBLEMS = 12

@@ -74,7 +74,7 @@ class Models:
             manners: what was learnt of how endpoints want to be asked; may be shared too.
             base_url: of models that may be anywhere and are named without an address.
             providers: a file of providers that adds to those built in, or overrides them.
-            via: the provider by which models are reached, or "auto"; see `remac_agents.llm.providers.route`.
+            via: the provider by which models are reached, or "auto"; see `remac_agents.llm.resolving.route`.
             clock, environ: given by tests.
         """
         self.budget = budget or Budget(**LIMITS)  # type: ignore[arg-type]

@@ -21,6 +21,7 @@ from remac_agents.roles.protocols import (
     Summariser,
 )
 from remac_agents.roles.requests import (
+    ANSWERS,
     AdjustRequest,
     Advice,
     Ask,
@@ -35,6 +36,7 @@ from remac_agents.roles.requests import (
 from remac_agents.roles.summaries import ExplainRequest, Explanation, SeenStep, Summary, last_tries
 
 __all__ = [
+    "ANSWERS",
     "AdjustRequest",
     "Adjuster",
     "Advice",

@@ -15,6 +15,9 @@ from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal
 
+ANSWERS = 3
+"""How often a question is put: an answer that is of no use is sent back twice, with all that is wrong with it."""
+
 Ask = Callable[[Condition], bool | None]
 """A question to the checker about the moment at hand; None: it cannot tell."""
 

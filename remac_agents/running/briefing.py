@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from remac_agents.roles.requests import ANSWERS
 from remac_env.tasks.goals import Goal
-
-ANSWERS = 3
-"""How often a question is put: an answer that is of no use is sent back twice, with all that is wrong with it."""
 
 
 @dataclass(frozen=True, kw_only=True)

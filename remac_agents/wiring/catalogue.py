@@ -197,7 +197,7 @@ def _construct(role: str, name: str, options: Mapping[str, Any], models: Models 
 
 
 def _is_model(name: str, providers: Path | str | None) -> bool:
-    from remac_agents.llm.providers import is_model  # only here: no offline role needs the client
+    from remac_agents.llm.resolving import is_model  # only here: no offline role needs the client
 
     return is_model(name, file=providers)
 

@@ -8,8 +8,7 @@ import pytest
 from agent_kitchens import play, suite_kitchen
 
 import remac_agents
-from remac_agents.roles import PlanRequest, View
-from remac_agents.running.briefing import ANSWERS
+from remac_agents.roles import ANSWERS, PlanRequest, View
 from remac_env.errors import LifecycleError, OptionError, UnknownNameError
 
 TASK = "DefrostInBowl"

@@ -49,7 +49,7 @@ class Reach:
         """A role's text, in which a model of the paper goes by its route.
 
         Raises:
-            UnknownNameError, OptionError: see `remac_agents.llm.providers.route`.
+            UnknownNameError, OptionError: see `remac_agents.llm.resolving.route`.
         """
         return agents.by_route(text, via=self.via, providers=self.providers)
 

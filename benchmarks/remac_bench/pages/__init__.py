@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from remac_bench.pages.places import EPISODES, LEADERBOARD, TABLES
+
 if TYPE_CHECKING:
     from remac_bench.board import Board
 
-LEADERBOARD = "leaderboard.html"
-EPISODES = "episodes"
-TABLES = "tables"
-"""What stands beside the records: the first page, and the folders of the others and of tables as pictures."""
+__all__ = ["EPISODES", "LEADERBOARD", "TABLES", "write_pages"]
 
 
 def write_pages(folder: str | Path, board: Board | None = None) -> Path:

@@ -7,10 +7,10 @@ from pathlib import Path
 from remac_bench.blame.sheet import read_blames
 from remac_bench.board import Board
 from remac_bench.errors import StorageError
-from remac_bench.pages import EPISODES, LEADERBOARD, TABLES
 from remac_bench.pages.episode_page import page, page_name
 from remac_bench.pages.leaderboard import leaderboard
 from remac_bench.pages.pictures import write_pictures
+from remac_bench.pages.places import EPISODES, LEADERBOARD, TABLES
 from remac_bench.records import Record
 from remac_bench.report import read_board, read_records
 
