@@ -172,7 +172,7 @@ class _Errands:
                 scene,
                 env.world,
                 lambda world, ripe=ripe, reason=reason: any(foretell(scene, world, name, s) == reason for s in ripe),
-                commands=[subtask for subtask in commands if subtask.skill not in ("wait", "done")],
+                commands=[subtask for subtask in commands if not subtask.row.still],
                 max_rounds=_FAR,
                 max_states=_STATES,
             )

@@ -23,13 +23,12 @@ from remac_agents.wiring.checked import checked, everyone
 from remac_agents.wiring.correspondence import Correspondence
 from remac_env.errors import LifecycleError, OptionError, check_choice
 from remac_env.rules.scene import public_scene
-from remac_env.rules.subtasks import DONE, WAIT, Subtask
+from remac_env.rules.subtasks import DONE, STEP_ASIDE, WAIT, Subtask
 from remac_env.seeding import digest
 from remac_env.state import WorldState
 
 Told = Mapping[str, Mapping[str, Any]]
 
-_STEP_ASIDE = Subtask("navigate aside")
 _NOT_PICTURES = ("observation", "action_mask")
 SEEDS = 2**31
 """Seeds that are made for roles lie below it."""
@@ -119,7 +118,7 @@ class Agent:
         first, self._played = self._played is None, turn
         if not turn and self._ended:
             return {robot: self._token(robot, DONE) for robot in infos}
-        idle = _STEP_ASIDE if first else WAIT
+        idle = STEP_ASIDE if first else WAIT
         self._sent = {robot: turn.get(robot, idle) for robot in infos if robot in run.briefing.robots}
         return {robot: self._token(robot, subtask) for robot, subtask in self._sent.items()}
 

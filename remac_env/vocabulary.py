@@ -15,18 +15,23 @@ from numpy.typing import NDArray
 
 from remac_env.errors import KitchenFileError, OptionError, UnknownNameError
 from remac_env.rules.facts import Rules
+from remac_env.rules.scene import PublicScene, public_scene
+from remac_env.rules.skill_row import TargetKind
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
 from remac_env.values import python_fields, python_value
 from remac_env.words import normalise
 
-_USES = tuple(name for name, skill in SKILLS.items() if skill.target not in ("none", "any"))
-_BARE = ("wait", "done", "navigate aside")
+
+def _with(target: Literal["none", "thing", "some"]) -> tuple[str, ...]:
+    """The skills without a target, those that every noun has, and those that a noun lists among its uses."""
+    kinds = {"none": "none", "thing": "thing"}
+    return tuple(name for name, skill in SKILLS.items() if kinds.get(skill.target, "some") == target)
 
 
 @dataclass(frozen=True, slots=True)
 class Noun:
-    """A word that commands may name. `uses` are skills beside `navigate to`, which every noun has."""
+    """A word that commands may name. `uses` are skills beside those that every noun has (`navigate to`)."""
 
     name: str
     kind: Literal["fixture", "object"]
@@ -63,8 +68,9 @@ class Vocabulary:
         for noun in nouns:
             if (old := known.setdefault(noun.name, noun)) != noun:
                 raise OptionError(f"noun {noun.name!r} is taken by {old}; give {noun} another name")
-            if strange := set(noun.uses) - set(_USES):
-                raise OptionError(f"noun {noun.name!r} has unknown uses {sorted(strange)}; valid: {', '.join(_USES)}")
+            if strange := set(noun.uses) - set(_with("some")):
+                valid = ", ".join(_with("some"))
+                raise OptionError(f"noun {noun.name!r} has unknown uses {sorted(strange)}; valid: {valid}")
         return Vocabulary(known.values(), version=self.version)
 
     def encode(self, text: str) -> int:
@@ -107,11 +113,9 @@ class Vocabulary:
 
     def legal(self, scene: Rules) -> dict[str, int]:
         """Text -> token of every legal command of this kitchen, in token order."""
-        kinds = _kinds(scene)
+        names = _names(public_scene(scene))
         return {
-            text: token
-            for token, (text, target, kind) in enumerate(self._targets)
-            if kind in kinds.get(target, ("none",))
+            text: token for token, (text, target, kind) in enumerate(self._targets) if target in names[kind]
         }
 
     def commands(self, scene: Rules) -> tuple[str, ...]:
@@ -123,22 +127,17 @@ class Vocabulary:
         return "did you mean " + ", ".join(repr(n) for n in near) + "?" if near else "see env.vocabulary"
 
 
-def _kinds(scene: Rules) -> dict[str, tuple[str, ...]]:
-    """For everything there, the kinds of target that it can be: a kitchen may lack doors."""
-    found = {}
-    for name, fixture in scene.fixtures.items():
-        fits = {"any": True, "surface": fixture.slots, "door": fixture.door, "switch": fixture.switches}
-        found[name] = tuple(kind for kind, fit in fits.items() if fit)
-    for name, thing in scene.objects.items():
-        found[name] = ("any", "object", "food", "surface") if thing.holds > 0 else ("any", "object", "food")
-    return found
+def _names(scene: PublicScene) -> dict[TargetKind, frozenset[str]]:
+    """Kind of target -> what can be one here: a kitchen may lack doors."""
+    kinds = {skill.target for skill in SKILLS.values()}
+    return {kind: frozenset(("",) if kind == "none" else scene.names(kind)) for kind in kinds}
 
 
 def _subtasks(nouns: Iterable[Noun]) -> Iterable[Subtask]:
-    yield from (Subtask(name) for name in _BARE)
+    yield from (Subtask(name) for name in _with("none"))
     for noun in nouns:
-        yield Subtask("navigate to", noun.name)
-        yield from (Subtask(skill, noun.name) for skill in _USES if skill in noun.uses)
+        yield from (Subtask(skill, noun.name) for skill in _with("thing"))
+        yield from (Subtask(skill, noun.name) for skill in _with("some") if skill in noun.uses)
 
 
 def make_noun(entry: Mapping[str, object], *, file: str) -> Noun:
@@ -147,8 +146,8 @@ def make_noun(entry: Mapping[str, object], *, file: str) -> Noun:
     uses = entry.get("uses", [])
     if kind not in ("fixture", "object"):
         raise KitchenFileError(file, f"noun {name!r}, kind", f"got {kind!r}", ("fixture", "object"))
-    if not isinstance(uses, list) or any(use not in _USES for use in uses):
-        raise KitchenFileError(file, f"noun {name!r}, uses", f"got {uses!r}", _USES)
+    if not isinstance(uses, list) or any(use not in _with("some") for use in uses):
+        raise KitchenFileError(file, f"noun {name!r}, uses", f"got {uses!r}", _with("some"))
     return Noun(name, kind, tuple(uses))  # type: ignore[arg-type]
 
 

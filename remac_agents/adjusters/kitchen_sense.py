@@ -8,8 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remac_agents.roles import AdjustRequest
-from remac_env.rules.conditions import condition
+from remac_env.rules.conditions import Condition, condition
 from remac_env.rules.facts import FixtureFacts, ObjectFacts
+from remac_env.rules.predicates import PREDICATES
+from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
 
 
@@ -106,11 +108,25 @@ class KitchenSense:
         needs_thing = any(
             r.condition.predicate != "hand_empty" for r in self.subtask.requirements(self.robot)
         )
-        if self.held is not None and needs_thing and self.subtask.skill != "pick up":
+        if self.held is not None and needs_thing and not self.subtask.row.takes:
             steps += [go(self.held), take(self.held)]
-        if any(step.skill == "navigate to" for step in steps) and steps[-1] != go(self.target):
-            steps.append(go(self.target))
-        return tuple(steps)
+        return self.and_back(steps)
+
+    def and_back(self, steps: Sequence[Subtask]) -> tuple[Subtask, ...]:
+        """The steps, and the way back to the target if they lead elsewhere."""
+        leads_away = any(step.moves for step in steps) and steps[-1] != go(self.target)
+        return (*steps, go(self.target)) if leads_away else tuple(steps)
+
+    def failed(self, repair: str) -> list[Condition]:
+        """The conditions that failed whose row names this repair."""
+        rows = ((condition, PREDICATES.get(condition.predicate)) for condition in self.request.failed)
+        return [condition for condition, row in rows if row is not None and row.repair == repair]
+
+    def achieving(self, wanted: Condition) -> list[Subtask]:
+        """The commands of this kitchen after which a condition holds."""
+        steps = [Subtask(skill, name) for skill in SKILLS for name in (*wanted.args, "")]
+        legal = [step for step in steps if step.text in self.request.commands]
+        return [step for step in dict.fromkeys(legal) if wanted in step.achieves(self.robot, self.held)]
 
     def inside(self, container: str) -> list[str]:
         """The objects that the checker sees on or in a fixture or vessel, other than what is held."""
@@ -126,15 +142,15 @@ class KitchenSense:
 
     def last_taken(self) -> str | None:
         """What the robot took up last, as far as it knows."""
-        taken = [step.target for step in self.request.executed if step.skill == "pick up"]
+        taken = [step.target for step in self.request.executed if step.row.takes]
         return taken[-1] if taken else None
 
     def has_served(self) -> bool:
         """Whether the robot has worked with what it holds since it took it up: then it cannot be taken up later."""
         since: list[Subtask] = []
         for step in self.request.executed:
-            since = [] if step.skill == "pick up" else [*since, step]
-        return any(not step.skill.startswith("navigate") for step in since)
+            since = [] if step.row.takes else [*since, step]
+        return any(not step.moves for step in since)
 
     def surrounding(self, target: str) -> str | None:
         """The fixture with a door that `target` is, or is in."""

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from remac_agents.adjusters.kitchen_sense import KitchenSense, go, put, take
 from remac_agents.roles import AdjustRequest, Advice
+from remac_env.rules.predicates import PREDICATES
 from remac_env.rules.subtasks import Subtask
 
 Repair = Callable[[KitchenSense], Advice | None]
@@ -23,9 +24,9 @@ class RuleAdjuster:
     def adjust(self, request: AdjustRequest) -> Advice:
         """Steps to be run first and the robot's new row; the old row where no rule helps."""
         sense = KitchenSense(request)
-        failed = {condition.predicate: condition for condition in request.failed}
-        for predicate, repair in REPAIRS.items():
-            if predicate in failed and (advice := repair(sense)) is not None:
+        wanted = {row.repair for c in request.failed if (row := PREDICATES.get(c.predicate)) is not None}
+        for name, repair in REPAIRS.items():
+            if name in wanted and (advice := repair(sense)) is not None:
                 return advice
         sentences = "; ".join(condition.sentence for condition in request.failed)
         return Advice(f"no rule helps here, not true: {sentences}", row=request.plan.row(request.robot))
@@ -55,7 +56,7 @@ def _leave_out(sense: KitchenSense, reason: str) -> Advice:
 
 
 def _not_placed(sense: KitchenSense) -> Advice | None:
-    if sense.held == sense.target and sense.subtask.skill in ("navigate to", "pick up"):
+    if sense.held == sense.target and (sense.subtask.moves or sense.subtask.row.takes):
         return _leave_out(sense, f"the {sense.target} is in hand already")
     return None
 
@@ -138,7 +139,7 @@ def _hand_is_full(sense: KitchenSense) -> Advice | None:
         return None
     reason = f"the hand has to be empty to {sense.subtask.text}"
     steps = (*down, go(sense.target))
-    if sense.subtask.skill == "pick up" or sense.has_served() and not _uses_thing(sense.rest):
+    if sense.subtask.row.takes or sense.has_served() and not _uses_thing(sense.rest):
         return _advice(sense, reason, steps, remedy=down)
     fetch: tuple[Subtask, ...] = ()
     if _uses_thing(sense.rest):
@@ -154,7 +155,7 @@ def _hand_is_full(sense: KitchenSense) -> Advice | None:
 
 def _uses_thing(rest: tuple[Subtask, ...]) -> bool:
     """Whether what is in hand is placed before anything else is taken up."""
-    return next((step.skill == "place to" for step in rest if step.skill in ("pick up", "place to")), False)
+    return next((step.row.puts for step in rest if step.row.takes or step.row.puts), False)
 
 
 def _must_be_shut(sense: KitchenSense) -> Advice | None:
@@ -189,20 +190,30 @@ def _no_room(sense: KitchenSense) -> Advice | None:
     return _advice(sense, f"the {thing} is in the way", sense.with_empty_hand(work), remedy=work)
 
 
+def _achieve(sense: KitchenSense) -> Advice | None:
+    """By any skill of the table that achieves just what is false."""
+    for condition in sense.failed("achieve"):
+        for step in sense.achieving(condition):
+            work = (step,) if not step.target or sense.true("at", sense.robot, step.target) else (go(step.target), step)
+            needs_hand = any(r.condition.predicate == "hand_empty" for r in step.requirements(sense.robot))
+            steps = sense.with_empty_hand(work) if needs_hand else sense.and_back(work)
+            return _advice(sense, f"not true: {condition.sentence}", steps, remedy=work)
+    return None
+
+
 REPAIRS: dict[str, Repair] = {
-    "door_not_open": _already_done,
-    "door_not_closed": _already_done,
-    "switched_off": _already_done,
-    "some_on": _already_done,
-    "placed": _not_placed,
-    "hand_full": _hand_is_empty,
-    "holds_shaker": _no_shaker,
-    "accessible": _shut,
-    "unloaded": _loaded,
-    "no_vessel_needed": _vessel_needed,
-    "hand_empty": _hand_is_full,
-    "may_run": _must_be_shut,
-    "at": _elsewhere,
-    "room": _no_room,
+    "leave out": _already_done,
+    "leave out if held": _not_placed,
+    "fetch again": _hand_is_empty,
+    "fetch a shaker": _no_shaker,
+    "open the door": _shut,
+    "unload": _loaded,
+    "use a vessel": _vessel_needed,
+    "put down": _hand_is_full,
+    "shut the door": _must_be_shut,
+    "achieve": _achieve,
+    "go there": _elsewhere,
+    "make room": _no_room,
 }
-"""Predicate -> repair, in the order in which they are tried: those further up mend those below as well."""
+"""What rows of predicates call a repair -> it, in the order in which they are tried: those further up mend those below
+as well."""

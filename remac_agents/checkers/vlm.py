@@ -16,6 +16,7 @@ from remac_agents.prompting.prompt import load
 from remac_agents.roles import StopEpisode, Verdict, View
 from remac_env.errors import OptionError
 from remac_env.rules.conditions import Condition
+from remac_env.rules.predicates import PREDICATES
 
 CAMERAS = ("side", "wrist")
 """What the paper's checks look at; all there are, where a kitchen has neither."""
@@ -132,7 +133,8 @@ def _check_pictures(view: View) -> None:
 
 def _untold(condition: Condition, view: View) -> Verdict:
     """What the gripper says, or that nobody carries fixtures about; no value where a model is to be asked."""
-    if condition == Condition("placed", condition.args) and condition.args[0] in view.scene.fixtures:
+    row = PREDICATES.get(condition.predicate)
+    if row is not None and row.fixtures_always and condition.args[0] in view.scene.fixtures:
         return Verdict(condition, True, "fixtures stay in their places")
     value = condition.felt(view.scene, view.holding)
     return Verdict(condition, value, "" if value is None else "felt in the gripper")

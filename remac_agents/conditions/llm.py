@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-from remac_agents.conditions.rule import OF_THE_ROUND
 from remac_agents.llm import BadAnswer
 from remac_agents.prompting import wording
 from remac_agents.prompting.model_role import ModelRole, reads
 from remac_agents.roles import FreeText, View
+from remac_env.rules.claims import settled
 from remac_env.rules.conditions import Condition
 from remac_env.rules.sentences import read_condition, sentence_forms
 from remac_env.rules.subtasks import Subtask
@@ -38,7 +38,7 @@ class LlmConditions(ModelRole):
     def _conditions(self, prompt: str, subtask: Subtask, robot: str, view: View) -> list[Condition]:
         fields = {
             **wording.room(view),
-            "forms": wording.bullets(sentence_forms(leave_out=OF_THE_ROUND)),
+            "forms": wording.bullets(sentence_forms(leave_out=settled())),
             "robot": robot,
             "subtask": subtask.text,
             "held": wording.held(view, robot),
@@ -48,4 +48,4 @@ class LlmConditions(ModelRole):
             return []
         lines = (wording.one_line(text) for text in answer.conditions)
         found = [read_condition(line, view.scene, robot=robot) or FreeText.of(line) for line in lines if line]
-        return [condition for condition in dict.fromkeys(found) if condition.predicate not in OF_THE_ROUND]
+        return [condition for condition in dict.fromkeys(found) if condition.predicate not in settled()]

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from remac_agents.roles import View
+from remac_env.rules.claims import settled
 from remac_env.rules.conditions import Condition
 from remac_env.rules.subtasks import Subtask
-
-OF_THE_ROUND = ("station_free",)
-"""Predicates that the round itself settles, whatever is true before it: robots may change places."""
 
 
 class RuleConditions:
@@ -18,7 +16,7 @@ class RuleConditions:
     def before(self, subtask: Subtask, robot: str, view: View) -> list[Condition]:
         """What the table requires, in its order."""
         wanted = [requirement.condition for requirement in subtask.requirements(robot)]
-        return [condition for condition in wanted if condition.predicate not in OF_THE_ROUND]
+        return [condition for condition in wanted if condition.predicate not in settled()]
 
     def after(self, subtask: Subtask, robot: str, view: View) -> list[Condition]:
         """What the table says the skill achieves, given what the robot held before."""

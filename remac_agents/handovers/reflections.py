@@ -45,13 +45,13 @@ def main_object(request: HandoverRequest) -> str | None:
     Lessons say before the taking up of which thing something had to be done: the last such thing that no
     lesson itself brought in. Without lessons, the last thing taken up that the goal names, else the last one.
     """
-    taken = [step.target for step in request.plan if step.skill == "pick up"]
+    taken = [step.target for step in request.plan if step.row.takes]
     commands = Commands(request.commands)
     lessons = [
         lesson for text in request.reflections if isinstance(lesson := read_lesson(text, commands), Before)
     ]
-    brought = {step.target for lesson in lessons for step in lesson.steps if step.skill == "pick up"}
-    anchors = {lesson.anchor.target for lesson in lessons if lesson.anchor.skill == "pick up"} - brought
+    brought = {step.target for lesson in lessons for step in lesson.steps if step.row.takes}
+    anchors = {lesson.anchor.target for lesson in lessons if lesson.anchor.row.takes} - brought
     named = {name for name in taken if name in request.goal.lower()}
     for choice in (anchors, named, set(taken)):
         found = [name for name in taken if name in choice]

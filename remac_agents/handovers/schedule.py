@@ -8,10 +8,7 @@ from remac_agents.plan import Plan
 from remac_agents.planning.whereabouts import Whereabouts
 from remac_env.rules.facts import ASIDE
 from remac_env.rules.scene import PublicScene
-from remac_env.rules.subtasks import WAIT, Subtask
-
-_ASIDE = Subtask("navigate aside")
-_NAVIGATION = ("navigate to", "navigate aside")
+from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 
 
 def schedule(lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Subtask], facts: PublicScene) -> Plan:
@@ -20,7 +17,7 @@ def schedule(lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Sub
     The helper steps aside at the end. The leading robot goes only to places that the helper has left for
     good, and touches only things that the helper no longer will; both follow from the plans' own words.
     """
-    row = (*work, _ASIDE)
+    row = (*work, STEP_ASIDE)
     plans = (_try(lead, main, helper, row, facts, delay) for delay in range(len(row) + 1))
     return min((plan for plan in plans if plan is not None), key=lambda plan: plan.length)
 
@@ -41,8 +38,8 @@ def _try(
         goals = {robot: where.goal(robot, step) for robot, step in steps.items()}
         if steps[lead] != WAIT and not _ready(where, facts, steps[lead], goals, lead, helper, prepared):
             steps[lead], goals[lead] = WAIT, where.station.get(lead, ASIDE)
-        if steps[helper].skill in _NAVIGATION and _clash(facts, goals[helper], goals[lead]):
-            if steps[lead].skill in _NAVIGATION:
+        if steps[helper].moves and _clash(facts, goals[helper], goals[lead]):
+            if steps[lead].moves:
                 steps[lead], goals[lead] = WAIT, where.station.get(lead, ASIDE)
             if _clash(facts, goals[helper], goals[lead]):
                 steps[helper], goals[helper] = WAIT, where.station.get(helper, ASIDE)
@@ -68,11 +65,11 @@ def _ready(
     prepared: Sequence[Subtask],
 ) -> bool:
     """Whether the leading robot may run `step` while the helper runs the first of `prepared`."""
-    touched = {other.target for other in prepared if other.skill not in _NAVIGATION}
+    touched = {other.target for other in prepared if not other.moves}
     touched |= {name for name in (where.hand.get(helper),) if name is not None and prepared}
     if step.target in touched:
         return False
-    if step.skill not in _NAVIGATION:
+    if not step.moves:
         return True
     ahead = [goals[helper]] + [
         where.of(other.target) for other in prepared[1:] if other.skill == "navigate to"
@@ -89,6 +86,6 @@ def _without_late_leaving(rows: dict[str, list[Subtask]], helper: str) -> dict[s
     """Nobody need step aside once everything is done."""
     other = max(len(row) for name, row in Plan.of(rows).rows.items() if name != helper)
     row = rows[helper]
-    if len(row) > other and row[-1] == _ASIDE:
+    if len(row) > other and row[-1] == STEP_ASIDE:
         rows[helper] = row[:-1]
     return rows

@@ -13,13 +13,12 @@ from remac_env.errors import whole_number
 from remac_env.oracle import search_plan
 from remac_env.rules.facts import Rules
 from remac_env.rules.rounds import transition
-from remac_env.rules.subtasks import Subtask
+from remac_env.rules.subtasks import STEP_ASIDE, Subtask
 from remac_env.state import FixtureState, Place, WorldState
 
 MAX_STATES = 60_000
 """States to look at before the search gives up."""
 
-_ASIDE = Subtask("navigate aside")
 
 _Result = tuple[dict[str, tuple[str, str]], dict[str, FixtureState]]
 
@@ -50,7 +49,7 @@ class SearchHandover:
             scene,
             world,
             lambda state: _result(scene, state) == wanted,
-            commands=[*dict.fromkeys(request.plan), _ASIDE],
+            commands=[*dict.fromkeys(request.plan), STEP_ASIDE],
             bound=lambda state: _rounds_at_least(_result(scene, state), wanted, len(scene.robots)),
             max_rounds=len(request.plan),
             max_states=self._max_states,

@@ -8,9 +8,7 @@ from typing import Any
 from remac_agents.planning.rewriting import tidy
 from remac_agents.planning.teamwork import independent, parts_of
 from remac_agents.roles import PlanRequest
-from remac_env.rules.subtasks import Subtask
-
-_ASIDE = Subtask("navigate aside")
+from remac_env.rules.subtasks import STEP_ASIDE, Subtask
 
 
 def decomposed(steps: Sequence[Subtask], request: PlanRequest) -> dict[str, Any]:
@@ -18,7 +16,7 @@ def decomposed(steps: Sequence[Subtask], request: PlanRequest) -> dict[str, Any]
     groups = independent(parts_of(steps, fine=True), request.facts)
     listed = []
     for number, group in enumerate(groups, 1):
-        row = [*tidy([step for part in group for step in part], request.facts), *[_ASIDE] * (len(groups) > 1)]
+        row = [*tidy([step for part in group for step in part], request.facts), *[STEP_ASIDE] * (len(groups) > 1)]
         skills = sorted({step.skill for step in row})
         listed.append({"id": str(number), "steps": [step.text for step in row], "skills": skills, "after": []})
     return {"subtasks": listed}

@@ -14,8 +14,6 @@ from remac_agents.roles import AdjustRequest, Attempt, PlanRequest, View
 from remac_env.rules.conditions import Condition
 from remac_env.rules.subtasks import Subtask
 
-_LASTING = ("open door", "close door", "turn on", "turn off")
-
 
 class Belief:
     """What a planner knows from its own steps."""
@@ -32,9 +30,9 @@ class Belief:
         if attempt.succeeded is False:
             return
         step, held = attempt.subtask, self.where.hand.get(self.robot)
-        if step.skill == "pick up":
+        if step.row.takes:
             self._support.pop(step.target, None)
-        elif step.skill == "place to" and held is not None:
+        elif step.row.puts and held is not None:
             self._support[held] = step.target
         self.where.run(self.robot, step)
         self.executed.append(step)
@@ -118,4 +116,4 @@ def corrected(steps: Steps, request: PlanRequest) -> Steps:
 
 
 def _lasts(attempt: Attempt) -> bool:
-    return attempt.subtask.skill in _LASTING
+    return attempt.subtask.row.lasting

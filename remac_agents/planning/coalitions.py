@@ -27,8 +27,6 @@ ALLOCATION = "an allocation was asked for; valid: a JSON object, subtask id -> l
 Skills = Mapping[str, frozenset[str]]
 """Robot -> the names of its skills."""
 
-_NAVIGATION = ("navigate to", "navigate aside")
-_ANYBODY = ("wait", "done")
 
 
 @dataclass(frozen=True)
@@ -47,7 +45,7 @@ Allocation = Mapping[str, tuple[str, ...]]
 
 def skills_of(commands: Iterable[Subtask]) -> frozenset[str]:
     """The names of the skills that commands need."""
-    return frozenset(step.skill for step in commands) - frozenset(_ANYBODY)
+    return frozenset(step.skill for step in commands if not step.row.still)
 
 
 def read_decomposition(reply: object, commands: Commands, skills: Skills) -> Decomposition | PlanError:
@@ -176,9 +174,9 @@ def _by_turns(task: Task, team: Sequence[str], skills: Skills) -> dict[str, list
     rows: dict[str, list[Subtask]] = {robot: [] for robot in team}
     at_work = next(iter(team))
     for index, step in enumerate(task.steps):
-        ahead = next((other for other in task.steps[index:] if other.skill not in _NAVIGATION), step)
+        ahead = next((other for other in task.steps[index:] if not other.moves), step)
         for needed in (ahead, step):
-            if needed.skill not in (*_ANYBODY, *skills[at_work]):
+            if not needed.row.still and needed.skill not in skills[at_work]:
                 at_work = next((robot for robot in team if needed.skill in skills[robot]), at_work)
         for robot, row in rows.items():
             row.append(step if robot == at_work else WAIT)

@@ -19,7 +19,6 @@ from remac_env.rules.subtasks import Subtask
 
 Steps = tuple[Subtask, ...]
 
-_NAVIGATION = ("navigate to", "navigate aside")
 
 
 def proven_plan(runs: Sequence[Run], commands: Commands, facts: Rules, *, last: bool = False) -> Steps | None:
@@ -78,10 +77,10 @@ def without_detours(steps: Sequence[Subtask], facts: Rules, planned: Steps) -> S
 def _without_one_rest(steps: list[Subtask], facts: Rules, planned: Steps) -> list[Subtask]:
     held = hands(steps)
     for down, step in enumerate(steps):
-        if step.skill != "place to" or not _is_plain(step.target, facts):
+        if not step.row.puts or not _is_plain(step.target, facts):
             continue
         fetch = Subtask("pick up", held[down] or "")
-        work = [(i, other) for i, other in enumerate(steps) if other.skill not in _NAVIGATION]
+        work = [(i, other) for i, other in enumerate(steps) if not other.moves]
         again = next((i for i, other in work if i > down and held[down] in (other.target, held[i])), None)
         between = [other for i, other in work if again is not None and down < i < again]
         if again is None or steps[again] != fetch:

@@ -7,14 +7,10 @@ from collections.abc import Sequence
 from remac_agents.planning.lessons import Before, Instead, LeaveOut, Lesson
 from remac_agents.planning.whereabouts import Whereabouts, hands
 from remac_env.rules.scene import PublicScene
-from remac_env.rules.subtasks import Subtask
+from remac_env.rules.subtasks import STEP_ASIDE, Subtask
 
 Steps = list[Subtask]
 
-_LASTING = ("open door", "close door", "turn on", "turn off")
-"""Skills whose work need not be done twice."""
-
-_NAVIGATION = ("navigate to", "navigate aside")
 
 
 def apply(steps: Sequence[Subtask], lesson: Lesson) -> Steps:
@@ -30,11 +26,11 @@ def _insert(steps: Steps, lesson: Before) -> Steps:
     if lesson.anchor not in steps:
         return steps
     index = steps.index(lesson.anchor)
-    if _contains(steps[:index], [step for step in lesson.steps if step.skill not in _NAVIGATION]):
+    if _contains(steps[:index], [step for step in lesson.steps if not step.moves]):
         return steps
-    moves = any(step.skill in _NAVIGATION for step in lesson.steps)
+    moves = any(step.moves for step in lesson.steps)
     # A robot that was sent away has to come back to where it was.
-    back = [step for step in steps[:index] if step.skill in _NAVIGATION][-1:] if moves else []
+    back = [step for step in steps[:index] if step.moves][-1:] if moves else []
     return [*steps[:index], *lesson.steps, *back, *steps[index:]]
 
 
@@ -72,16 +68,16 @@ def _tidy_once(steps: Steps, facts: PublicScene) -> Steps:
     where, kept = Whereabouts(facts), []
     last: dict[str, str] = {}
     for step, following in zip(steps, [*steps, None][1:], strict=True):
-        if step.skill in _NAVIGATION:
+        if step.moves:
             goal = where.goal("", step)
             there = goal is not None and goal == where.station.get("")
-            idle = following is None or following.skill in _NAVIGATION or there
-            idle = idle and not (step.skill == "navigate aside" and following is None)
-        elif step.skill in _LASTING:
+            idle = following is None or following.moves or there
+            idle = idle and not (step == STEP_ASIDE and following is None)
+        elif step.row.lasting:
             idle = last.get(step.target) == step.skill
             last[step.target] = step.skill
         else:
-            idle = step.skill == "pick up" and where.hand.get("") == step.target
+            idle = step.row.takes and where.hand.get("") == step.target
         if not idle:
             where.run("", step)
             kept.append(step)

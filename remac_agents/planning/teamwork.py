@@ -15,15 +15,13 @@ from remac_agents.plan import Plan
 from remac_agents.planning.whereabouts import Whereabouts, hands
 from remac_env.rules.facts import ASIDE
 from remac_env.rules.scene import PublicScene
-from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 
 Part = tuple[Subtask, ...]
 
 MOST_ALLOCATIONS = 1024
 """Allocations tried one by one at most; beyond that each part in turn goes where it ends soonest."""
 
-_ASIDE = Subtask("navigate aside")
-_NAVIGATION = ("navigate to", "navigate aside")
 
 
 def parts_of(steps: Sequence[Subtask], *, fine: bool = False) -> list[Part]:
@@ -33,8 +31,8 @@ def parts_of(steps: Sequence[Subtask], *, fine: bool = False) -> list[Part]:
     """
     parts: list[list[Subtask]] = [[]]
     for step, held in zip(steps, hands(steps), strict=True):
-        way, touched = step.skill in _NAVIGATION, {other.target for other in parts[-1]}
-        worked = any(other.skill not in _NAVIGATION for other in parts[-1])
+        way, touched = step.moves, {other.target for other in parts[-1]}
+        worked = any(not other.moves for other in parts[-1])
         if worked and held is None and (way or (fine and step.target not in touched)):
             parts.append([] if way else [Subtask("navigate to", step.target)])
         parts[-1].append(step)
@@ -86,7 +84,7 @@ class _Work:
 
     @property
     def is_way(self) -> bool:
-        return self.step.skill in _NAVIGATION
+        return self.step.moves
 
 
 def _analyse(parts: Sequence[Part], facts: PublicScene, *, places: bool) -> list[_Work]:
@@ -105,10 +103,10 @@ def _analyse(parts: Sequence[Part], facts: PublicScene, *, places: bool) -> list
     ]
     work = []
     for index, (number, step) in enumerate(steps):
-        if step.skill not in _NAVIGATION:
+        if not step.moves:
             work.append(_Work(step, number, goals[index], after[index], frozenset()))
             continue
-        there = itertools.takewhile(lambda i: steps[i][1].skill not in _NAVIGATION, range(index + 1, len(steps)))
+        there = itertools.takewhile(lambda i: not steps[i][1].moves, range(index + 1, len(steps)))
         needed = frozenset().union(*(after[i] for i in there if steps[i][0] == number))
         moved = frozenset(i for i in needed if step.target in facts.objects and step.target in touched[i])
         work.append(_Work(step, number, goals[index], needed, moved))
@@ -117,7 +115,7 @@ def _analyse(parts: Sequence[Part], facts: PublicScene, *, places: bool) -> list
 
 def _touched(step: Subtask, held: str | None, facts: PublicScene) -> frozenset[str]:
     """What a step works on. Things are put side by side on a surface that is used from several places."""
-    if step.skill in _NAVIGATION or not step.target:
+    if step.moves or not step.target:
         return frozenset()
     wide = step.target in facts.fixtures and len(facts.stations_of(step.target)) > 1
     return frozenset({held} if held is not None else ()) | frozenset(() if wide else (step.target,))
@@ -156,7 +154,7 @@ def _lay_out(
         if not acts and not aside:
             return None if any(left.values()) else Plan.of(rows)
         for robot in order:
-            step = work[acts[robot]].step if robot in acts else _ASIDE if robot in aside else WAIT
+            step = work[acts[robot]].step if robot in acts else STEP_ASIDE if robot in aside else WAIT
             rows[robot].append(step)
             if robot in acts:
                 done.add(left[robot].popleft())
@@ -170,7 +168,7 @@ def _skip_idle_ways(left: deque[int], work: Sequence[_Work], station: str) -> No
         following = work[left[1]] if len(left) > 1 else None
         if following is not None and not following.is_way and work[left[0]].goal != station:
             return
-        if following is None and work[left[0]].step == _ASIDE:
+        if following is None and work[left[0]].step == STEP_ASIDE:
             return
         left.popleft()
 

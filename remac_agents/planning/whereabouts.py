@@ -40,18 +40,18 @@ class Whereabouts:
 
     def goal(self, robot: str, step: Subtask) -> str | None:
         """The label at which this step would leave the robot; None as for `of`."""
-        if step.skill == "navigate aside":
-            return ASIDE
-        return self.of(step.target) if step.skill == "navigate to" else self.station.get(robot, ASIDE)
+        if not step.moves:
+            return self.station.get(robot, ASIDE)
+        return self.of(step.target) if step.target else ASIDE
 
     def run(self, robot: str, step: Subtask, goal: str | None = None) -> None:
         """The step succeeds; `goal` is its label if it was asked for before."""
         here = goal or self.goal(robot, step) or f"{step.target}, visit {next(self._visits)}"
         self.station[robot] = here
-        if step.skill == "pick up":
+        if step.row.takes:
             self.hand[robot] = step.target
             self._things.pop(step.target, None)
-        elif step.skill == "place to" and (held := self.hand.get(robot)) is not None:
+        elif step.row.puts and (held := self.hand.get(robot)) is not None:
             self._things[held] = here
             self.hand[robot] = None
 
@@ -62,5 +62,5 @@ def hands(steps: Iterable[Subtask]) -> list[str | None]:
     found: list[str | None] = []
     for step in steps:
         found.append(held)
-        held = step.target if step.skill == "pick up" else None if step.skill == "place to" else held
+        held = step.target if step.row.takes else None if step.row.puts else held
     return found

@@ -69,7 +69,6 @@ class Ledger:
 def really_done(scene: Rules, before: WorldState, after: WorldState, robot: str, subtask: Subtask) -> bool:
     """Whether a subtask's post-conditions hold; one that needs something in hand is never done without it."""
     held = before.robots[robot].holding
-    needs_hold = any(r.condition.predicate == "hand_full" for r in subtask.requirements(robot))
-    if needs_hold and held is None:
+    if subtask.row.puts and held is None:
         return False
     return all(condition.holds(scene, after) for condition in subtask.achieves(robot, held))

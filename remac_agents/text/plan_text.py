@@ -17,6 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from remac_agents.text.plan_words import Names, list_item, opening, split_heading, without_thoughts
+from remac_env.rules.skills import SKILLS
 from remac_env.words import normalise
 
 Rows = dict[str, list[object]]
@@ -190,7 +191,8 @@ class PlanText:
     def _add(self, parts: Sequence[object], *, strict: bool, goes_on: bool = False, whole: bool = False) -> None:
         """Add a row or the end of one, unless it is prose: then its first words are kept for the complaint."""
         legal = [part for part in parts if isinstance(part, str) and self._legal(part)]
-        telling = [part for part in legal if normalise(part) not in ("wait", "done")]
+        idle = {skill.form for skill in SKILLS.values() if skill.still}
+        telling = [part for part in legal if normalise(part) not in idle]
         sure = strict or telling or whole or goes_on or self._rows.get(self._robot) == []
         if not sure and len(legal) == len(parts):
             self._last_resort = list(parts)  # "Done." ends many an answer, and is also an answer

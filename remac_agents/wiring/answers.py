@@ -30,7 +30,6 @@ from remac_agents.text.printable import is_printable, quoted, type_name
 from remac_env.errors import RemacError
 from remac_env.rules.conditions import Condition, Denial, denied
 from remac_env.rules.predicates import PREDICATES
-from remac_env.rules.sentences import ARGUMENTS
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import DONE, WAIT, Subtask
 
@@ -186,7 +185,7 @@ class Answers:
             return FreeText.of(self.text(verb, texts[0], "a sentence"))
         if not isinstance(predicate, str) or predicate not in PREDICATES:
             raise self._error(verb, f"predicate {quoted(predicate)}", f"one of {', '.join(PREDICATES)}")
-        kinds = ARGUMENTS.get(predicate, ("object",))
+        kinds = PREDICATES[predicate].about
         names = _names(view)
         fits = isinstance(args, tuple) and len(args) == len(kinds)
         if not fits or not all(_is_name(arg, names.get(kind)) for arg, kind in zip(args, kinds, strict=True)):

@@ -68,12 +68,11 @@ class SymbolicBackend:
         if self._failure_rate == 0.0:
             return set()
         refused, _ = settle_claims(scene, world, subtasks)
-        moving = sorted(r for r, s in subtasks.items() if r not in refused and s.skill not in ("wait", "done"))
+        moving = sorted(r for r, s in subtasks.items() if r not in refused and not s.row.still)
         return {robot for robot in moving if self._chance.random() < self._failure_rate}
 
 
 def _timed(outcome: Outcome, subtask: Subtask) -> Outcome:
     """An outcome with nominal seconds: a refusal takes none."""
-    refused = not outcome.success and outcome.reason not in ("dropped", "door_closed", "blocked", "slipped")
-    seconds = 0.0 if refused else SKILLS[subtask.skill].seconds
+    seconds = 0.0 if outcome.refused else SKILLS[subtask.skill].seconds
     return outcome if seconds == outcome.seconds else Outcome(outcome.status, outcome.reason, outcome.detail, seconds)

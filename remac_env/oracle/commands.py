@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from remac_env.rules.facts import Rules
-from remac_env.rules.marks import SEASONED, WASHED
+from remac_env.rules.marks import WASHED
+from remac_env.rules.scene import PublicScene, public_scene
+from remac_env.rules.skill_row import Skill
+from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState, contents, occupant, supports
 from remac_env.tasks.goals import Goal, Marked
@@ -17,20 +22,26 @@ def relevant_commands(scene: Rules, world: WorldState, goal: Goal) -> list[Subta
     objects, fixtures = relevant_nouns(scene, world, goal)
     surfaces = [name for name, facts in scene.fixtures.items() if facts.slots and not facts.door and not facts.switches]
     vessels = [name for name, facts in scene.objects.items() if facts.holds and name not in objects]
-    commands = [Subtask("navigate aside")]
-    for name in objects:
-        commands += [Subtask("navigate to", name), Subtask("pick up", name)]
-        if scene.objects[name].holds:
-            commands.append(Subtask("place to", name))
-    for name in dict.fromkeys([*fixtures, *surfaces]):
-        facts = scene.fixtures[name]
-        commands.append(Subtask("navigate to", name))
-        commands += [Subtask("place to", name)] if facts.slots else []
-        commands += [Subtask("open door", name), Subtask("close door", name)] if facts.door else []
-        commands += [Subtask("turn on", name), Subtask("turn off", name)] if facts.switches else []
+    kitchen, tried = public_scene(scene), [skill for skill in SKILLS.values() if skill.relevant != "never"]
+    working, marking = [skill for skill in tried if not skill.leaves], [skill for skill in tried if skill.leaves]
+    spare = [skill for skill in working if skill.relevant == "vessels"]
+    commands = [Subtask(skill.name) for skill in working if skill.target == "none"]
+    for name in (*objects, *dict.fromkeys([*fixtures, *surfaces])):
+        commands += _about(kitchen, name, working)
     for name in vessels:
-        commands += [Subtask("navigate to", name), Subtask("place to", name)]
-    return commands + [Subtask("season", name) for name in to_mark(goal, SEASONED)]
+        commands += _about(kitchen, name, spare)
+    return commands + [
+        Subtask(skill.name, name) for skill in marking for name in to_mark(goal, str(skill.leaves))
+    ]
+
+
+def _about(kitchen: PublicScene, name: str, skills: Sequence[Skill]) -> list[Subtask]:
+    """The commands of these skills that a noun can be the target of."""
+    return [
+        Subtask(skill.name, name)
+        for skill in skills
+        if skill.target != "none" and name in kitchen.names(skill.target)
+    ]
 
 
 def to_mark(goal: Goal, mark: str) -> list[str]:
@@ -42,8 +53,9 @@ def relevant_nouns(scene: Rules, world: WorldState, goal: Goal) -> tuple[list[st
     """Objects and fixtures that can matter: what the goal names first, then what is around it or in its way."""
     objects = [name for name in goal.names() if name in scene.objects]
     fixtures = [name for name in goal.names() if name in scene.fixtures]
-    if to_mark(goal, SEASONED):
-        objects += [name for name, facts in scene.objects.items() if facts.seasons]
+    for skill in SKILLS.values():
+        if skill.leaves and skill.tool and to_mark(goal, skill.leaves):
+            objects += [name for name, facts in scene.objects.items() if skill.tool(facts)]
     if to_mark(goal, WASHED):
         fixtures += [name for tap, facts in scene.fixtures.items() if facts.wets for name in (tap, *facts.wets)]
     for name in list(fixtures):

@@ -6,10 +6,9 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from remac_env.rules.claims import NAVIGATION, first_false
+from remac_env.rules.claims import first_false
 from remac_env.rules.facts import Rules
 from remac_env.rules.marks import washed
-from remac_env.rules.places import destination
 from remac_env.rules.rounds import attempt, merge
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.state import WorldState
@@ -43,7 +42,7 @@ def joint_moves(
         stations = [move.station for move in choice]
         if any(scene.conflicting(a, b) for a, b in itertools.combinations(stations, 2)):
             continue
-        picked = [move.subtask.target for move in choice if move.subtask.skill == "pick up"]
+        picked = [move.subtask.target for move in choice if move.subtask.row.takes]
         if len(set(picked)) < len(picked):
             continue
         after = merge(world, {name: move.after for name, move in zip(single, choice, strict=True)})
@@ -59,11 +58,11 @@ def _moves(scene: Rules, world: WorldState, robot: str, commands: Sequence[Subta
     seen = {here}
     dropped = False
     for subtask in commands:
-        if first_false(scene, world, robot, subtask, "refuse", skip=("station_free",)) is not None:
+        if first_false(scene, world, robot, subtask, "refuse", alone=False) is not None:
             continue
         station = here
-        if subtask.skill in NAVIGATION:
-            goal = "aside" if subtask.skill == "navigate aside" else destination(scene, world, robot, subtask.target)
+        if (goes := subtask.row.goes) is not None:
+            goal = goes(scene, world, robot, subtask.target)
             if goal is None or goal in seen:
                 continue
             seen.add(goal)

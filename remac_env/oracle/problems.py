@@ -6,7 +6,7 @@ import hashlib
 import json
 
 from remac_env.oracle.commands import relevant_nouns
-from remac_env.rules.facts import Rules
+from remac_env.rules.facts import ASIDE, Rules
 from remac_env.state import Place, WorldState, occupant
 from remac_env.tasks.goals import Goal
 
@@ -26,7 +26,7 @@ def problem_id(scene: Rules, world: WorldState, goal: Goal) -> str:
         "goal": [[type(atom).__name__, *_renamed(atom, number)] for atom in goal.atoms()],
         "objects": [_object(scene, world, name, number, kinds) for name in objects],
         "fixtures": [_fixture(scene, world, name) for name in fixtures],
-        "robots": [held, sorted(state.station != "aside" for state in world.robots.values())],
+        "robots": [held, sorted(state.station != ASIDE for state in world.robots.values())],
     }
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:12]
 

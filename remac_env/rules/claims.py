@@ -9,41 +9,45 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
-from remac_env.rules.facts import ASIDE, Rules
+from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome, failure
-from remac_env.rules.places import destination
-from remac_env.rules.predicates import PREDICATES, Predicate
-from remac_env.rules.skills import Mark, Requirement
+from remac_env.rules.predicates import PREDICATES, Test
+from remac_env.rules.skill_row import Mark, Requirement
+from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
 
-NAVIGATION = ("navigate to", "navigate aside")
 
-_SETTLED_BY_ALL = ("station_free",)
-"""Requirements that hang on where the other robots go in the same round."""
+def settled() -> tuple[str, ...]:
+    """Predicates that hang on where the other robots go in the same round, whatever is true before it."""
+    return tuple(row.name for row in PREDICATES.values() if row.settled)
 
 
 def first_false(
-    scene: Rules, world: WorldState, robot: str, subtask: Subtask, mark: Mark, *, skip: tuple[str, ...] = ()
+    scene: Rules, world: WorldState, robot: str, subtask: Subtask, mark: Mark, *, alone: bool = True
 ) -> Requirement | None:
-    """The first requirement of this mark that is false, or None; predicates in `skip` are not looked at."""
-    for requirement, predicate, holds, args in _tests(subtask.skill, subtask.target, robot).get(mark, ()):
-        if predicate not in skip and not holds(scene, world, *args):
+    """The first requirement of this mark that is false, or None.
+
+    Args:
+        alone: False leaves out what the round settles, as robots may change places in it.
+    """
+    for requirement, settles, test, args in _tests(subtask.skill, subtask.target, robot).get(mark, ()):
+        if (alone or not settles) and not test(scene, world, *args):
             return requirement
     return None
 
 
-_Test = tuple[Requirement, str, Predicate, tuple[str, ...]]
+_Test = tuple[Requirement, bool, Test, tuple[str, ...]]
 
 
 @lru_cache(maxsize=4096)
 def _tests(skill: str, target: str, robot: str) -> dict[Mark, list[_Test]]:
-    """The requirements of each mark, with predicate, its function and arguments: found once, not in every round."""
+    """The requirements of each mark, with what decides it and on which names: found once, not in every round."""
     tests: dict[Mark, list[_Test]] = {}
     for requirement in Subtask(skill, target).requirements(robot):
         condition = requirement.condition
-        test = (requirement, condition.predicate, PREDICATES[condition.predicate], condition.args)
-        tests.setdefault(requirement.mark, []).append(test)
+        row = PREDICATES[condition.predicate]
+        tests.setdefault(requirement.mark, []).append((requirement, row.settled, row.test, condition.args))
     return tests
 
 
@@ -60,20 +64,22 @@ def settle_claims(
     picks: list[tuple[str, str]] = []
     goals: dict[str, str | None] = {}
     for robot, subtask in subtasks.items():
-        false = first_false(scene, world, robot, subtask, "refuse", skip=_SETTLED_BY_ALL)
+        false = first_false(scene, world, robot, subtask, "refuse", alone=False)
         if false is not None:
             refused[robot] = false.outcome
-        elif subtask.skill == "pick up":
+            continue
+        row = SKILLS[subtask.skill]
+        if row.goes is not None:
+            goals[robot] = row.goes(scene, world, robot, subtask.target)
+        if row.takes:
             picks.append((robot, subtask.target))
-        elif subtask.skill in NAVIGATION:
-            aside = subtask.skill == "navigate aside"
-            goals[robot] = ASIDE if aside else destination(scene, world, robot, subtask.target)
     if len(picks) > 1:
         _settle_objects(picks, refused)
+        goals = {robot: goal for robot, goal in goals.items() if robot not in refused}
     stations = {robot: state.station for robot, state in world.robots.items()}
     while goals and (clash := _clashes(scene, stations, goals)):
         for robot in clash:
-            refused[robot] = failure("station_occupied", f"{goals[robot]} is claimed or in use")
+            refused[robot] = failure("station_occupied", f"{goals[robot]} is claimed or in use", refused=True)
         goals = {robot: goal for robot, goal in goals.items() if robot not in clash}
     for robot, goal in goals.items():
         stations[robot] = str(goal)
@@ -84,7 +90,7 @@ def _settle_objects(picks: Sequence[tuple[str, str]], refused: dict[str, Outcome
     """Two robots that reach for one object both stop."""
     for robot, target in picks:
         if any(other != robot and target == wanted for other, wanted in picks):
-            refused[robot] = failure("station_occupied", f"another robot reaches for the {target}")
+            refused[robot] = failure("station_occupied", f"another robot reaches for the {target}", refused=True)
 
 
 def _clashes(scene: Rules, stations: Mapping[str, str], goals: Mapping[str, str | None]) -> list[str]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from remac_env.rules.facts import Rules
-from remac_env.rules.predicates import FELT, KINDS, PREDICATES, SENTENCES, Kind
+from remac_env.rules.predicates import PREDICATES, Kind
 from remac_env.rules.scene import PublicScene
 from remac_env.state import WorldState
 
@@ -29,23 +29,25 @@ class Condition:
 
     def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether the condition is true in this world."""
-        return PREDICATES[self.predicate](scene, world, *self.args)
+        return PREDICATES[self.predicate].test(scene, world, *self.args)
 
     @property
     def kind(self) -> Kind:
         """What its answer comes from: pictures, a robot's own gripper, knowledge of a rule, or what was run."""
-        return next((kind for kind, predicates in KINDS.items() if self.predicate in predicates), "seen")
+        row = PREDICATES.get(self.predicate)
+        return "seen" if row is None else row.kind
 
-    def felt(self, scene: Rules | PublicScene, holding: Mapping[str, str | None]) -> bool | None:
+    def felt(self, scene: PublicScene, holding: Mapping[str, str | None]) -> bool | None:
         """The answer of the gripper, for the kind `felt`; None for other kinds, and where nothing is felt of the robot.
 
         Args:
             holding: robot -> the thing in its gripper, None for an empty one.
         """
-        if self.predicate not in FELT or self.args[0] not in holding:
+        row = PREDICATES.get(self.predicate)
+        if row is None or row.feel is None or self.args[0] not in holding:
             return None
         robot, *others = self.args
-        return FELT[self.predicate](scene, holding[robot], *others)
+        return row.feel(scene.shakers, holding[robot], *others)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +73,7 @@ class Denial(Condition):
         """Whether what is denied is false in this world."""
         return not self.condition.holds(scene, world)
 
-    def felt(self, scene: Rules | PublicScene, holding: Mapping[str, str | None]) -> bool | None:
+    def felt(self, scene: PublicScene, holding: Mapping[str, str | None]) -> bool | None:
         """The gripper's answer to what is denied, turned round."""
         answer = self.condition.felt(scene, holding)
         return None if answer is None else not answer
@@ -84,7 +86,7 @@ def denied(condition: Condition) -> Denial:
 
 @lru_cache(maxsize=4096)
 def _sentence(predicate: str, args: tuple[str, ...]) -> str:
-    return SENTENCES[predicate].format(*args)
+    return PREDICATES[predicate].sentence.format(*args)
 
 
 def condition(predicate: str, *args: str) -> Condition:

@@ -96,6 +96,11 @@ class Rules:
         return tuple(name for name, facts in self.objects.items() if facts.washable)
 
     @cached_property
+    def shakers(self) -> frozenset[str]:
+        """The objects that season."""
+        return frozenset(name for name, facts in self.objects.items() if facts.seasons)
+
+    @cached_property
     def _stations_of(self) -> dict[str, tuple[str, ...]]:
         of = {name: [self.slots[slot].station for slot in facts.slots] for name, facts in self.fixtures.items()}
         return {name: tuple(dict.fromkeys(at or [self.fixtures[name].station])) for name, at in of.items()}

@@ -27,12 +27,16 @@ REASONS: tuple[str, ...] = Reason.__args__  # type: ignore[attr-defined]
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How one robot's subtask of a round ended. `reason` is None on success; `seconds` is simulated time."""
+    """How one robot's subtask of a round ended.
+
+    `reason` is None on success; `seconds` is simulated time. `refused`: the controller declined, and nothing moved.
+    """
 
     status: Literal["success", "failure"]
     reason: Reason | None = None
     detail: str = ""
     seconds: float = 0.0
+    refused: bool = False
 
     @property
     def success(self) -> bool:
@@ -40,6 +44,6 @@ class Outcome:
         return self.status == "success"
 
 
-def failure(reason: Reason, detail: str = "", *, seconds: float = 0.0) -> Outcome:
+def failure(reason: Reason, detail: str = "", *, seconds: float = 0.0, refused: bool = False) -> Outcome:
     """A failed outcome."""
-    return Outcome("failure", reason, detail, seconds)
+    return Outcome("failure", reason, detail, seconds, refused)

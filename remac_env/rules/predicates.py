@@ -1,20 +1,99 @@
-"""Sentences about a kitchen that are true or false, and how each is decided from Rules and WorldState.
+"""The predicates, a row each: all that is known of one stands on its row, and nowhere else.
 
-A condition is data (a predicate and its arguments), so that the same value is a line of text for a language model, a
-question for a checker and a test on the truth.
+From the rows come the sentences and their parser, the test on the truth, what a checker answers from and what an
+adjuster does about it. Docs: docs/extending.md, "add a predicate".
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from string import Formatter
 from typing import Literal
 
+from remac_env.errors import OptionError, check_choice
 from remac_env.rules.facts import ASIDE, Rules
 from remac_env.rules.places import destination, kind_around, landing, stations_of, switch_for
+from remac_env.rules.scene import NAME_KINDS, NameKind
 from remac_env.state import Place, WorldState, base_place, contents, inside, supports
 
-Predicate = Callable[..., bool]
 Kind = Literal["seen", "felt", "known", "ran"]
+KINDS: tuple[str, ...] = Kind.__args__  # type: ignore[attr-defined]
+
+Test = Callable[..., bool]
+Feel = Callable[..., bool]
+
+ArgumentKind = NameKind | Literal["mark"]
+ABOUT: tuple[str, ...] = (*NAME_KINDS, "mark")
+"""What an argument can be: a kind of name, or what has happened to a thing."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Predicate:
+    """One row.
+
+    Attributes:
+        name: what conditions, records and requirements call it.
+        about: the kind of each argument, one or more of ABOUT.
+        sentence: it in words, with {0} for the first argument.
+        test: whether it is true, from (rules, world, *arguments).
+        kind: what an answer comes from: pictures ("seen"), a robot's own gripper ("felt"), knowledge of a rule
+            ("known"; no picture shows what is right or possible), or what was run ("ran"; nothing is left to see).
+        feel: of the kind "felt", whose first argument is a robot: the answer from (shakers, what the robot holds,
+            *other arguments), where shakers are the names of things that season.
+        repair: what makes it true again, by its name in `remac_agents.adjusters.rule.REPAIRS`; "achieve" is any skill
+            that achieves it; None where no rule helps.
+        settled: it hangs on where the other robots go in the same round, so that the round itself decides it.
+        fixtures_always: it is true of every fixture, so that nobody need look.
+    """
+
+    name: str
+    about: tuple[ArgumentKind, ...]
+    sentence: str
+    test: Test
+    kind: Kind = "seen"
+    feel: Feel | None = None
+    repair: str | None = None
+    settled: bool = False
+    fixtures_always: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse a row that lacks a part or contradicts itself."""
+        where = f"predicate {self.name!r}"
+        if not self.name.isidentifier():
+            raise OptionError(f"{where}: the name is not valid; valid: a word of letters, digits and underscores")
+        if not self.about:
+            raise OptionError(f"{where}: about names no argument; valid: one or more of {', '.join(ABOUT)}")
+        for kind in self.about:
+            check_choice(f"{where}: about", kind, ABOUT)
+        check_choice(f"{where}: kind", self.kind, KINDS)
+        used = {field for _, field, _, _ in Formatter().parse(self.sentence) if field is not None}
+        if used != {str(number) for number in range(len(self.about))}:
+            wanted = " and ".join(f"{{{number}}}" for number in range(len(self.about)))
+            raise OptionError(f"{where}: sentence {self.sentence!r} does not say all arguments; valid: with {wanted}")
+        if (self.kind == "felt") != (self.feel is not None) or (self.feel is not None and self.about[0] != "robot"):
+            given = f"kind {self.kind!r} with feel={self.feel!r} about {', '.join(self.about)}"
+            raise OptionError(f"{where}: {given}; valid: a feel and a robot first for felt, no feel for other kinds")
+
+
+def table(rows: Iterable[Predicate]) -> dict[str, Predicate]:
+    """The rows by name.
+
+    Raises:
+        OptionError: for two rows of one name, or of one sentence: it could not be read back.
+    """
+    found: dict[str, Predicate] = {}
+    sentences: dict[str, str] = {}
+    for row in rows:
+        if row.name in found:
+            raise OptionError(f"predicate {row.name!r} has two rows; valid: one")
+        if (other := sentences.setdefault(row.sentence, row.name)) != row.name:
+            raise OptionError(f"predicates {other!r} and {row.name!r} have one sentence; valid: one of their own each")
+        found[row.name] = row
+    return found
+
+
+# -- what decides them ----------------------------------------------------------------------------------------------
 
 
 def _at(scene: Rules, world: WorldState, robot: str, target: str) -> bool:
@@ -73,72 +152,111 @@ def _within(scene: Rules, world: WorldState, name: str, container: str) -> bool:
     return inside(scene, world, name, container)
 
 
-FELT: dict[str, Predicate] = {
-    "hand_empty": lambda scene, held: held is None,
-    "holding": lambda scene, held, name: held == name,
-    "hand_full": lambda scene, held: held is not None,
-    "holds_shaker": lambda scene, held: held is not None and scene.objects[held].seasons,
-}
-"""Predicates of the kind `felt`, whose first argument is a robot: decided from (scene, what it holds, *other args)."""
-
-KINDS: dict[Kind, Collection[str]] = {"felt": FELT, "known": ("no_vessel_needed", "graspable"), "ran": ("marked",)}
-"""Kind -> its predicates; all others are `seen`. No picture shows what is right or possible, nor what was done."""
+def _by_gripper(feel: Feel) -> Test:
+    return lambda scene, world, robot, *others: feel(scene.shakers, world.robots[robot].holding, *others)
 
 
-def _by_feel(test: Predicate) -> Predicate:
-    return lambda scene, world, robot, *others: test(scene, world.robots[robot].holding, *others)
+def _felt(
+    name: str, about: tuple[ArgumentKind, ...], sentence: str, feel: Feel, *, repair: str | None = None
+) -> Predicate:
+    """A row whose truth is what the gripper feels."""
+    return Predicate(
+        name=name, about=about, sentence=sentence, test=_by_gripper(feel), kind="felt", feel=feel, repair=repair
+    )
 
 
-PREDICATES: dict[str, Predicate] = {
-    **{name: _by_feel(test) for name, test in FELT.items()},
-    "at": _at,
-    "aside": lambda scene, world, robot: world.robots[robot].station == ASIDE,
-    "station_free": _station_free,
-    "placed": _placed,
-    "accessible": _accessible,
-    "unloaded": lambda scene, world, name: not contents(world, name),
-    "graspable": _graspable,
-    "room": _room,
-    "no_vessel_needed": _no_vessel_needed,
-    "inside": _within,
-    "directly_on": lambda scene, world, name, vessel: world.objects[name].place == Place("vessel", vessel),
-    "door_open": lambda scene, world, fixture: world.fixtures[fixture].door == "open",
-    "door_not_open": lambda scene, world, fixture: world.fixtures[fixture].door != "open",
-    "door_closed": lambda scene, world, fixture: world.fixtures[fixture].door == "closed",
-    "door_not_closed": lambda scene, world, fixture: world.fixtures[fixture].door != "closed",
-    "switched_on": _switched_on,
-    "switched_off": lambda scene, world, fixture: not _switched_on(scene, world, fixture),
-    "some_on": lambda scene, world, fixture: not _all_off(scene, world, fixture),
-    "all_off": _all_off,
-    "may_run": _may_run,
-    "marked": lambda scene, world, name, mark: mark in world.objects[name].marks,
-}
-"""Every predicate, decided from (scene, world, *args)."""
+def _door(name: str, sentence: str, test: Callable[[str | None], bool], *, repair: str | None = None) -> Predicate:
+    """A row about the state of a fixture's door."""
+    decided: Test = lambda scene, world, fixture: test(world.fixtures[fixture].door)
+    return Predicate(name=name, about=("door",), sentence=sentence, test=decided, repair=repair)
 
-SENTENCES: dict[str, str] = {
-    "at": "{0} stands at the {1}",
-    "aside": "{0} has stepped aside",
-    "station_free": "no other robot stands where {0} needs to be for the {1}",
-    "hand_empty": "the gripper of {0} is empty",
-    "holding": "the gripper of {0} holds the {1}",
-    "hand_full": "the gripper of {0} holds something",
-    "holds_shaker": "the gripper of {0} holds a shaker",
-    "placed": "the {0} is in its place: neither in a gripper nor on the floor",
-    "accessible": "no shut door is in front of the {0}",
-    "unloaded": "nothing lies on or in the {0}",
-    "graspable": "the gripper has room to take hold of the {0} where it is",
-    "room": "the {1} has room for what {0} holds",
-    "no_vessel_needed": "what {0} holds may touch the {1} without a vessel",
-    "inside": "the {0} is on or in the {1}",
-    "directly_on": "the {0} lies on or in the {1} itself",
-    "door_open": "the {0} door is open",
-    "door_not_open": "the {0} door is not open yet",
-    "door_closed": "the {0} door is closed",
-    "door_not_closed": "the {0} door is not closed yet",
-    "switched_on": "the {0} is switched on",
-    "switched_off": "the {0} is not switched on yet",
-    "some_on": "the {0} is not switched off yet",
-    "all_off": "the {0} is switched off",
-    "may_run": "nothing keeps the {0} from running",
-    "marked": "the {0} has been {1}",
-}
+
+# -- the rows -------------------------------------------------------------------------------------------------------
+
+PREDICATES: dict[str, Predicate] = table((
+    Predicate(
+        name="at", about=("robot", "thing"), test=_at,
+        sentence="{0} stands at the {1}", repair="go there",
+    ),
+    Predicate(
+        name="aside", about=("robot",), test=lambda scene, world, robot: world.robots[robot].station == ASIDE,
+        sentence="{0} has stepped aside",
+    ),
+    Predicate(
+        name="station_free", about=("robot", "thing"), test=_station_free,
+        sentence="no other robot stands where {0} needs to be for the {1}", settled=True,
+    ),
+    _felt("hand_empty", ("robot",), "the gripper of {0} is empty",
+          lambda shakers, held: held is None, repair="put down"),
+    _felt("holding", ("robot", "object"), "the gripper of {0} holds the {1}",
+          lambda shakers, held, name: held == name),
+    _felt("hand_full", ("robot",), "the gripper of {0} holds something",
+          lambda shakers, held: held is not None, repair="fetch again"),
+    _felt("holds_shaker", ("robot",), "the gripper of {0} holds a shaker",
+          lambda shakers, held: held in shakers, repair="fetch a shaker"),
+    Predicate(
+        name="placed", about=("thing",), test=_placed,
+        sentence="the {0} is in its place: neither in a gripper nor on the floor",
+        repair="leave out if held", fixtures_always=True,
+    ),
+    Predicate(
+        name="accessible", about=("thing",), test=_accessible,
+        sentence="no shut door is in front of the {0}", repair="open the door",
+    ),
+    Predicate(
+        name="unloaded", about=("object",), test=lambda scene, world, name: not contents(world, name),
+        sentence="nothing lies on or in the {0}", repair="unload",
+    ),
+    Predicate(
+        name="graspable", about=("object",), test=_graspable, kind="known",
+        sentence="the gripper has room to take hold of the {0} where it is",
+    ),
+    Predicate(
+        name="room", about=("robot", "thing"), test=_room,
+        sentence="the {1} has room for what {0} holds", repair="make room",
+    ),
+    Predicate(
+        name="no_vessel_needed", about=("robot", "thing"), test=_no_vessel_needed, kind="known",
+        sentence="what {0} holds may touch the {1} without a vessel", repair="use a vessel",
+    ),
+    Predicate(
+        name="inside", about=("object", "thing"), test=inside,
+        sentence="the {0} is on or in the {1}",
+    ),
+    Predicate(
+        name="directly_on", about=("object", "vessel"),
+        test=lambda scene, world, name, vessel: world.objects[name].place == Place("vessel", vessel),
+        sentence="the {0} lies on or in the {1} itself",
+    ),
+    _door("door_open", "the {0} door is open", lambda door: door == "open"),
+    _door("door_not_open", "the {0} door is not open yet", lambda door: door != "open", repair="leave out"),
+    _door("door_closed", "the {0} door is closed", lambda door: door == "closed"),
+    _door("door_not_closed", "the {0} door is not closed yet", lambda door: door != "closed", repair="leave out"),
+    Predicate(
+        name="switched_on", about=("switch",), test=_switched_on,
+        sentence="the {0} is switched on",
+    ),
+    Predicate(
+        name="switched_off", about=("switch",),
+        test=lambda scene, world, fixture: not _switched_on(scene, world, fixture),
+        sentence="the {0} is not switched on yet", repair="leave out",
+    ),
+    Predicate(
+        name="some_on", about=("switch",), test=lambda scene, world, fixture: not _all_off(scene, world, fixture),
+        sentence="the {0} is not switched off yet", repair="leave out",
+    ),
+    Predicate(
+        name="all_off", about=("switch",), test=_all_off,
+        sentence="the {0} is switched off",
+    ),
+    Predicate(
+        name="may_run", about=("fixture",), test=_may_run,
+        sentence="nothing keeps the {0} from running", repair="shut the door",
+    ),
+    Predicate(
+        name="marked", about=("object", "mark"), kind="ran",
+        test=lambda scene, world, name, mark: mark in world.objects[name].marks,
+        sentence="the {0} has been {1}",
+    ),
+))  # fmt: skip
+"""Every predicate by name, in the order in which their sentences are told."""

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from remac_env.rules.claims import NAVIGATION, first_false, settle_claims
+from remac_env.rules.claims import first_false, settle_claims
 from remac_env.rules.facts import Rules
 from remac_env.rules.marks import washed
 from remac_env.rules.outcomes import Outcome, Reason, failure
-from remac_env.rules.skills import drop
+from remac_env.rules.skills import SKILLS, drop
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
 
@@ -27,10 +27,10 @@ def attempt(
     if false is not None:
         after = drop(world, robot) if false.drops else world
         return false.outcome, after
-    if subtask.skill in NAVIGATION:
-        stays = world.robots[robot].station == station
-        return SUCCESS, world if stays else world.with_robot(robot, station=station)
-    return SUCCESS, subtask.effect(scene, world, robot)
+    row, after = SKILLS[subtask.skill], world
+    if row.goes is not None and world.robots[robot].station != station:
+        after = world.with_robot(robot, station=station)
+    return SUCCESS, after if row.effect is None else row.effect(scene, after, robot, subtask.target)
 
 
 def merge(world: WorldState, results: Mapping[str, WorldState]) -> WorldState | None:

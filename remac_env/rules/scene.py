@@ -8,10 +8,15 @@ the skill table enforces or advises about them (what needs a vessel, what has to
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from typing import Literal
 
 from remac_env.frozen import FrozenMap
 from remac_env.rules.facts import ASIDE, Rules
+
+NameKind = Literal["robot", "thing", "object", "food", "vessel", "surface", "fixture", "door", "switch"]
+NAME_KINDS: tuple[str, ...] = NameKind.__args__  # type: ignore[attr-defined]
+"""Kinds of names: what commands and sentences are about."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +63,31 @@ class PublicScene:
     def used_from(self, station: str) -> tuple[str, ...]:
         """The fixtures that can be used from a station."""
         return tuple(name for name, fixture in self.fixtures.items() if station in fixture.stations)
+
+    @cached_property
+    def shakers(self) -> frozenset[str]:
+        """The objects that season."""
+        return frozenset(name for name, thing in self.objects.items() if thing.seasons)
+
+    def names(self, kind: NameKind) -> tuple[str, ...]:
+        """Every name of a kind, fixtures before objects."""
+        return self._names[kind]
+
+    @cached_property
+    def _names(self) -> dict[NameKind, tuple[str, ...]]:
+        fixtures, objects = self.fixtures, self.objects
+        vessels = tuple(name for name, thing in objects.items() if thing.vessel)
+        return {
+            "robot": self.robots,
+            "thing": (*fixtures, *objects),
+            "object": tuple(objects),
+            "food": tuple(objects),  # anything can be seasoned
+            "vessel": vessels,
+            "surface": (*(name for name, fixture in fixtures.items() if fixture.room), *vessels),
+            "fixture": tuple(fixtures),
+            "door": tuple(name for name, fixture in fixtures.items() if fixture.door),
+            "switch": tuple(name for name, fixture in fixtures.items() if fixture.switch),
+        }
 
     def conflicting(self, first: str, second: str) -> bool:
         """True when two robots cannot stand at these stations at the same time."""

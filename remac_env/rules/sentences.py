@@ -1,4 +1,4 @@
-"""Sentences read back as conditions: whatever PREDICATES and SENTENCES can say of one kitchen, in many words."""
+"""Sentences read back as conditions: whatever the predicates can say of one kitchen, in many words."""
 
 from __future__ import annotations
 
@@ -8,56 +8,25 @@ from collections.abc import Iterator
 from functools import lru_cache
 
 from remac_env.rules.conditions import Condition, denied
-from remac_env.rules.facts import Rules
-from remac_env.rules.marks import WASHED
 from remac_env.rules.paraphrases import plain_form, table, undenied
-from remac_env.rules.predicates import SENTENCES
-from remac_env.rules.scene import PublicScene, public_scene
-from remac_env.rules.skills import SKILLS
+from remac_env.rules.predicates import PREDICATES, ArgumentKind
+from remac_env.rules.scene import PublicScene
+from remac_env.rules.skills import marks
 from remac_env.words import normalise
-
-ARGUMENTS: dict[str, tuple[str, ...]] = {
-    "at": ("robot", "thing"),
-    "aside": ("robot",),
-    "station_free": ("robot", "thing"),
-    "hand_empty": ("robot",),
-    "holding": ("robot", "object"),
-    "hand_full": ("robot",),
-    "holds_shaker": ("robot",),
-    "placed": ("thing",),
-    "accessible": ("thing",),
-    "unloaded": ("object",),
-    "graspable": ("object",),
-    "room": ("robot", "thing"),
-    "no_vessel_needed": ("robot", "thing"),
-    "inside": ("object", "thing"),
-    "directly_on": ("object", "vessel"),
-    "door_open": ("door",),
-    "door_not_open": ("door",),
-    "door_closed": ("door",),
-    "door_not_closed": ("door",),
-    "switched_on": ("switch",),
-    "switched_off": ("switch",),
-    "some_on": ("switch",),
-    "all_off": ("switch",),
-    "may_run": ("fixture",),
-    "marked": ("object", "mark"),
-}
-"""Predicate -> what kinds of names it is about."""
 
 
 def sentence_forms(*, leave_out: tuple[str, ...] = ()) -> tuple[str, ...]:
     """The sentence of every predicate but those left out, with the kinds of names in capitals, and each mark."""
-    words = {"mark": _marks()}
+    words = {"mark": marks()}
     return tuple(
-        SENTENCES[name].format(*row)
-        for name, kinds in ARGUMENTS.items()
-        for row in itertools.product(*(words.get(kind, (kind.upper(),)) for kind in kinds))
-        if name not in leave_out
+        row.sentence.format(*names)
+        for row in PREDICATES.values()
+        for names in itertools.product(*(words.get(kind, (kind.upper(),)) for kind in row.about))
+        if row.name not in leave_out
     )
 
 
-def read_condition(text: str, scene: PublicScene | Rules, *, robot: str = "") -> Condition | None:
+def read_condition(text: str, scene: PublicScene, *, robot: str = "") -> Condition | None:
     """The condition that a sentence states about this kitchen; None for any other words.
 
     Case, spaces, quotes, a stop at the end, underscores and articles do not matter, nor do the other words that
@@ -69,8 +38,7 @@ def read_condition(text: str, scene: PublicScene | Rules, *, robot: str = "") ->
     """
     if not text.isascii():
         return None
-    scene = public_scene(scene) if isinstance(scene, Rules) else scene
-    exact, loose = _by_sentence(scene)
+    exact, loose = _by_sentence(scene, _forms(), marks())
     plain, denial = _plain(text), _plain(_DENIAL) + " "
     if (known := exact.get(plain.removeprefix(denial))) is not None:
         return denied(known) if plain.startswith(denial) else known
@@ -89,17 +57,25 @@ def predicate_of(sentence: str) -> str | None:
     if sentence.startswith(_DENIAL):
         denied_one = predicate_of(sentence.removeprefix(_DENIAL))
         return f"not {denied_one}" if denied_one else None
-    return next((name for name, shape in _shapes() if shape.fullmatch(sentence)), None)
+    return next((name for name, shape in _shapes(_forms()) if shape.fullmatch(sentence)), None)
 
 
 _DENIAL = denied(Condition("hand_empty", ("",))).sentence.removesuffix(Condition("hand_empty", ("",)).sentence)
 
 
-@lru_cache(maxsize=1)
-def _shapes() -> tuple[tuple[str, re.Pattern[str]], ...]:
+Forms = tuple[tuple[str, tuple[ArgumentKind, ...], str], ...]
+
+
+def _forms() -> Forms:
+    """Name, arguments and sentence of every row: what the tables below are made from, once for each set of rows."""
+    return tuple((row.name, row.about, row.sentence) for row in PREDICATES.values())
+
+
+@lru_cache(maxsize=4)
+def _shapes(forms: Forms) -> tuple[tuple[str, re.Pattern[str]], ...]:
     """Sentences as patterns, the most words of their own first: "holds something" is no name of a thing."""
-    rows = sorted(SENTENCES.items(), key=lambda row: -len(re.sub(r"\{\d\}", "", row[1])))
-    return tuple((name, re.compile(re.sub(r"\\\{\d\\\}", "(.+?)", re.escape(form)))) for name, form in rows)
+    rows = sorted(forms, key=lambda row: -len(re.sub(r"\{\d\}", "", row[2])))
+    return tuple((name, re.compile(re.sub(r"\\\{\d\\\}", "(.+?)", re.escape(form)))) for name, _, form in rows)
 
 
 def _plain(text: str) -> str:
@@ -117,9 +93,11 @@ def _with_name(text: str, scene: PublicScene, robot: str) -> str:
 
 
 @lru_cache(maxsize=64)
-def _by_sentence(scene: PublicScene) -> tuple[dict[str, Condition], dict[str, Condition]]:
+def _by_sentence(
+    scene: PublicScene, forms: Forms, done: tuple[str, ...]
+) -> tuple[dict[str, Condition], dict[str, Condition]]:
     """Conditions by their own words, and by the plain form of these and of others; what is ambiguous is left out."""
-    said = [Condition(name, args) for name, kinds in ARGUMENTS.items() for args in _names(scene, kinds)]
+    said = [Condition(name, args) for name, kinds, _ in forms for args in _names(scene, kinds, done)]
     exact = {_plain(condition.sentence): condition for condition in said}
     loose: dict[str, Condition] = {plain_form(condition.sentence): condition for condition in said}
     unclear: set[str] = set()
@@ -132,23 +110,5 @@ def _by_sentence(scene: PublicScene) -> tuple[dict[str, Condition], dict[str, Co
     return exact, {form: condition for form, condition in loose.items() if form in own or form not in unclear}
 
 
-def _names(scene: PublicScene, kinds: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
-    fixtures, objects = scene.fixtures, scene.objects
-    valid = {
-        "robot": scene.robots,
-        "thing": (*fixtures, *objects),
-        "object": tuple(objects),
-        "vessel": tuple(name for name, facts in objects.items() if facts.vessel),
-        "fixture": tuple(fixtures),
-        "door": tuple(name for name, facts in fixtures.items() if facts.door),
-        "switch": tuple(name for name, facts in fixtures.items() if facts.switch),
-        "mark": _marks(),
-    }
-    return itertools.product(*(valid[kind] for kind in kinds))
-
-
-@lru_cache(maxsize=1)
-def _marks() -> tuple[str, ...]:
-    """What water leaves, and every mark that a skill of the table does."""
-    achieved = (c for skill in SKILLS.values() for c in skill.achieves("", "", ""))
-    return tuple(dict.fromkeys((WASHED, *(c.args[1] for c in achieved if c.predicate == "marked"))))
+def _names(scene: PublicScene, kinds: tuple[ArgumentKind, ...], done: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    return itertools.product(*(done if kind == "mark" else scene.names(kind) for kind in kinds))

@@ -1,60 +1,18 @@
-"""The skill table: what robots can be told to do, what each skill needs, and what it changes.
+"""The skills, a row each: what robots can be told to do, what each skill needs, changes and achieves, and what it is.
 
-Both backends, the vocabulary, the masks, the help text, the condition sentences and the parser derive from this one
-table. A skill's requirements carry one of three marks: `refuse` - the controller declines and nothing changes;
-`attempt` - physics decides, and the table says what comes of it; `advise` - nothing stops it, but it is wrong.
+Both backends, the tokens and masks, the help text, the search and the planners derive from these rows. Docs:
+docs/extending.md, "add a skill".
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import lru_cache
-from typing import Literal
-
 from remac_env.rules.conditions import Condition, condition
 from remac_env.rules.facts import ASIDE, Rules
-from remac_env.rules.marks import SEASONED
-from remac_env.rules.outcomes import Outcome, Reason, failure
+from remac_env.rules.marks import SEASONED, WASHED
+from remac_env.rules.outcomes import Reason
 from remac_env.rules.places import destination, landing, switch_for
+from remac_env.rules.skill_row import Achieves, Requirement, Skill, table
 from remac_env.state import FLOOR, Place, WorldState
-
-Mark = Literal["refuse", "attempt", "advise"]
-TargetKind = Literal["none", "any", "object", "surface", "door", "switch", "food"]
-
-
-@dataclass(frozen=True, slots=True)
-class Requirement:
-    """A pre-condition with its mark and the reason given when it is false. `drops`: what is held then falls."""
-
-    mark: Mark
-    condition: Condition
-    reason: Reason
-    drops: bool = False
-
-    @property
-    def outcome(self) -> Outcome:
-        """How a subtask ends for which this is the first requirement that is false."""
-        return _untrue(self.reason, self.condition.predicate, self.condition.args)
-
-
-@lru_cache(maxsize=4096)
-def _untrue(reason: Reason, predicate: str, args: tuple[str, ...]) -> Outcome:
-    return failure(reason, f"not true: {Condition(predicate, args).sentence}")
-
-
-@dataclass(frozen=True, slots=True)
-class Skill:
-    """One row of the table. `form` is its text with `{}` for the target; `seconds` is a nominal duration."""
-
-    name: str
-    form: str
-    target: TargetKind
-    seconds: float
-    requires: Callable[[str, str], tuple[Requirement, ...]]
-    effect: Callable[[Rules, WorldState, str, str], WorldState]
-    achieves: Callable[[str, str, str | None], tuple[Condition, ...]]
-
 
 # -- requirements ---------------------------------------------------------------------------------------------------
 
@@ -145,18 +103,6 @@ def _for_season(robot: str, target: str) -> tuple[Requirement, ...]:
 # -- effects --------------------------------------------------------------------------------------------------------
 
 
-def _stay(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
-    return world
-
-
-def _step_aside(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
-    return world.with_robot(robot, station=ASIDE)
-
-
-def _go(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
-    return world.with_robot(robot, station=destination(scene, world, robot, target))
-
-
 def _take(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_object(target, place=Place("held", robot)).with_robot(robot, holding=target)
 
@@ -196,7 +142,15 @@ def drop(world: WorldState, robot: str) -> WorldState:
     return world.with_object(held, place=FLOOR).with_robot(robot, holding=None)
 
 
-# -- post-conditions ------------------------------------------------------------------------------------------------
+# -- where they lead, and what holds then ---------------------------------------------------------------------------
+
+
+def _aside(scene: Rules, world: WorldState, robot: str, target: str) -> str | None:
+    return ASIDE
+
+
+def _none(robot: str, target: str, held: str | None) -> tuple[Condition, ...]:
+    return ()
 
 
 def _after_place(robot: str, target: str, held: str | None) -> tuple[Condition, ...]:
@@ -204,28 +158,44 @@ def _after_place(robot: str, target: str, held: str | None) -> tuple[Condition, 
     return (empty,) if held is None else (condition("inside", held, target), empty)
 
 
-def _after(predicate: str, *, with_robot: bool = False) -> Callable[[str, str, str | None], tuple[Condition, ...]]:
-    def conditions(robot: str, target: str, held: str | None) -> tuple[Condition, ...]:
-        return (condition(predicate, robot, target) if with_robot else condition(predicate, target),)
-
-    return conditions
+def _of_target(predicate: str, *others: str) -> Achieves:
+    return lambda robot, target, held: (condition(predicate, target, *others),)
 
 
-_TABLE: tuple[Skill, ...] = (
-    Skill("wait", "wait", "none", 0.0, _nothing, _stay, lambda r, t, h: ()),
-    Skill("done", "done", "none", 0.0, _nothing, _stay, lambda r, t, h: ()),
-    Skill("navigate aside", "navigate aside", "none", 6.0, _nothing, _step_aside,
-          lambda r, t, h: (condition("aside", r),)),
-    Skill("navigate to", "navigate to {}", "any", 6.0, _for_navigate, _go, _after("at", with_robot=True)),
-    Skill("pick up", "pick up {}", "object", 8.0, _for_pick_up, _take, _after("holding", with_robot=True)),
-    Skill("place to", "place to {}", "surface", 9.0, _for_place, _put, _after_place),
-    Skill("open door", "open {} door", "door", 9.0, _for_open, _open, _after("door_open")),
-    Skill("close door", "close {} door", "door", 9.0, _for_close, _close, _after("door_closed")),
-    Skill("turn on", "turn on {}", "switch", 7.0, _for_turn_on, _set_on, _after("switched_on")),
-    Skill("turn off", "turn off {}", "switch", 7.0, _for_turn_off, _set_off, _after("all_off")),
-    Skill("season", "season {}", "food", 8.0, _for_season, _season,
-          lambda r, t, h: (condition("marked", t, SEASONED),)),
-)  # fmt: skip
+def _of_robot(predicate: str) -> Achieves:
+    return lambda robot, target, held: (condition(predicate, robot, *((target,) if target else ())),)
 
-SKILLS: dict[str, Skill] = {skill.name: skill for skill in _TABLE}
-"""The skill table by name. Nominal seconds are the means seen in physics (benchmarks/skills.py)."""
+
+# -- the rows -------------------------------------------------------------------------------------------------------
+
+SKILLS: dict[str, Skill] = table((
+    Skill(name="wait", form="wait", target="none", seconds=0.0, still=True, relevant="never",
+          requires=_nothing, achieves=_none),
+    Skill(name="done", form="done", target="none", seconds=0.0, still=True, relevant="never",
+          requires=_nothing, achieves=_none),
+    Skill(name="navigate aside", form="navigate aside", target="none", seconds=6.0, goes=_aside,
+          requires=_nothing, achieves=_of_robot("aside")),
+    Skill(name="navigate to", form="navigate to {}", target="thing", seconds=6.0, goes=destination, relevant="vessels",
+          requires=_for_navigate, achieves=_of_robot("at")),
+    Skill(name="pick up", form="pick up {}", target="object", seconds=8.0, takes=True,
+          requires=_for_pick_up, effect=_take, achieves=_of_robot("holding")),
+    Skill(name="place to", form="place to {}", target="surface", seconds=9.0, puts=True, relevant="vessels",
+          requires=_for_place, effect=_put, achieves=_after_place),
+    Skill(name="open door", form="open {} door", target="door", seconds=9.0, lasting=True,
+          requires=_for_open, effect=_open, achieves=_of_target("door_open")),
+    Skill(name="close door", form="close {} door", target="door", seconds=9.0, lasting=True,
+          requires=_for_close, effect=_close, achieves=_of_target("door_closed")),
+    Skill(name="turn on", form="turn on {}", target="switch", seconds=7.0, lasting=True,
+          requires=_for_turn_on, effect=_set_on, achieves=_of_target("switched_on")),
+    Skill(name="turn off", form="turn off {}", target="switch", seconds=7.0, lasting=True,
+          requires=_for_turn_off, effect=_set_off, achieves=_of_target("all_off")),
+    Skill(name="season", form="season {}", target="food", seconds=8.0, leaves=SEASONED,
+          tool=lambda facts: facts.seasons,
+          requires=_for_season, effect=_season, achieves=_of_target("marked", SEASONED)),
+))  # fmt: skip
+"""The skill table by name, in the order of the tokens."""
+
+
+def marks() -> tuple[str, ...]:
+    """What water leaves, and every mark that a skill of the table leaves."""
+    return tuple(dict.fromkeys((WASHED, *(skill.leaves for skill in SKILLS.values() if skill.leaves))))

@@ -7,7 +7,8 @@ from functools import lru_cache
 
 from remac_env.rules.conditions import Condition
 from remac_env.rules.facts import Rules
-from remac_env.rules.skills import SKILLS, Requirement
+from remac_env.rules.skill_row import Requirement, Skill
+from remac_env.rules.skills import SKILLS
 from remac_env.state import WorldState
 
 
@@ -19,9 +20,19 @@ class Subtask:
     target: str = ""
 
     @property
+    def row(self) -> Skill:
+        """The skill's row of the table."""
+        return SKILLS[self.skill]
+
+    @property
     def text(self) -> str:
         """The command, as "pick up vegetable"."""
-        return SKILLS[self.skill].form.format(self.target)
+        return self.row.form.format(self.target)
+
+    @property
+    def moves(self) -> bool:
+        """Whether it moves the robot's base."""
+        return self.row.moves
 
     def requirements(self, robot: str) -> tuple[Requirement, ...]:
         """What must hold before `robot` runs it, in the order in which it is tested."""
@@ -29,11 +40,11 @@ class Subtask:
 
     def achieves(self, robot: str, held: str | None) -> tuple[Condition, ...]:
         """What holds after success; `held` is what the robot held before."""
-        return SKILLS[self.skill].achieves(robot, self.target, held)
+        return self.row.achieves(robot, self.target, held)
 
     def effect(self, scene: Rules, world: WorldState, robot: str) -> WorldState:
         """The world after success."""
-        return SKILLS[self.skill].effect(scene, world, robot, self.target)
+        return self.row.after(scene, world, robot, self.target)
 
 
 @lru_cache(maxsize=4096)
@@ -43,3 +54,4 @@ def _requirements(skill: str, target: str, robot: str) -> tuple[Requirement, ...
 
 WAIT = Subtask("wait")
 DONE = Subtask("done")
+STEP_ASIDE = Subtask("navigate aside")

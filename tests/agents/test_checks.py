@@ -18,9 +18,9 @@ from remac_agents.prompting.prompt import load
 from remac_agents.roles import FreeText, Ran, Report, Verdict, View
 from remac_env.errors import OptionError, RemacError
 from remac_env.rules.conditions import Condition, Denial, condition, denied
-from remac_env.rules.predicates import SENTENCES
+from remac_env.rules.predicates import PREDICATES
 from remac_env.rules.scene import public_scene
-from remac_env.rules.sentences import ARGUMENTS, predicate_of, read_condition, sentence_forms
+from remac_env.rules.sentences import predicate_of, read_condition, sentence_forms
 from remac_env.sights import CAMERAS
 
 TASK = "DefrostInBowl"
@@ -59,7 +59,7 @@ def pictures_in(request: Asked) -> int:
 
 
 def test_every_predicate_has_a_kind_and_the_vessel_rule_is_knowledge() -> None:
-    kinds = {name: Condition(name, ()).kind for name in SENTENCES}
+    kinds = {name: Condition(name, ()).kind for name in PREDICATES}
     assert {name for name, kind in kinds.items() if kind == "felt"} == {
         "hand_empty",
         "hand_full",
@@ -382,13 +382,13 @@ OTHER = (
 
 @pytest.mark.parametrize("text", SAME)
 def test_other_words_are_matched(text: str) -> None:
-    found = read_condition(text, kitchen().start.scene, robot="robot_0")
+    found = read_condition(text, public_scene(kitchen().start.scene), robot="robot_0")
     assert found is not None and (found.predicate, *found.args) == SAME[text]
 
 
 @pytest.mark.parametrize("text", OTHER)
 def test_what_says_something_else_is_not_matched(text: str) -> None:
-    assert read_condition(text, kitchen().start.scene, robot="robot_0") is None
+    assert read_condition(text, public_scene(kitchen().start.scene), robot="robot_0") is None
 
 
 @pytest.mark.parametrize("task", ["DefrostInBowl", "HeatOnStove"])
@@ -401,16 +401,16 @@ def test_every_sentence_and_its_denial_come_back(task: str) -> None:
     door = next(name for name, facts in scene.fixtures.items() if facts.door)
     switch = next(name for name, facts in scene.fixtures.items() if facts.switches)
     firsts |= {"thing": firsts["object"], "vessel": vessel, "door": door, "switch": switch, "mark": "washed"}
-    assert len(sentence_forms()) == len(ARGUMENTS) + 1 and not any("MARK" in form for form in sentence_forms())
+    assert len(sentence_forms()) == len(PREDICATES) + 1 and not any("MARK" in form for form in sentence_forms())
     assert {"the OBJECT has been washed", "the OBJECT has been seasoned"} <= set(sentence_forms())
-    for predicate, kinds in ARGUMENTS.items():
-        stated = Condition(predicate, tuple(firsts[kind] for kind in kinds))
-        assert read_condition(stated.sentence, scene) == stated
+    for predicate, row in PREDICATES.items():
+        stated = Condition(predicate, tuple(firsts[kind] for kind in row.about))
+        assert read_condition(stated.sentence, public_scene(scene)) == stated
         assert predicate_of(stated.sentence) == predicate
-        denial = read_condition(denied(stated).sentence, scene)
+        denial = read_condition(denied(stated).sentence, public_scene(scene))
         assert denial == denied(stated)
         assert predicate_of(denied(stated).sentence) == f"not {predicate}"
-        if predicate != "station_free":
+        if not row.settled:
             assert denial.holds(scene, world) is not stated.holds(scene, world)
 
 

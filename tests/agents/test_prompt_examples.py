@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import pytest
 
 from remac_agents.prompting.prompt import load, names
-from remac_env.rules.predicates import SENTENCES
+from remac_env.rules.predicates import PREDICATES
 from remac_env.rules.skills import SKILLS
 
 TOLD = ("not_at_station", "hands_full", "hands_empty", "already_done", "station_occupied")
@@ -93,9 +93,10 @@ def examples(text: str) -> Iterator[tuple[str, list[str]]]:
 
 def told_by_conditions(text: str) -> Iterator[tuple[str, str]]:
     """(skill, predicate) of every example whose command a skill has, nouns aside."""
+    forms = {name: row.sentence for name, row in PREDICATES.items()}
     for command, sentences in examples(text):
         if (read := step(command)) is not None:
-            yield from ((read[0], str(by_form(sentence, SENTENCES))) for sentence in sentences)
+            yield from ((read[0], str(by_form(sentence, forms))) for sentence in sentences)
 
 
 def given_away(text: str) -> set[tuple[str, str]]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from remac_bench.pages.text import visible
 from remac_bench.records import Record
+from remac_env.rules.skills import SKILLS
 
 LEFT, RIGHT, TOP = 84.0, 12.0, 30.0
 """Room for the robots' names, behind the last bar, and for the axis, in the picture's units (about pixels)."""
@@ -102,9 +103,12 @@ def draw(record: Record, spans: Sequence[tuple[float, float]], *, alarms: Mappin
     )
 
 
+_STILL = frozenset(skill.form for skill in SKILLS.values() if skill.still)
+
+
 def _idle(record: Record, number: int, robot: str) -> bool:
     outcome = record.outcomes[number][robot]
-    return outcome.subtask in ("wait", "done") and outcome.status == "success"
+    return outcome.subtask in _STILL and outcome.status == "success"
 
 
 def _bar(number: int, robot: str, record: Record, *, x: float, y: float, scale: float) -> Bar:

@@ -20,7 +20,6 @@ from remac_env.kitchen.layout import Layout, Station
 from remac_env.kitchen.layout_checks import work_floor
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.ik import Kinematics
-from remac_env.rules.claims import NAVIGATION
 from remac_env.rules.facts import ASIDE
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
@@ -31,7 +30,6 @@ from remac_env.state import WorldState
 SKILL_TIME = 60.0  # s, after which a skill is stopped
 _RECOVERY_TIME = 20.0  # s for coming home after a failure
 _NEIGHBOUR = 1.3  # m between stations whose robots could reach one another
-_STILL = ("wait", "done")
 _ARRIVAL = np.array([0.02, 0.02, 0.03])  # m, m, rad: how far off a drive ends at most; known to the robot afterwards
 _THOUGHT = 20  # control periods within which a skill has only planned and closed or opened its hand
 
@@ -54,12 +52,12 @@ class Round:
     @property
     def active(self) -> set[str]:
         """Robots that move."""
-        return {robot for robot, subtask in self.subtasks.items() if subtask.skill not in _STILL}
+        return {robot for robot, subtask in self.subtasks.items() if not subtask.row.still}
 
     @property
     def driving(self) -> set[str]:
         """Robots that go to another station."""
-        return {robot for robot, subtask in self.subtasks.items() if subtask.skill in NAVIGATION}
+        return {robot for robot, subtask in self.subtasks.items() if subtask.moves}
 
 
 class Crew:

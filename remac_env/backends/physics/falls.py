@@ -8,8 +8,6 @@ from remac_env.rules.facts import Rules
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState, base_place
 
-_STILL = ("wait", "done")
-
 
 def fallen(
     scene: Rules, before: WorldState, after: WorldState, subtasks: Mapping[str, Subtask]
@@ -19,7 +17,7 @@ def fallen(
     Those are the robot in whose hand it was or came to be, by itself or in a vessel; where there is none, the robots at
     the thing's station; where there is none, all that moved. What a robot took out of its vessel has not fallen.
     """
-    taken = {subtask.target for subtask in subtasks.values() if subtask.skill == "pick up"}
+    taken = {subtask.target for subtask in subtasks.values() if subtask.row.takes}
     for name, item in before.objects.items():
         was, now = item.place, after.objects[name].place
         on_floor = now.relation == "floor" and was.relation != "floor"
@@ -38,7 +36,7 @@ def _answering(
     vessel = after.objects[stood.where].place if stood.relation == "vessel" else None
     if vessel is not None and vessel.relation == "held":
         return (vessel.where,)
-    moving = [robot for robot, subtask in subtasks.items() if subtask.skill not in _STILL]
+    moving = [robot for robot, subtask in subtasks.items() if not subtask.row.still]
     reaching = [robot for robot in moving if subtasks[robot].target in (name, stood.where)]
     station = scene.slots[base.where].station if base.relation == "slot" else None
     near = [robot for robot in moving if station in (before.robots[robot].station, after.robots[robot].station)]
