@@ -11,8 +11,8 @@ from remac_bench.command import run_script, whole
 from remac_bench.console import console as make_console
 from remac_bench.job_lists import make_jobs
 from remac_bench.jobs import Job
-from remac_bench.lines import Lines
 from remac_bench.records import Record
+from remac_bench.shared import Shared
 from remac_bench.worker import Work, play_job
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
@@ -105,9 +105,9 @@ def failures(
         agent=agent,
         iterations=iterations,
     )
-    lines = Lines()  # shared, so that code from outside is imported once
-    records = [record for job in jobs for record in play_job(Work(job=job, folder="."), lines)]
-    lines.servers.close()
+    shared = Shared()  # shared, so that code from outside is imported once
+    records = [record for job in jobs for record in play_job(Work(job=job, folder="."), shared)]
+    shared.servers.close()
     return [record for record in records if record.scored and not record.success]
 
 

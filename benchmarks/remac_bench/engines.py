@@ -10,9 +10,9 @@ from remac_bench import agents, pool, ray_pool, threads
 from remac_bench.errors import JobTimeoutError, UsageError
 from remac_bench.interrupts import alarm, stoppable
 from remac_bench.jobs import Job
-from remac_bench.lines import Lines
 from remac_bench.machine import cores
 from remac_bench.records import Record
+from remac_bench.shared import Shared
 from remac_bench.watch import GRACE_SECONDS, Watch
 from remac_bench.worker import Work, play_job, timed_out
 from remac_env.errors import check_choice
@@ -74,12 +74,12 @@ def play_all(
     if not works:
         return
     if picked == "here":
-        lines = Lines()
+        shared = Shared()
         try:
             for work in works:
-                yield work, _play_here(work, lines)
+                yield work, _play_here(work, shared)
         finally:
-            lines.servers.close()
+            shared.servers.close()
     elif picked == "threads":
         yield from threads.play(works, count=min(engine.workers or THREADS, len(works)), watch=watch)
     elif picked == "ray":
@@ -90,10 +90,10 @@ def play_all(
         yield from pool.play(works, count=count, extensions=extensions, watch=watch)
 
 
-def _play_here(work: Work, lines: Lines) -> list[Record]:
+def _play_here(work: Work, shared: Shared) -> list[Record]:
     """In this process and thread: what hangs is interrupted, as far as Python can be."""
     try:
         with stoppable(signal.SIGINT), alarm(work.seconds + GRACE_SECONDS):
-            return play_job(work, lines)
+            return play_job(work, shared)
     except JobTimeoutError:
         return [timed_out(work)]

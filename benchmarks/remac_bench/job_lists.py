@@ -11,8 +11,8 @@ from remac_bench.agents import Access
 from remac_bench.deadline import JOB_SECONDS, Deadline
 from remac_bench.errors import UsageError
 from remac_bench.jobs import Job
-from remac_bench.lines import Lines, make
 from remac_bench.outside import usable
+from remac_bench.shared import Shared, make
 from remac_env.options import Options
 from remac_env.seeding import SEED_MAX
 from remac_env.values import python_values
@@ -113,12 +113,12 @@ def check_jobs(jobs: Sequence[Job]) -> None:
     kitchens = {(job.task, job.options) for job in jobs}
     for task, options in sorted(kitchens, key=str):
         remac_env.parallel_env(task, **asdict(options)).close()
-    lines = Lines()
+    shared = Shared()
     try:
         for job in {(job.method, str(job.agent)): job for job in jobs}.values():
-            with usable(), lines.outside(job, Deadline.within(JOB_SECONDS)) as outside:
-                make(job, lines.keywords(job), outside)
+            with usable(), shared.outside(job, Deadline.within(JOB_SECONDS)) as outside:
+                make(job, shared.keywords(job), outside)
     finally:
-        lines.servers.close()
+        shared.servers.close()
     if any(job.iterations < 0 for job in jobs):
         raise UsageError("iterations must be 0 or more: the number of the last iteration")

@@ -18,11 +18,11 @@ from remac_bench.entries import MESSAGE_MAX, EndpointError, report_fields, save_
 from remac_bench.errors import JobTimeoutError
 from remac_bench.interrupts import is_stop
 from remac_bench.jobs import Job
-from remac_bench.lines import Agent
 from remac_bench.machine import versions
 from remac_bench.recording import Recorder
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record, VideoEntry
 from remac_bench.redaction import printable_values, redact
+from remac_bench.shared import Agent
 from remac_bench.worlds import as_values, fallen
 from remac_env.errors import ActionError, UnknownNameError
 from remac_env.oracle import Certificate, certify, problem_id

@@ -81,7 +81,7 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class Summary:
+class RunSummary:
     """What a call of `run_jobs` did: numbers of jobs, and what the infrastructure errors were."""
 
     skipped: int
@@ -95,7 +95,7 @@ def run_jobs(
     settings: Settings,
     *,
     listener: Listener | None = None,
-) -> Summary:
+) -> RunSummary:
     """Run the jobs that the folder has no finished records of.
 
     Each job's records are written together at its end, so a job that was broken off is simply run again.
@@ -130,7 +130,7 @@ def run_jobs(
             store.append(records)
             broken += [_problem(record) for record in records if record.infrastructure_error]
             listener.end(work.job, records)
-    return Summary(len(jobs) - len(works), len(works), tuple(broken))
+    return RunSummary(len(jobs) - len(works), len(works), tuple(broken))
 
 
 def pending(jobs: Sequence[Job], folder: str | Path) -> list[Job]:

@@ -6,8 +6,8 @@ import threading
 from collections.abc import Iterator, Sequence
 from queue import Empty, SimpleQueue
 
-from remac_bench.lines import Lines
 from remac_bench.records import Record
+from remac_bench.shared import Shared
 from remac_bench.watch import LOOKS, Watch
 from remac_bench.worker import Work, play_job, timed_out
 
@@ -26,11 +26,11 @@ def play(works: Sequence[Work], *, count: int, watch: Watch) -> Iterator[tuple[W
     ended: SimpleQueue[Ended] = SimpleQueue()
     for work in works:
         waiting.put(work)
-    stopped, lines = threading.Event(), Lines(calls=count)
+    stopped, shared = threading.Event(), Shared(calls=count)
     left = {work.job.key: work for work in works}
 
     def hire(number: int) -> None:
-        arguments = (waiting, ended, stopped, lines)
+        arguments = (waiting, ended, stopped, shared)
         threading.Thread(target=_serve, args=arguments, name=f"remac-worker-{number}", daemon=True).start()
 
     for number in range(count):
@@ -56,10 +56,10 @@ def play(works: Sequence[Work], *, count: int, watch: Watch) -> Iterator[tuple[W
             yield work, records
     finally:
         stopped.set()
-        lines.servers.close()
+        shared.servers.close()
 
 
-def _serve(waiting: SimpleQueue[Work], ended: SimpleQueue[Ended], stopped: threading.Event, lines: Lines) -> None:
+def _serve(waiting: SimpleQueue[Work], ended: SimpleQueue[Ended], stopped: threading.Event, shared: Shared) -> None:
     while not stopped.is_set():
         try:
             work = waiting.get_nowait()
@@ -67,7 +67,7 @@ def _serve(waiting: SimpleQueue[Work], ended: SimpleQueue[Ended], stopped: threa
             return
         ended.put((work, None))
         try:
-            ended.put((work, play_job(work, lines)))
+            ended.put((work, play_job(work, shared)))
         except BaseException as error:  # noqa: BLE001 - a defect of the runner's own; it must not wait for ever
             ended.put((work, error))
             return

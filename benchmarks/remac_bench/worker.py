@@ -16,10 +16,10 @@ from remac_bench.deadline import Deadline, job_seconds
 from remac_bench.errors import JobTimeoutError
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import Job
-from remac_bench.lines import Agent, Lines, make
 from remac_bench.playing import BlamedError, Course, blaming, make_record, play_episode
 from remac_bench.recording import Recorder, VideoMode
 from remac_bench.records import Record
+from remac_bench.shared import Agent, Shared, make
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,16 +49,16 @@ def serve(connection: Connection, extensions: Sequence[str]) -> None:
 
     load_extensions(extensions)
     threading.Thread(target=_end_with_parent, name="remac-watch", daemon=True).start()
-    lines = Lines()
+    shared = Shared()
     try:
         while True:
             work = connection.recv()
             connection.send(None)
-            connection.send([record.line() for record in play_job(work, lines)])
+            connection.send([record.line() for record in play_job(work, shared)])
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
     finally:
-        lines.servers.close()
+        shared.servers.close()
 
 
 def _end_with_parent() -> None:
@@ -69,11 +69,11 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def play_job(work: Work, lines: Lines | None = None) -> list[Record]:
+def play_job(work: Work, shared: Shared | None = None) -> list[Record]:
     """All iterations. An infrastructure error ends the job, a crash of the agent only its iteration.
 
     Args:
-        lines: what its language models share with other jobs of this process.
+        shared: what its language models share with other jobs of this process.
     """
     job, deadline = work.job, Deadline.within(work.seconds)
     try:
@@ -81,9 +81,9 @@ def play_job(work: Work, lines: Lines | None = None) -> list[Record]:
             env = _make_env(job)
     except BlamedError as fault:
         return [make_record(job, 0, course=Course(), report={}, fault=fault)]
-    own = Lines() if lines is None else None
+    own = Shared() if shared is None else None
     try:
-        return _play_iterations(work, env, lines or own or Lines(), deadline)
+        return _play_iterations(work, env, shared or own or Shared(), deadline)
     finally:
         env.close()
         if own is not None:
@@ -96,17 +96,17 @@ def timed_out(work: Work) -> Record:
     return make_record(work.job, work.job.iterations, course=Course(), report={}, fault=fault)
 
 
-def _play_iterations(work: Work, env: Any, lines: Lines, deadline: Deadline) -> list[Record]:
+def _play_iterations(work: Work, env: Any, shared: Shared, deadline: Deadline) -> list[Record]:
     job = work.job
     try:
         with blaming("infrastructure"):
-            shared = lines.keywords(job)
+            models = shared.keywords(job)
     except BlamedError as fault:
         return [make_record(job, 0, course=Course(), report={}, fault=fault)]
     with ExitStack() as stack:
         try:
             with blaming("agent"):
-                agent = make(job, shared, stack.enter_context(lines.outside(job, deadline)))
+                agent = make(job, models, stack.enter_context(shared.outside(job, deadline)))
         except BlamedError as fault:
             return [make_record(job, job.iterations, course=Course(), report={}, fault=fault)]
         return _iterations(work, env, agent, deadline)

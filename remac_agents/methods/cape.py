@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from remac_agents.running.method_run import MethodRun, Turns
-from remac_agents.running.stepwise import Stepwise, Told
+from remac_agents.running.stepwise import Reprompt, Stepwise
 
 
-def cape(told: Told) -> Callable[[MethodRun], Turns]:
+def cape(told: Reprompt) -> Callable[[MethodRun], Turns]:
     """The method by what the planner is told of a failed pre-condition; see `remac_agents.running.stepwise`."""
 
     def stepwise(run: MethodRun) -> Turns:

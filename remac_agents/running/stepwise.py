@@ -12,7 +12,7 @@ from remac_agents.running.method_run import MethodRun
 from remac_env.rules.conditions import Condition
 from remac_env.rules.subtasks import DONE, WAIT, Subtask
 
-Told = Literal["explicit", "implicit", "success", "resample"]
+Reprompt = Literal["explicit", "implicit", "success", "resample"]
 """What the planner hears of a refused step: its cause, typed; the step alone; that it failed; nothing."""
 
 ASKED_PER_STEP = 2
@@ -22,7 +22,7 @@ ASKED_PER_STEP = 2
 class Stepwise:
     """The steps of one episode, asked for one by one. A refused step is not run and not checked afterwards."""
 
-    def __init__(self, run: MethodRun, told: Told) -> None:
+    def __init__(self, run: MethodRun, told: Reprompt) -> None:
         self._run, self._told = run, told
         self._robot = run.briefing.lead
         self._history: list[Attempt] = []

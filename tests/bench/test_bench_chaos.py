@@ -15,8 +15,8 @@ import pytest
 from bench_helpers import jobs as listed
 from bench_helpers import read, start, timeless, wait_for
 from remac_bench.agents import Access
-from remac_bench.lines import Lines
 from remac_bench.report import read_rows
+from remac_bench.shared import Shared
 from remac_bench.worker import Work, play_job
 
 sys.path.append(str(Path(__file__).parents[1] / "llm"))
@@ -157,6 +157,6 @@ def test_a_cassette_that_cannot_be_opened_is_not_the_agents_fault(tmp_path: Path
     (job,) = listed(seeds=range(1))
     access = Access(base_url="http://127.0.0.1:9/v1", cassette=str(tmp_path / "folder"))
     job = replace(job, agent={"planner": "custom:m"}, access=access)
-    (record,) = play_job(Work(job=job, folder=str(tmp_path)), Lines())
+    (record,) = play_job(Work(job=job, folder=str(tmp_path)), Shared())
     assert record.infrastructure_error
     assert record.error is not None and str(tmp_path) not in record.error.message

@@ -13,7 +13,7 @@ import pytest
 from bench_helpers import jobs, odd_scene, read, start, timeless, wait_for
 from remac_bench.errors import UsageError
 from remac_bench.report import read_rows
-from remac_bench.runner import Settings, Summary, run_jobs
+from remac_bench.runner import RunSummary, Settings, run_jobs
 
 HERE = Settings(workers=0)
 
@@ -102,7 +102,7 @@ def test_every_role_answers_the_same_in_a_process_of_its_own(folder: Path, metho
 def test_what_roles_do_in_their_process_costs_their_episode(folder: Path, deed: str, type_: str, message: str) -> None:
     settings = Settings(workers=0, job_seconds=5.0)
     listed = jobs("CC", seeds=range(3), planner=f"odd_planners:Misbehaves,deed={deed}", isolated=True)
-    assert run_jobs(listed, folder, settings) == Summary(0, 3, ())
+    assert run_jobs(listed, folder, settings) == RunSummary(0, 3, ())
     scored = {entry.seed: entry for entry in read(folder) if entry.scored}
     assert {seed: entry.success for seed, entry in scored.items()} == {0: True, 1: False, 2: True}
     error = scored[1].error

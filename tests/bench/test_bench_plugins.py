@@ -15,7 +15,7 @@ from remac_bench.deadline import ASKING_SECONDS, JOB_SECONDS, Deadline, job_seco
 from remac_bench.errors import JobTimeoutError, UsageError
 from remac_bench.interrupts import SIGNALS, Stopped, is_stop, stoppable
 from remac_bench.redaction import redact
-from remac_bench.runner import Settings, Summary, run_jobs
+from remac_bench.runner import RunSummary, Settings, run_jobs
 from remac_bench.watch import GRACE_SECONDS, SLOW_SECONDS, Watch
 from remac_bench.worker import Work
 
@@ -31,8 +31,8 @@ def told(monkeypatch: pytest.MonkeyPatch) -> None:
 def played(folder: Path, deed: str, settings: Settings, method: str = "CC") -> dict[int, Any]:
     """Seed -> the scored record, of three seeds of which one is odd; a second run has nothing left to do."""
     listed = jobs(method, seeds=range(3), planner=f"odd_planners:Misbehaves,deed={deed}")
-    assert run_jobs(listed, folder, settings) == Summary(0, 3, ())
-    assert run_jobs(listed, folder, settings) == Summary(3, 0, ())
+    assert run_jobs(listed, folder, settings) == RunSummary(0, 3, ())
+    assert run_jobs(listed, folder, settings) == RunSummary(3, 0, ())
     scored = {entry.seed: entry for entry in read(folder) if entry.scored}
     assert {seed: entry.success for seed, entry in scored.items()} == {0: True, ODD_SEED: False, 2: True}
     error = scored[ODD_SEED].error

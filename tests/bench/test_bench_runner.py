@@ -10,7 +10,7 @@ import pytest
 from bench_helpers import TASKS, jobs, odd_scene, read, timeless
 from remac_bench.metrics import summarise
 from remac_bench.report import read_rows
-from remac_bench.runner import Settings, Summary, run_jobs
+from remac_bench.runner import RunSummary, Settings, run_jobs
 
 from remac_env.errors import RenderingError
 from remac_env.parallel import KitchenParallelEnv
@@ -75,12 +75,12 @@ def test_processes_and_their_number_change_nothing(tmp_path: Path) -> None:
 
 
 def test_finished_jobs_are_not_run_again(tmp_path: Path) -> None:
-    assert run_jobs(jobs(seeds=range(2)), tmp_path, HERE) == Summary(0, 2, ())
+    assert run_jobs(jobs(seeds=range(2)), tmp_path, HERE) == RunSummary(0, 2, ())
     before = (tmp_path / "records.jsonl").read_bytes()
-    assert run_jobs(jobs(seeds=range(2)), tmp_path, HERE) == Summary(2, 0, ())
+    assert run_jobs(jobs(seeds=range(2)), tmp_path, HERE) == RunSummary(2, 0, ())
     assert (tmp_path / "records.jsonl").read_bytes() == before
-    assert run_jobs(jobs(seeds=range(3)), tmp_path, HERE) == Summary(2, 1, ())
-    assert run_jobs(jobs(seeds=range(1)), tmp_path, replace(HERE, fresh=True)) == Summary(0, 1, ())
+    assert run_jobs(jobs(seeds=range(3)), tmp_path, HERE) == RunSummary(2, 1, ())
+    assert run_jobs(jobs(seeds=range(1)), tmp_path, replace(HERE, fresh=True)) == RunSummary(0, 1, ())
     assert len(read(tmp_path)) == 1
 
 
@@ -142,7 +142,7 @@ def test_an_error_of_the_kitchen_is_not_scored_and_run_again(
     ]
     assert entries[-1].rounds > 0
     assert [(row.n, row.infrastructure) for row in summarise(entries)] == [(0, 1)]
-    assert run_jobs(jobs("RE", seeds=range(1)), tmp_path, HERE) == Summary(0, 1, ())
+    assert run_jobs(jobs("RE", seeds=range(1)), tmp_path, HERE) == RunSummary(0, 1, ())
     assert [(row.n, row.tsr, row.infrastructure) for row in read_rows(tmp_path)] == [(1, 1.0, 0)]
 
 
@@ -170,7 +170,7 @@ def test_an_agent_that_ends_its_worker_twice_has_crashed(
     monkeypatch.setenv("ODD_SCENE", odd_scene(1))
     listed = jobs("CC", seeds=range(5), planner="bench_planners:EndsProcess")
     summary = run_jobs(listed, tmp_path, Settings(workers=workers))
-    assert summary == Summary(0, 5, ())
+    assert summary == RunSummary(0, 5, ())
     scored = {entry.seed: entry for entry in read(tmp_path) if entry.scored}
     assert {seed: entry.success for seed, entry in scored.items()} == {0: True, 1: False, 2: True, 3: True, 4: True}
     error = scored[1].error

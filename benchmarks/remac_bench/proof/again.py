@@ -9,9 +9,9 @@ from typing import Any
 from remac_bench import agents
 from remac_bench.agents import Access
 from remac_bench.jobs import Job, SuiteMark
-from remac_bench.lines import Lines
 from remac_bench.playing import read_outcomes
 from remac_bench.records import Record
+from remac_bench.shared import Shared
 from remac_bench.worker import Work, play_job
 from remac_bench.worlds import as_values, fallen
 from remac_env.errors import RemacError
@@ -97,7 +97,7 @@ def check_job(
     *,
     cassette: str | None = None,
     providers: str | None = None,
-    lines: Lines | None = None,
+    shared: Shared | None = None,
 ) -> Iterator[str]:
     """Play the whole job again, models from the cassette, and compare every field that the code decides."""
     try:
@@ -109,7 +109,7 @@ def check_job(
     if cassette is not None:
         job = replace(job, access=replace(job.access, cassette=cassette, providers=providers, replay=True))
     work = Work(job=job, folder="", video="none", optimum=any(row.optimum_proof is not None for row in rows))
-    again = {record.iteration: record for record in play_job(work, lines)}
+    again = {record.iteration: record for record in play_job(work, shared)}
     if set(again) != {row.iteration for row in rows}:
         yield f"iterations: recorded {sorted(row.iteration for row in rows)}, played again {sorted(again)}"
     for row in rows:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from remac_bench.errors import JobTimeoutError
-from remac_bench.lines import Lines
 from remac_bench.machine import versions
 from remac_bench.proof.again import asks_only_models, check_job, check_rounds, repeatable
 from remac_bench.proof.complete import check_once, check_scores, check_suite
 from remac_bench.records import Record
+from remac_bench.shared import Shared
 from remac_bench.store import Store, latest
 from remac_env.seeding import generator
 
@@ -25,7 +25,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verification:
     """What re-execution found.
 
     Attributes:
@@ -49,7 +49,7 @@ def verify(
     seed: int = 0,
     cassette: str | Path | None = None,
     providers: str | None = None,
-) -> Verdict:
+) -> Verification:
     """Look at all of a folder's records, play a sample of its finished jobs again, and compare.
 
     An offline agent is run again from its record's options, and so is one that asks models where their answers lie on
@@ -71,20 +71,20 @@ def verify(
     checks = (check_once(lines), check_scores(records), check_suite(records, providers=providers))
     findings = [Finding(*told) for check in checks for told in check]
     finished = _sampled(_finished(records), sample, seed)
-    shared, replayed = Lines(), 0
+    shared, replayed = Shared(), 0
     for rows in finished:
         played = _cassette(folder, rows[0], cassette)
         slow = any(row.error is not None and row.error.type == JobTimeoutError.__name__ for row in rows)
         if repeatable(rows[0]) and not slow:
             told = check_job(rows)
         elif played is not None and asks_only_models(rows[0]) and not slow:
-            told = check_job(rows, cassette=str(played), providers=providers, lines=shared)
+            told = check_job(rows, cassette=str(played), providers=providers, shared=shared)
         else:
             replayed += 1
             told = check_rounds(rows)
         findings += [Finding(rows[0].job, line) for line in told]
     found = tuple(dict.fromkeys(findings))
-    return Verdict(len(finished), sum(map(len, finished)), replayed, found, strange_versions(records))
+    return Verification(len(finished), sum(map(len, finished)), replayed, found, strange_versions(records))
 
 
 def strange_versions(records: Sequence[Record]) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from remac_bench.jobs import Job
 from remac_bench.outside import Servers, plugins
 
 
-class Lines:
+class Shared:
     """What the jobs of one process share when they ask language models: one cassette, a limiter for each model, and
     what was learnt of how endpoints want to be asked."""
 
@@ -69,11 +69,11 @@ class Agent(Protocol):
         """What the episode leaves behind: remac_agents' EpisodeReport."""
 
 
-def make(job: Job, shared: Mapping[str, Any], outside: Mapping[str, Any] | None = None) -> Agent:
+def make(job: Job, models: Mapping[str, Any], outside: Mapping[str, Any] | None = None) -> Agent:
     """The job's agent, with a memory of its own that lives in this process.
 
     Args:
-        shared: what it shares with others, from `Lines.keywords`.
+        models: what it shares with others, from `Shared.keywords`.
         outside: role -> who fills it, for roles that run in processes of their own.
 
     Raises:
@@ -82,5 +82,5 @@ def make(job: Job, shared: Mapping[str, Any], outside: Mapping[str, Any] | None 
     import remac_agents
 
     roles = {**job.agent, **(outside or {})}
-    agent: Agent = remac_agents.make(job.method, **roles, **shared, iterations=job.iterations)
+    agent: Agent = remac_agents.make(job.method, **roles, **models, iterations=job.iterations)
     return agent
