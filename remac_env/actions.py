@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from remac_env.errors import ActionError
+from remac_env.rules.outcomes import Outcome, failure
+from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.values import python_value
 
 
@@ -23,6 +25,15 @@ def check_actions(actions: Mapping[str, Any], agents: Sequence[str]) -> dict[str
         problem = f"missing {missing}, unexpected {strange}"
         raise ActionError(f"actions for the wrong agents: {problem}; agents: {list(agents)}")
     return {name: check_token(actions[name], name) for name in agents}
+
+
+def decode(
+    tokens: Mapping[str, int], legal: Mapping[int, Subtask]
+) -> tuple[dict[str, Subtask], dict[str, Outcome]]:
+    """Subtasks of legal tokens; the others wait and are `invalid`."""
+    subtasks = {name: legal.get(token, WAIT) for name, token in tokens.items()}
+    strange = {name: token for name, token in tokens.items() if token not in legal}
+    return subtasks, {n: failure("invalid", f"token {t} names nothing in this kitchen") for n, t in strange.items()}
 
 
 def check_token(value: Any, name: str) -> int:

@@ -18,11 +18,12 @@ from remac_env.parallel import KitchenParallelEnv
 from remac_env.tasks import get as get_task
 
 
-class KitchenEnv(gymnasium.Env[dict[str, Any], Any]):
+class KitchenEnv(gymnasium.Env[Any, Any]):
     """A task as a Gymnasium environment.
 
-    Action: Discrete(N) for one robot, MultiDiscrete([N, N]) for two. Observation keys are flat: `robot_0.observation`,
-    `robot_0.action_mask` ... `info["robots"][name]` is what the parallel environment tells that robot.
+    Action: Discrete(N) for one robot, MultiDiscrete([N, N]) for two. Observation: a dict without levels, with the keys
+    `robot_0_observation`, `robot_0_action_mask` ... (names that PyTorch's modules may have); with obs_format="flat" one
+    vector, the robots' one after the other. `info["robots"][name]` is what the parallel environment tells that robot.
     """
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 20}
@@ -33,14 +34,18 @@ class KitchenEnv(gymnasium.Env[dict[str, Any], Any]):
         self.vocabulary = self.parallel.vocabulary
         names, n = self.parallel.possible_agents, len(self.vocabulary)
         self.action_space = spaces.Discrete(n) if len(names) == 1 else spaces.MultiDiscrete([n] * len(names))
-        self.observation_space = spaces.Dict(
-            {
-                f"{name}.{key}": space
-                for name in names
-                for key, space in self.parallel.observation_spaces[name].spaces.items()
-            }
-        )
+        self.observation_space = self._joint_space()
         self._begun = self._running = False
+
+    def __str__(self) -> str:
+        """As the parallel environment says it."""
+        return repr(self.parallel)
+
+    __repr__ = __str__
+
+    def _repr_png_(self) -> bytes | None:
+        """The kitchen now, for notebooks."""
+        return self.parallel._repr_png_()
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -78,9 +83,8 @@ class KitchenEnv(gymnasium.Env[dict[str, Any], Any]):
         self.parallel.close()
 
     def action_masks(self) -> NDArray[np.bool_]:
-        """Legal tokens as one flat vector over all robots, bool (robots * N,)."""
-        mask = self.vocabulary.mask(self.parallel.start.scene).astype(bool)
-        return np.tile(mask, len(self.parallel.possible_agents))
+        """The tokens that may be chosen, as the option `masks` says: one vector over all robots, bool (robots * N,)."""
+        return np.concatenate([self.parallel.action_mask(name) for name in self.parallel.possible_agents]).astype(bool)
 
     def _split(self, action: Any) -> dict[str, int]:
         names = self.parallel.possible_agents
@@ -94,9 +98,18 @@ class KitchenEnv(gymnasium.Env[dict[str, Any], Any]):
             raise ActionError(f"action {action!r} has {len(values)} tokens for the robots {names}")
         return {name: check_token(value, name) for name, value in zip(names, values, strict=True)}
 
-    @staticmethod
-    def _flat(observations: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        return {f"{name}.{key}": value for name, seen in observations.items() for key, value in seen.items()}
+    def _joint_space(self) -> spaces.Space[Any]:
+        parts = self.parallel.observation_spaces
+        dicts = {name: part.spaces for name, part in parts.items() if isinstance(part, spaces.Dict)}
+        if dicts:
+            return spaces.Dict({f"{name}_{key}": part for name, keys in dicts.items() for key, part in keys.items()})
+        size = sum(int(np.prod(part.shape or ())) for part in parts.values())
+        return spaces.Box(0.0, 1.0, (size,), np.float32)
+
+    def _flat(self, observations: Mapping[str, Any]) -> Any:
+        if not isinstance(self.observation_space, spaces.Dict):
+            return np.concatenate(list(observations.values()))
+        return {f"{name}_{key}": value for name, seen in observations.items() for key, value in seen.items()}
 
     @staticmethod
     def _info(infos: Mapping[str, dict[str, Any]]) -> dict[str, Any]:

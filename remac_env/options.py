@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from remac_env.errors import OptionError
 from remac_env.option_rows import Choice, Real, Whole, check_rows, option
@@ -19,7 +19,12 @@ WORDINGS = (1, 2, 3)
 """1: word order follows the subtasks; 2: it does not; 3: the simplest sentence (paper, appendix)."""
 
 OBSERVATIONS = ("state", "state+images")
-REWARDS = ("sparse", "progress")
+REWARDS = ("sparse", "progress", "distance")
+MASKS = ("grammar", "feasible")
+OBS_FORMATS = ("dict", "flat")
+FOR_LEARNERS = ("masks", "obs_format")
+"""Options that no run of the benchmark takes: planners do not see masks, and agents need more than a vector."""
+
 RENDER_MODES = (None, "rgb_array", "human")
 MAX_ROBOTS = 2
 
@@ -54,7 +59,18 @@ class Options:
     )
     render_mode: str | None = option(None, "human (watch the episodes) or rgb_array.", Choice(RENDER_MODES))
     max_rounds: int = option(30, "Rounds after which an episode is truncated.", Whole(1, 100_000))
-    reward: str = option("sparse", "sparse (1 on success) or progress (change of goal progress).", Choice(REWARDS))
+    reward: str = option(
+        "sparse", "sparse (1 on success), progress (what part of the goal holds for the first time; 1 in all) or distance "
+        "(1 on success, and the rounds by which the goal has come nearer; searched for).", Choice(REWARDS),
+    )  # fmt: skip
+    masks: str = option(
+        "grammar", "grammar (what names something in this kitchen) or feasible (what the skill table would not refuse now "
+        "either; for learners).", Choice(MASKS),
+    )  # fmt: skip
+    obs_format: str = option(
+        "dict", "dict (observation, action_mask, pictures) or flat (the vector alone; masks in infos).",
+        Choice(OBS_FORMATS),
+    )  # fmt: skip
     failure_rate: float = option(0.0, "Probability that a subtask slips (symbolic).", Real(0.0, 1.0))
 
     def __post_init__(self) -> None:
@@ -68,6 +84,14 @@ class Options:
         check_rows(self)
         if self.failure_rate and self.backend != "symbolic":
             raise OptionError("failure_rate is for backend='symbolic'; in physics use perception_noise")
+
+        if self.obs_format == "flat" and self.obs != "state":
+            raise OptionError(f"obs_format='flat' has no room for the pictures of obs={self.obs!r}; valid: obs='state'")
+
+    @property
+    def chosen(self) -> list[str]:
+        """The options that are not the default ones, as keywords: `backend='symbolic'`."""
+        return [f"{f.name}={getattr(self, f.name)!r}" for f in fields(self) if getattr(self, f.name) != f.default]
 
     @property
     def robot_names(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from remac_env.actions import check_actions
+from remac_env.actions import check_actions, decode
 from remac_env.backends import make_backend
 from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms
@@ -20,8 +20,8 @@ from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.observation import Facts
 from remac_env.options import Options
 from remac_env.pictures import Moment, Pictures
-from remac_env.rules.outcomes import Outcome, failure
-from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.rewards import make_reward
+from remac_env.rules.claims import feasible
 from remac_env.seeding import generator
 from remac_env.start import Start
 from remac_env.state import WorldState
@@ -34,15 +34,16 @@ UNSEEDED_BELOW = 900_000
 
 CAMERAS = ("front", "wrist", "side")
 
+Seen = dict[str, Any]
 Told = dict[str, dict[str, Any]]
 
 
-class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
+class KitchenParallelEnv(ParallelEnv[str, Any, int]):
     """A task with one or two robots; every step is a round in which each robot runs one subtask.
 
     Made by `remac_env.parallel_env`, which documents the options. Actions are tokens of `vocabulary`; observations are
     `{"observation": float32 (n,) in 0..1, "action_mask": int8 (N,)}` and, with obs="state+images", `front`, `wrist`
-    and `side`: uint8 (size, size, 3).
+    and `side`: uint8 (size, size, 3). With obs_format="flat" they are the vector alone, and infos have `action_mask`.
     """
 
     def __init__(self, spec: TaskSpec, options: Options) -> None:
@@ -60,6 +61,7 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         self.possible_agents = list(options.robot_names)
         self.agents: list[str] = []
         self._facts = Facts(self.vocabulary)
+        self._reward = make_reward(options.reward)
         self.action_spaces = {name: spaces.Discrete(len(self.vocabulary)) for name in self.possible_agents}
         self.observation_spaces = {name: self._observation_space() for name in self.possible_agents}
         self._backend: Backend | None = None
@@ -74,9 +76,20 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         if self._backend is not None:
             self._backend.watch = self._film
 
+    def __repr__(self) -> str:
+        """The task, the options that are not the default ones, and how far the episode is."""
+        state = "closed" if self._closed else "not reset" if self._episode is None else f"round {self._episode.rounds}"
+        return f"<{' '.join([self.worlds.spec.name, *self.options.chosen])}, {state}>"
+
+    def _repr_png_(self) -> bytes | None:
+        """The kitchen now, for notebooks; None where no episode has begun."""
+        if self._closed or self._episode is None:
+            return None
+        return self._pictures.png(self._moment())
+
     # -- the PettingZoo interface ------------------------------------------------------------------------------------
 
-    def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Told, Told]:
+    def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Seen, Told]:
         """Begin the episode of this seed.
 
         Args:
@@ -117,11 +130,12 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         self._mask[legal] = 1
         self._legal = {token: self.vocabulary.subtask(token) for token in legal}
         self.agents = list(self.possible_agents)
+        self._reward.begin(start.scene, self.goal, self.world)
         return self._observations(), self._infos()
 
     def step(
         self, actions: Mapping[str, int]
-    ) -> tuple[Told, dict[str, float], dict[str, bool], dict[str, bool], Told]:
+    ) -> tuple[Seen, dict[str, float], dict[str, bool], dict[str, bool], Told]:
         """Run one round.
 
         Args:
@@ -135,12 +149,10 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         if not self.agents or self._backend is None:
             raise LifecycleError("step() needs an episode under way: call reset() first")
         episode = self._running()
-        subtasks, invalid = self._decode(check_actions(actions, self.agents))
-        sparse = self.options.reward == "sparse"
-        before = 0.0 if sparse else episode.progress
+        subtasks, invalid = decode(check_actions(actions, self.agents), self._legal)
         episode.advance(subtasks, invalid, self._backend.run_round(subtasks))
         self._film()
-        reward = float(episode.end == "success") if sparse else episode.progress - before
+        reward = self._reward.pay(episode.world, success=episode.end == "success")
         truncated = episode.end == "truncated"
         terminated = episode.end is not None and not truncated
         outputs = (
@@ -187,6 +199,19 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
             self._backend.close()
         self._pictures.close()
         self._backend, self._closed, self.agents = None, True, []
+
+    def action_mask(self, agent: str) -> NDArray[np.int8]:
+        """The tokens that this robot may choose now, as the option `masks` says; 1 or 0, shape (N,).
+
+        Raises:
+            LifecycleError: before reset or after close.
+        """
+        episode = self._running()
+        mask = self._mask.copy()
+        if self.options.masks == "feasible":
+            for token, subtask in self._legal.items():
+                mask[token] = feasible(episode.terms.scene, episode.world, agent, subtask)
+        return mask
 
     def start_recording(self) -> None:
         """Keep the motion of the next episodes, each from its reset on, for `save_recording`. Draws nothing yet."""
@@ -245,15 +270,6 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         if self._closed:
             raise LifecycleError("this environment is closed: make a new one")
 
-    def _decode(self, tokens: Mapping[str, int]) -> tuple[dict[str, Subtask], dict[str, Outcome]]:
-        """Subtasks of legal tokens; the others wait and are `invalid`."""
-        subtasks, invalid = {}, {}
-        for name, token in tokens.items():
-            subtasks[name] = self._legal.get(token, WAIT)
-            if token not in self._legal:
-                invalid[name] = failure("invalid", f"token {token} names nothing in this kitchen")
-        return subtasks, invalid
-
     def _moment(self) -> Moment:
         positions = None if self._backend is None else self._backend.positions()
         return Moment(self.start, self.world, positions, self._running().rounds)
@@ -262,8 +278,10 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
         """Called by the backend once a control period, and after each round: the symbolic one has no periods."""
         self._pictures.film(self._moment)
 
-    def _observation_space(self) -> spaces.Dict:
+    def _observation_space(self) -> spaces.Space[Any]:
         size = self.options.image_size
+        if self.options.obs_format == "flat":
+            return spaces.Box(0.0, 1.0, (self._facts.size,), np.float32)
         parts: dict[str, spaces.Space[Any]] = {
             "observation": spaces.Box(0.0, 1.0, (self._facts.size,), np.float32),
             "action_mask": spaces.Box(0, 1, (len(self.vocabulary),), np.int8),
@@ -272,10 +290,12 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
             parts |= {camera: spaces.Box(0, 255, (size, size, 3), np.uint8) for camera in CAMERAS}
         return spaces.Dict(parts)
 
-    def _observations(self) -> Told:
+    def _observations(self) -> Seen:
         episode = self._running()
         facts = self._facts.vectors(episode.terms.scene, episode.world, self.agents)
-        seen: Told = {name: {"observation": facts[name], "action_mask": self._mask.copy()} for name in self.agents}
+        if self.options.obs_format == "flat":
+            return dict(facts)
+        seen: Told = {n: {"observation": facts[n], "action_mask": self.action_mask(n)} for n in self.agents}
         if self.options.obs == "state+images":
             for name in self.agents:
                 seen[name] |= self._pictures.observe(self._moment(), name, size=self.options.image_size)
@@ -283,4 +303,8 @@ class KitchenParallelEnv(ParallelEnv[str, dict[str, Any], int]):
 
     def _infos(self) -> Told:
         episode = self._running()
-        return {name: episode.info(name) for name in self.agents}
+        told = {name: episode.info(name) for name in self.agents}
+        if self.options.obs_format == "flat":
+            for name, info in told.items():
+                info["action_mask"] = self.action_mask(name)
+        return told

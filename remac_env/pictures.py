@@ -62,6 +62,13 @@ class Pictures:
         stage.show_in(self._window)
         return None
 
+    def png(self, moment: Moment) -> bytes:
+        """The overview as a PNG file."""
+        import cv2
+
+        _, data = cv2.imencode(".png", self._stage(moment).picture()[..., ::-1])
+        return data.tobytes()
+
     def observe(self, moment: Moment, robot: str, *, size: int) -> dict[str, Picture]:
         """The pictures `front`, `wrist` and `side` of one robot, uint8 (size, size, 3)."""
         return self._stage(moment).observe(robot, moment.world, size=size)

@@ -11,7 +11,7 @@ import typer
 from remac_agents.text.options import MOST_SPENT
 from remac_bench import agents
 from remac_bench.command import real, whole
-from remac_env.options import MAX_ROBOTS, Options
+from remac_env.options import FOR_LEARNERS, MAX_ROBOTS, Options
 from remac_env.seeding import SEED_MAX
 
 _KITCHEN, _AGENT, _RUN = "The kitchen", "The agent", "The run"
@@ -151,7 +151,7 @@ AGENT = {
 """Keyword of `remac_agents.make` -> the flag, which differs where the kitchen has a keyword of that name. `model` is
 apart: each makes an entry."""
 
-KITCHEN = {field.name: field.name for field in fields(Options) if field.name != "robots"}
+KITCHEN = {field.name: field.name for field in fields(Options) if field.name not in ("robots", *FOR_LEARNERS)}
 """Keyword of `parallel_env` -> the flag; `robots` is apart, its default is the method's."""
 
 

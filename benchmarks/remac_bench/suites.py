@@ -17,7 +17,7 @@ from remac_bench.jobs import Job, SuiteMark
 from remac_bench.suite_numbers import check_finite, number
 from remac_env.errors import RemacError
 from remac_env.files import read_text
-from remac_env.options import MAX_ROBOTS, Options
+from remac_env.options import FOR_LEARNERS, MAX_ROBOTS, Options
 from remac_env.seeding import digest
 
 KEPT_SEEDS = 900_000
@@ -31,7 +31,8 @@ TABLE = "table"
 
 TOP = ("name", "version", "about", "methods", "floors", "roles", "budget", "jobs")
 BLOCK = ("tasks", "seeds", "cells", "methods", "robots", "iterations", "kitchen")
-KITCHEN = tuple(f.name for f in fields(Options) if f.name not in ("robots", "style", "layout", "render_mode"))
+_NOT_A_SUITES = ("robots", "style", "layout", "render_mode", *FOR_LEARNERS)
+KITCHEN = tuple(f.name for f in fields(Options) if f.name not in _NOT_A_SUITES)
 FLOOR_METHOD = "BASE"
 """Floors plan once and look at nothing."""
 

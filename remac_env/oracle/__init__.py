@@ -2,13 +2,16 @@
 
 from remac_env.oracle.certificate import Certificate, certify, solvable, solve
 from remac_env.oracle.commands import relevant_commands
+from remac_env.oracle.distance import FARTHEST, Distances
 from remac_env.oracle.moves import LITTER_ROUNDS
 from remac_env.oracle.problems import problem_id
 from remac_env.oracle.search import Found, OraclePlan, search, search_plan
 
 __all__ = [
+    "FARTHEST",
     "LITTER_ROUNDS",
     "Certificate",
+    "Distances",
     "Found",
     "OraclePlan",
     "certify",

@@ -51,6 +51,12 @@ def _tests(skill: str, target: str, robot: str) -> dict[Mark, list[_Test]]:
     return tests
 
 
+def feasible(scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> bool:
+    """Whether the table would let this subtask succeed now, whatever the other robots do in the same round."""
+    marks: tuple[Mark, ...] = ("refuse", "attempt")
+    return all(first_false(scene, world, robot, subtask, mark, skip=_SETTLED_BY_ALL) is None for mark in marks)
+
+
 def settle_claims(
     scene: Rules, world: WorldState, subtasks: Mapping[str, Subtask]
 ) -> tuple[dict[str, Outcome], dict[str, str]]:

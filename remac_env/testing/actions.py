@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from remac_env.testing.determinism import difference, trace
-from remac_env.testing.play import ContractError, EnvMaker, Tokens, expect, opened
+from remac_env.testing.play import ContractError, EnvMaker, Tokens, expect, mask_of, opened
 
 if TYPE_CHECKING:
     from remac_env.parallel import KitchenParallelEnv
@@ -35,8 +35,8 @@ def check_masks(env_fn: EnvMaker, *, seeds: Iterable[int] = (0,), limit: int | N
         for seed in seeds:
             observations, infos = env.reset(seed=seed)
             for name, seen in observations.items():
-                _check_mask(env, seen["action_mask"], infos[name], f"check_masks, seed {seed}, {name}")
-            mask = np.asarray(next(iter(observations.values()))["action_mask"])
+                _check_mask(env, mask_of(seen, infos[name]), infos[name], f"check_masks, seed {seed}, {name}")
+            mask = np.asarray(mask_of(seen, infos[name]))
             strange = [-1, size, size + 1000, 2**70, -(2**70)]
             for token in [*_some(np.flatnonzero(mask == 0), limit), *strange]:
                 _check_round(env, seed, token, legal=False)

@@ -12,7 +12,7 @@ from remac_env.oracle import solve
 from remac_env.seeding import generator
 from remac_env.state import FrozenMap, Place, WorldState
 from remac_env.tasks.goals import lost, progress
-from remac_env.testing.play import Choice, EnvMaker, Tokens, Turn, expect, opened, play, random_legal, scripted
+from remac_env.testing.play import Choice, EnvMaker, Tokens, Turn, expect, mask_of, opened, play, random_legal, scripted
 
 FEW_STATES = 2_000
 """States in which a shortest plan is searched for; then any plan will do, so that the check stays quick."""
@@ -37,9 +37,9 @@ def check_names(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int 
                 return
             vocabulary = env.vocabulary
             turns = _judged(env_fn, seed, random_legal(seed, vocabulary), rounds)
-            observations, _ = env.reset(seed=seed)
+            observations, infos = env.reset(seed=seed)
             plan = solve(env.start.scene, env.world, env.goal, max_states=FEW_STATES)
-            mask = observations[env.agents[-1]]["action_mask"]
+            mask = mask_of(observations[env.agents[-1]], infos[env.agents[-1]])
             tokens = [int(token) for token in np.flatnonzero(mask) if token != vocabulary.encode("done")]
             shuffled = generator(seed, "check_names").permutation(tokens)[:rounds]
         scripts = [

@@ -91,13 +91,18 @@ def random_legal(seed: int, vocabulary: Vocabulary) -> Choice:
     def choose(turn: Turn) -> Tokens:
         tokens = {}
         for name in turn.alive:
-            legal = [int(t) for t in np.flatnonzero(turn.observations[name]["action_mask"]) if t != done]
+            legal = [int(t) for t in np.flatnonzero(mask_of(turn.observations[name], turn.infos[name])) if t != done]
             workable = [token for token in legal if _workable(vocabulary, token, turn.infos[name], name)]
             pool = workable if workable and chance.random() < 2 / 3 else legal
             tokens[name] = pool[int(chance.integers(len(pool)))]
         return tokens
 
     return choose
+
+
+def mask_of(observation: Any, info: Mapping[str, Any]) -> Any:
+    """A robot's action mask: a part of its observation, or of its info where the observation is a vector alone."""
+    return (observation if isinstance(observation, Mapping) else info)["action_mask"]
 
 
 def scripted(script: list[Tokens], *, otherwise: int) -> Choice:

@@ -165,8 +165,8 @@ def test_the_view_shows_what_the_parallel_environment_does(robots: int) -> None:
     nested, infos = parallel.reset(seed=4)
     chance = np.random.default_rng(0)
     for _ in range(8):
-        assert set(flat) == {f"{name}.{key}" for name in nested for key in nested[name]}
-        assert all(np.array_equal(flat[f"{n}.{k}"], v) for n, seen in nested.items() for k, v in seen.items())
+        assert set(flat) == {f"{name}_{key}" for name in nested for key in nested[name]}
+        assert all(np.array_equal(flat[f"{n}_{k}"], v) for n, seen in nested.items() for k, v in seen.items())
         assert info["robots"] == infos
         masks = env.unwrapped.action_masks()
         assert masks.dtype == bool and masks.shape == (robots * size,)

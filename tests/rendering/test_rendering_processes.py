@@ -122,7 +122,7 @@ from gymnasium.vector import AsyncVectorEnv
 both = AsyncVectorEnv([make, make], context="fork")
 both.reset(seed=[0, 1])
 seen, *_ = both.step(numpy.zeros(2, int))
-assert seen["robot_0.front"].std() > 5
+assert seen["robot_0_front"].std() > 5
 both.close()
 assert first.render().std() > 5
 """
