@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 from remac_env.backends.base import Counters, RoundResult
+from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import Options
 from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome
@@ -32,6 +33,15 @@ class Terms:
     sentence: str
     commands: Mapping[str, int]
     phases: tuple[tuple[str, Goal], ...] = ()
+
+    @classmethod
+    def of(cls, worlds: TaskWorlds, options: Options, start: Start, names: Mapping[str, str]) -> Terms:
+        """The terms of a start; `names`: role -> object."""
+        spec = worlds.spec
+        sentence = spec.sentence(options.wording, worlds.nouns(start, names))
+        phases = tuple((name, goal.bind(names)) for name, goal in spec.phases)
+        commands = worlds.vocabulary.legal(start.scene)
+        return cls(spec, options, start, spec.goal.bind(names), sentence, commands, phases)
 
     @property
     def scene(self) -> Rules:

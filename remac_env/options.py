@@ -60,12 +60,12 @@ class Options:
     render_mode: str | None = option(None, "human (watch the episodes) or rgb_array.", Choice(RENDER_MODES))
     max_rounds: int = option(30, "Rounds after which an episode is truncated.", Whole(1, 100_000))
     reward: str = option(
-        "sparse", "sparse (1 on success), progress (what part of the goal holds for the first time; 1 in all) or distance "
-        "(1 on success, and the rounds by which the goal has come nearer; searched for).", Choice(REWARDS),
+        "sparse", "sparse (1 on success), progress (what part of the goal holds for the first time; 1 in all) or "
+        "distance (1 on success, and the rounds by which the goal has come nearer; searched for).", Choice(REWARDS),
     )  # fmt: skip
     masks: str = option(
-        "grammar", "grammar (what names something in this kitchen) or feasible (what the skill table would not refuse now "
-        "either; for learners).", Choice(MASKS),
+        "grammar", "grammar (what names something in this kitchen) or feasible (what the skill table would not refuse "
+        "now either; for learners).", Choice(MASKS),
     )  # fmt: skip
     obs_format: str = option(
         "dict", "dict (observation, action_mask, pictures) or flat (the vector alone; masks in infos).",

@@ -83,9 +83,7 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
 
     def _repr_png_(self) -> bytes | None:
         """The kitchen now, for notebooks; None where no episode has begun."""
-        if self._closed or self._episode is None:
-            return None
-        return self._pictures.png(self._moment())
+        return None if self._closed or self._episode is None else self._pictures.png(self._moment())
 
     # -- the PettingZoo interface ------------------------------------------------------------------------------------
 
@@ -123,12 +121,10 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
             self._backend = make_backend(self.options, self.worlds)
             self._backend.watch = self._film
         self._pictures.rewind()
-        self._episode = Episode(self._terms(start, names), self._backend.reset(start))
+        self._episode = Episode(Terms.of(self.worlds, self.options, start, names), self._backend.reset(start))
         self._film()
-        self._mask = np.zeros(len(self.vocabulary), np.int8)
-        legal = list(self._episode.terms.commands.values())
-        self._mask[legal] = 1
-        self._legal = {token: self.vocabulary.subtask(token) for token in legal}
+        self._mask = self.vocabulary.mask(start.scene)
+        self._legal = {token: self.vocabulary.subtask(token) for token in self._episode.terms.commands.values()}
         self.agents = list(self.possible_agents)
         self._reward.begin(start.scene, self.goal, self.world)
         return self._observations(), self._infos()
@@ -252,13 +248,6 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
     def progress(self) -> float:
         """The fraction of the goal's parts that hold, 0..1."""
         return self._running().progress
-
-    def _terms(self, start: Start, names: Mapping[str, str]) -> Terms:
-        spec = self.worlds.spec
-        commands = self.vocabulary.legal(start.scene)
-        sentence = spec.sentence(self.options.wording, self.worlds.nouns(start, names))
-        phases = tuple((name, goal.bind(names)) for name, goal in spec.phases)
-        return Terms(spec, self.options, start, spec.goal.bind(names), sentence, commands, phases)
 
     def _running(self) -> Episode:
         self._check_open()

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from remac_env.testing.play import EnvMaker, Turn, expect, opened, play, random_legal
+from remac_env.testing.play import EnvMaker, Turn, arrays_of, expect, opened, play, random_legal
 
 STEADY = ("action_mask",)
 """Parts of an observation that may stay the same: masks say what can be told to a robot, not how the world is."""
@@ -30,7 +30,7 @@ def check_changes(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: in
             late = [turn for turn in turns if turn.number >= moved[len(moved) // 2 - 1].number]
             for part, shown in (("", turns), (f" from round {late[0].number} on", late)):
                 for name in env.possible_agents:
-                    for key in turns[0].observations[name]:
+                    for key in arrays_of(turns[0].observations[name]):
                         told = f"{where}, {name}: {key} is constant{part}, while the world changes"
                         expect(key in STEADY or _changes(shown, name, key), told)
 
@@ -40,5 +40,5 @@ def _world(turn: Turn) -> object:
 
 
 def _changes(turns: list[Turn], name: str, key: str) -> bool:
-    first, *others = (np.asarray(turn.observations[name][key]) for turn in turns)
+    first, *others = (np.asarray(arrays_of(turn.observations[name])[key]) for turn in turns)
     return any(not np.array_equal(first, other) for other in others)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from remac_env.testing.play import EnvMaker, Turn, expect, opened, play, random_legal
+from remac_env.testing.play import EnvMaker, Turn, arrays_of, expect, opened, play, random_legal
 
 if TYPE_CHECKING:
     from remac_env.parallel import KitchenParallelEnv
@@ -52,7 +52,7 @@ def trace(env: KitchenParallelEnv, seed: int, *, rounds: int) -> Trace:
 
 
 def _copied(turn: Turn) -> dict[str, Any]:
-    seen = {robot: {k: np.array(v) for k, v in parts.items()} for robot, parts in turn.observations.items()}
+    seen = {robot: {k: np.array(v) for k, v in arrays_of(o).items()} for robot, o in turn.observations.items()}
     return {
         "tokens": dict(turn.tokens),
         "observations": seen,

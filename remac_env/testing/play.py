@@ -100,6 +100,15 @@ def random_legal(seed: int, vocabulary: Vocabulary) -> Choice:
     return choose
 
 
+WHOLE = "observation"
+"""What an observation without keys is called."""
+
+
+def arrays_of(observation: object) -> Mapping[str, Any]:
+    """The arrays of an observation by key."""
+    return observation if isinstance(observation, dict) else {WHOLE: observation}
+
+
 def mask_of(observation: Any, info: Mapping[str, Any]) -> Any:
     """A robot's action mask: a part of its observation, or of its info where the observation is a vector alone."""
     return (observation if isinstance(observation, Mapping) else info)["action_mask"]

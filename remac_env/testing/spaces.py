@@ -11,7 +11,7 @@ from gymnasium import spaces
 
 from remac_env.rules.outcomes import REASONS
 from remac_env.state import WorldState
-from remac_env.testing.play import EnvMaker, Turn, expect, opened, play, random_legal
+from remac_env.testing.play import WHOLE, EnvMaker, Turn, arrays_of, expect, opened, play, random_legal
 from remac_env.testing.world import check_world
 
 if TYPE_CHECKING:
@@ -26,9 +26,6 @@ INFO_TYPES: Mapping[str, type] = {
     "world": WorldState,
 }
 """What `infos[robot]` holds at least, and of which type."""
-
-_WHOLE = "observation"
-"""What an observation without keys is called."""
 
 EPISODE_FIELDS = ("task", "style", "layout", "starts", "seed", "digest")
 OUTCOME_FIELDS = ("status", "reason", "detail", "seconds")
@@ -56,7 +53,7 @@ def check_spaces(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int
                 _check_types(turn, types, where)
                 reused = any(not np.array_equal(array, copy) for array, copy in older)
                 expect(not reused, f"{where}: an observation returned earlier was written to")
-                arrays = [array for seen in turn.observations.values() for array in _parts(seen).values()]
+                arrays = [array for seen in turn.observations.values() for array in arrays_of(seen).values()]
                 older = [(array, array.copy()) for array in arrays]
         for name, (seen, acted) in kept.items():
             same = env.observation_space(name) is seen and env.action_space(name) is acted
@@ -82,17 +79,12 @@ def _check_turn(env: KitchenParallelEnv, turn: Turn, where: str) -> None:
         check_world(info["scene"], info["world"], where=where)
 
 
-def _parts(seen: object) -> Mapping[str, Any]:
-    """The arrays of an observation by key."""
-    return seen if isinstance(seen, dict) else {_WHOLE: seen}
-
-
 def _check_observation(seen: object, space: spaces.Space[Any], where: str) -> None:
     flat = isinstance(space, spaces.Box)
     expect(flat or isinstance(space, spaces.Dict), f"{where}: the observation space is no Dict and no Box: {space}")
     expect(flat or isinstance(seen, dict), f"{where}: the observation is a {type(seen).__name__}, not a dict")
-    parts: Mapping[str, Any] = {_WHOLE: space} if flat else space.spaces  # type: ignore[attr-defined]
-    observation = _parts(seen)
+    parts: Mapping[str, Any] = {WHOLE: space} if flat else space.spaces  # type: ignore[attr-defined]
+    observation = arrays_of(seen)
     wrong = set(observation) ^ set(parts)
     expect(not wrong, f"{where}: keys {sorted(wrong)} are in the observation or in its space, but not in both")
     for key, part in parts.items():
