@@ -54,7 +54,7 @@ def _tests(skill: str, target: str, robot: str) -> dict[Mark, list[_Test]]:
 def feasible(scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> bool:
     """Whether the table would let this subtask succeed now, whatever the other robots do in the same round."""
     marks: tuple[Mark, ...] = ("refuse", "attempt")
-    return all(first_false(scene, world, robot, subtask, mark, skip=_SETTLED_BY_ALL) is None for mark in marks)
+    return all(first_false(scene, world, robot, subtask, mark, alone=False) is None for mark in marks)
 
 
 def settle_claims(
