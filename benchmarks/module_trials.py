@@ -17,7 +17,7 @@ from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.fixtures import Fixture, certificates, models
 from remac_env.kitchen.fixtures.base import ONE_MAKE
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.layout_checks import STANCE_HALF
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.catalogue import Category

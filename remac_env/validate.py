@@ -10,7 +10,7 @@ from remac_env.tasks.goals import DoorIs, Goal, SwitchedOn
 from remac_env.tasks.spec import TaskSpec
 
 if TYPE_CHECKING:
-    from remac_env.kitchen.layout import Layout
+    from remac_env.kitchen.floor_plan import Layout
 
 
 def validate(spec: TaskSpec) -> None:

@@ -10,7 +10,7 @@ import mujoco
 from remac_env.kitchen.canvas import SWITCHED, Canvas
 from remac_env.kitchen.fixtures import Window
 from remac_env.kitchen.fixtures.room import Face
-from remac_env.kitchen.layout import Layout, Wall
+from remac_env.kitchen.floor_plan import Layout, Wall
 from remac_env.kitchen.style import Style, load
 from remac_env.sights import ACCENTS, accents
 

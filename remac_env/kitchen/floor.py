@@ -9,7 +9,7 @@ from math import hypot
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.kitchen.fixtures.base import Block
+from remac_env.kitchen.blocks import Block
 
 TALL = 1.45
 """A driving robot with its arm folded passes under what hangs higher than this, m."""

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from remac_env.kitchen.fixtures.base import Block, Point
+from remac_env.kitchen.blocks import Block, Point
 
 _COSINES, _SINES = (1.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, -1.0)
 
@@ -57,7 +55,7 @@ class Frame:
     def block(self, block: Block) -> Block:
         """A block of this frame, in the world."""
         (x0, y0), (x1, y1) = self.point(*block.low[:2]), self.point(*block.high[:2])
-        return type(block)((min(x0, x1), min(y0, y1), block.low[2]), (max(x0, x1), max(y0, y1), block.high[2]))
+        return Block((min(x0, x1), min(y0, y1), block.low[2]), (max(x0, x1), max(y0, y1), block.high[2]))
 
 
 WORLD = Frame()

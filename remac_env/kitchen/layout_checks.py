@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 from remac_env.errors import KitchenFileError
-from remac_env.kitchen.fixtures.base import WALL_Y, Block, Fixture, Slot
+from remac_env.kitchen.blocks import Block
+from remac_env.kitchen.fixtures.base import WALL_Y, Fixture, Slot
 from remac_env.kitchen.floor import TALL, Floor
+from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import Frame
-
-if TYPE_CHECKING:
-    from remac_env.kitchen.layout import Layout, Station
 
 STATION_GAP = 0.84
 """Least distance between two stations of a layout file, m: two bases 0.48 m wide, two swinging elbows and a margin."""

@@ -7,17 +7,13 @@ the shortest plans for one robot have from 2 to 16 rounds. Figures are probabili
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from remac_env.kitchen.draft import Draft
 from remac_env.rules.facts import Rules
 from remac_env.rules.places import has_room
 from remac_env.state import ObjectState, Place, base_place, door_state, occupant
 from remac_env.tasks.goals import Goal, Inside, SwitchedOn
-
-if TYPE_CHECKING:
-    from remac_env.kitchen.starts import Draft
 
 DOOR_ODDS = {"closed": 0.45, "ajar": 0.20, "open": 0.35}
 AJAR = (0.20, 0.60)

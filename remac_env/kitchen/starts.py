@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from remac_env.errors import SamplingError, check_choice
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.draft import Draft
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.mixed import vary
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.scene import build_scene, resting_fixtures
@@ -45,15 +45,6 @@ SPARE_VESSELS = 2
 """How many of them the task does not need at least."""
 
 _ATTEMPTS = 100
-
-
-@dataclass
-class Draft:
-    """A start being drawn: changed by `mixed.vary`, frozen by `sample`."""
-
-    scene: Rules
-    world: WorldState
-    doors: dict[str, float] = field(default_factory=dict)
 
 
 def sample(

@@ -9,7 +9,7 @@ from pathlib import Path
 from remac_env.errors import check_choice
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.starts import sample

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import mujoco
 
     from remac_env.kitchen.fixtures.base import Fixture
-    from remac_env.kitchen.layout import Layout
+    from remac_env.kitchen.floor_plan import Layout
 
 Point = tuple[float, float, float]
 Floats = NDArray[np.float64]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from remac_env.kitchen.canvas import COARSE_GROUP, DRAWN_GROUP
 from remac_env.kitchen.fixtures.base import WALL_Y
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.layout_checks import world_blocks
 from remac_env.rendering.cameras import FIELD, HELD, WRIST, WRIST_AT, WRIST_LOOKS_AT, axes, fitted, side_offset
 from remac_env.rules.facts import ASIDE

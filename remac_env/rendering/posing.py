@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
-from remac_env.kitchen.layout import Layout, Station
+from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
 from remac_env.rules.facts import ASIDE

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.builder import build_spec, show_switches
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.drawing import show_seasoned
 from remac_env.rendering.cameras import FRONT, HELD, SIDE, WIDE, WRIST, add_cameras

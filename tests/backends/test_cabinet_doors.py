@@ -12,7 +12,7 @@ import pytest
 from remac_env.backends.physics import doors
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.kitchen.builder import build_model
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rendering.posing import pose

@@ -18,8 +18,8 @@ from remac_env.backends.physics.skill import SkillFailure
 from remac_env.backends.physics.traffic import Convoy, Errand
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import WORLD
-from remac_env.kitchen.layout import Layout, Station
 from remac_env.robots import panda
 
 ROBOTS = ("robot_0", "robot_1")

@@ -6,7 +6,7 @@ import ast
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -64,23 +64,40 @@ def modules() -> Iterator[tuple[str, Path]]:
             yield ".".join(parts[:-1] if parts[-1] == "__init__" else parts), path
 
 
-def imports(path: Path) -> Iterator[tuple[str, bool]]:
-    """Every module that a file imports while it runs, and whether it does so when it is itself imported."""
+def imports(source: str) -> Iterator[str]:
+    """Every name that a module imports: at its top, in functions, and for types alone."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
-    def walk(node: ast.AST, top: bool) -> Iterator[tuple[str, bool]]:
-        for child in ast.iter_child_nodes(node):
-            if isinstance(child, ast.If) and "TYPE_CHECKING" in ast.dump(child.test):
-                for other in child.orelse:
-                    yield from walk(other, top)
-                continue
-            if isinstance(child, ast.Import):
-                yield from ((alias.name, top) for alias in child.names)
-            elif isinstance(child, ast.ImportFrom) and child.module:
-                yield from ((f"{child.module}.{alias.name}", top) for alias in child.names)
-            inner = top and not isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
-            yield from walk(child, inner)
 
-    yield from walk(ast.parse(path.read_text("utf-8")), True)
+def sources() -> dict[str, str]:
+    """Module -> its text."""
+    return {name: path.read_text("utf-8") for name, path in modules()}
+
+
+def in_circles(sources: Mapping[str, str]) -> list[str]:
+    """The modules that import one another; a name that is no module counts as the module in which it stands."""
+    goals: dict[str, set[str]] = {}
+    for name, source in sources.items():
+        found = (next((n for n in _longest_first(other) if n in sources), None) for other in imports(source))
+        goals[name] = {goal for goal in found if goal is not None and goal != name}
+    left = dict(goals)
+    while free := [name for name, ends in left.items() if not ends & left.keys()]:
+        for name in free:
+            del left[name]
+    # What is left imports a circle, or is one: only those stay that are imported from what is left, too.
+    while idle := [name for name in left if not any(name in ends for other, ends in left.items() if other != name)]:
+        for name in idle:
+            del left[name]
+    return sorted(left)
+
+
+def _longest_first(name: str) -> Iterator[str]:
+    parts = name.split(".")
+    return (".".join(parts[:size]) for size in range(len(parts), 0, -1))
 
 
 def rank(name: str) -> int | None:
@@ -94,8 +111,8 @@ def rank(name: str) -> int | None:
 def test_packages_point_down_only() -> None:
     wrong = [
         f"{name} imports {other}"
-        for name, path in modules()
-        for other, _ in imports(path)
+        for name, source in sources().items()
+        for other in imports(source)
         if other.split(".")[0] in PARTS and PARTS[other.split(".")[0]] > PARTS[name.split(".")[0]]
     ]
     assert not wrong
@@ -106,16 +123,34 @@ def test_inside_the_environment_arrows_point_down_only() -> None:
                and not name.startswith("remac_env.testing")]  # fmt: skip
     assert not unknown, "these modules have no rank yet: say where they belong"
     wrong = []
-    for name, path in modules():
+    for name, source in sources().items():
         if not name.startswith("remac_env.") or name.startswith("remac_env.testing"):
             continue
-        for other, _ in imports(path):
+        for other in imports(source):
             if not other.startswith("remac_env"):
                 continue
             mine, theirs = rank(name), rank(other)
             if mine is not None and theirs is not None and theirs > mine:
                 wrong.append(f"{name} imports {other}")
     assert not wrong
+
+
+def test_no_module_imports_itself_by_way_of_others() -> None:
+    assert in_circles(sources()) == []
+
+
+@pytest.mark.parametrize(
+    "planted",
+    [
+        {"a": "from b import x", "b": "import a"},
+        {"a": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from b import X", "b": "from a import Y"},
+        {"a": "def late():\n    import b.c", "b.c": "from d import X", "d": "from a import Y"},
+    ],
+    ids=["plain", "types only", "in a function, of three"],
+)
+def test_a_planted_circle_is_found(planted: dict[str, str]) -> None:
+    around = {"above": "import a", "below": "import json"}
+    assert in_circles({**planted, **around, "a": planted["a"] + "\nimport below"}) == sorted(planted)
 
 
 def test_neither_backend_nor_robot_knows_what_draws_it() -> None:
@@ -128,8 +163,8 @@ def test_neither_backend_nor_robot_knows_what_draws_it() -> None:
     ]
     wrong = [
         f"{name} imports {other}"
-        for name, path in modules()
-        for other, _ in imports(path)
+        for name, source in sources().items()
+        for other in imports(source)
         if any(name.startswith(a) and other.startswith(b) for a, b in forbidden)
     ]
     assert not wrong
@@ -138,8 +173,8 @@ def test_neither_backend_nor_robot_knows_what_draws_it() -> None:
 def test_agents_and_benchmarks_use_no_private_names_of_the_environment() -> None:
     wrong = [
         f"{name} imports {other}"
-        for name, path in modules()
-        for other, _ in imports(path)
+        for name, source in sources().items()
+        for other in imports(source)
         if not name.startswith("remac_env") and other.startswith("remac_env.") and "._" in other and "__" not in other
     ]
     assert not wrong

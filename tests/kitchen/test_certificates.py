@@ -15,8 +15,9 @@ import pytest
 from remac_env.errors import KitchenFileError
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
+from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.fixtures import certificates, models
-from remac_env.kitchen.fixtures.base import ONE_MAKE, Block
+from remac_env.kitchen.fixtures.base import ONE_MAKE
 from remac_env.kitchen.fixtures.certificates import Certificate
 from remac_env.state import FrozenMap
 

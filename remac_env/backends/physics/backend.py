@@ -21,7 +21,7 @@ from remac_env.backends.physics.snapshot import read_world
 from remac_env.backends.physics.stage import pose_start
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.builder import build_model
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import Worlds
 from remac_env.rules.claims import settle_claims

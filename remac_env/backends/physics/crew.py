@@ -16,7 +16,7 @@ from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation, View
 from remac_env.backends.physics.skill import Hand, SkillFailure, Steps, Surroundings, go_home
 from remac_env.backends.physics.traffic import Convoy, Errand
-from remac_env.kitchen.layout import Layout, Station
+from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.layout_checks import work_floor
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.ik import Kinematics

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
 from remac_env.kitchen.fixtures import Fixture
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array
 from remac_env.rules.facts import Rules

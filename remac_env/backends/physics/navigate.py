@@ -7,7 +7,7 @@ from itertools import permutations
 
 import numpy as np
 
-from remac_env.kitchen.layout import Layout, Station
+from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.robots.rotation import Array
 
 

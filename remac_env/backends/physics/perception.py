@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remac_env.kitchen.fixtures import Fixture
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array, about_z
 

@@ -12,9 +12,9 @@ import numpy as np
 from remac_env.backends.physics.motion import periods_between
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.skill import Surroundings
-from remac_env.kitchen.fixtures.base import Block
+from remac_env.kitchen.blocks import Block
+from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import Frame
-from remac_env.kitchen.layout import Layout, Station
 from remac_env.kitchen.layout_checks import BASE_RADIUS, floor
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array

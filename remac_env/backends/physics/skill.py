@@ -14,8 +14,8 @@ from remac_env.backends.physics.motion import Mover
 from remac_env.backends.physics.paths import Planner
 from remac_env.backends.physics.simulation import RobotHandle, View
 from remac_env.kitchen.fixtures import Fixture, FixtureReading
+from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import WORLD
-from remac_env.kitchen.layout import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
 from remac_env.robots.ik import Kinematics

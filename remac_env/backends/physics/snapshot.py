@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 from remac_env.backends.physics.simulation import RobotHandle, Simulation, View
 from remac_env.kitchen.fixtures import Slot
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array

@@ -10,7 +10,7 @@ import numpy as np
 
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.backends.physics.switches import KNOB_ON, LEVER_ON
-from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array

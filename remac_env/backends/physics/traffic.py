@@ -19,8 +19,8 @@ from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.routes import Course, Departure, Outline, candidates, periods, sampled
 from remac_env.backends.physics.separation import NEAR_MISS, Separation
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings
-from remac_env.kitchen.fixtures.base import Block
-from remac_env.kitchen.layout import Station
+from remac_env.kitchen.blocks import Block
+from remac_env.kitchen.floor_plan import Station
 from remac_env.robots.rotation import Array, quaternion
 
 _SAMPLE = 3  # control periods between checks
