@@ -18,6 +18,7 @@ import remac_agents
 from remac_agents.methods import METHODS
 from remac_agents.planners.literal import LiteralPlanner
 from remac_agents.roles import Advice, ExplainRequest, Explanation, PlanRequest, SeenStep, Summary
+from remac_env.rules.conditions import condition
 
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
 CAPES = ("CAPE", "CAPE-IMPLICIT", "CAPE-SUCCESS", "CAPE-RESAMPLE")
@@ -81,6 +82,21 @@ def test_reflect_with_checks_needs_its_hindsight_only_where_they_fail() -> None:
 
 def _no_advice(request: Any) -> Any:
     return Advice("", row=request.plan.row(request.robot))
+
+
+def test_a_question_is_noted_once_a_moment_and_again_in_the_next_round() -> None:
+    asked = condition("door_open", "cabinet")
+
+    def asks_twice(request: Any) -> Any:
+        assert request.ask(asked) is request.ask(asked) is False
+        return _no_advice(request)
+
+    planner = Spy(["pick up vegetable"] * 2)
+    report = play(solo("OpenCabinetPnP"), remac_agents.make("CC", planner=planner, adjuster=asks_twice))
+    rounds = [check.round for check in report.pre_checks if check.asked and check.condition == asked.sentence]
+    assert rounds == sorted(set(rounds)) and len(rounds) >= 2
+    every = [(check.round, check.robot, check.subtask, check.condition) for check in report.pre_checks]
+    assert len(every) == len(set(every))
 
 
 def test_a_slip_is_told_from_a_wrong_plan_and_done_again() -> None:

@@ -5,9 +5,13 @@ from __future__ import annotations
 import pytest
 from table_kitchen import A, TableKitchen
 
+from remac_env.rules.claims import first_false
 from remac_env.rules.facts import ASIDE
 from remac_env.rules.outcomes import REASONS
+from remac_env.rules.predicates import PREDICATES, SENTENCES
+from remac_env.rules.sentences import ARGUMENTS
 from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import Subtask
 from remac_env.state import FLOOR, Place
 
 AT_STATION = ("navigate to", "navigate aside", "wait", "done")
@@ -87,6 +91,18 @@ def test_what_is_held_or_on_the_floor_cannot_be_reached(kitchen: TableKitchen) -
     kitchen.world = kitchen.world.with_object("fish", place=FLOOR)
     refused(kitchen, "navigate to fish", "unreachable")
     refused(kitchen, "pick up fish", "unreachable")
+    refused(kitchen.hold(A, "seasoning"), "season fish", "unreachable")
+    kitchen.world = kitchen.world.with_object("bowl", place=FLOOR)
+    refused(kitchen, "place to bowl", "unreachable")
+
+
+def test_where_another_robot_stands_is_not_free(kitchen: TableKitchen) -> None:
+    navigate = Subtask("navigate to", "sink")
+    assert first_false(kitchen.scene, kitchen.world, A, navigate, "refuse") is None
+    kitchen.stand("robot_1", "sink")
+    false = first_false(kitchen.scene, kitchen.world, A, navigate, "refuse")
+    assert false is not None and false.reason == "station_occupied"
+    refused(kitchen, "navigate to sink", "station_occupied")
 
 
 # -- picking up -----------------------------------------------------------------------------------------------------
@@ -117,6 +133,8 @@ def test_a_door_that_is_not_open_keeps_things_in_and_out(kitchen: TableKitchen, 
     for target in ("cabinet", "plate"):
         refused(kitchen, f"place to {target}", "door_closed")
         assert kitchen.world.robots[A].holding == "vegetable"
+    kitchen.put("plate", "counter.2").put("vegetable", "cabinet.0").hold(A, "seasoning")
+    refused(kitchen, "season vegetable", "door_closed")
 
 
 # -- putting down ---------------------------------------------------------------------------------------------------
@@ -268,8 +286,13 @@ def test_every_row_gives_reasons_of_the_closed_list_and_sentences() -> None:
             assert requirement.reason in REASONS, name
             assert requirement.condition.sentence, name
             assert not requirement.drops or requirement.mark == "attempt", name
+        assert all(achieved.sentence for achieved in skill.achieves(A, "stove", "fish")), name
         if name not in AT_STATION:
             assert "at" in [r.condition.predicate for r in skill.requires(A, "stove")], name
+
+
+def test_what_can_be_asked_of_a_kitchen_has_a_sentence_and_can_be_said() -> None:
+    assert set(PREDICATES) == set(SENTENCES) == set(ARGUMENTS)
 
 
 # -- what is too big for the hand inside ------------------------------------------------------------------------------
