@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-import pytest
-from physics_kit import ROBOT, kitchen, run
+from collections.abc import Iterator
+from typing import Any
 
+import pytest
+from physics_kit import ROBOT, command, kitchen, run
+
+from remac_env.backends.physics import dispatch
 from remac_env.backends.physics.falls import fallen
+from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.scene import build_scene, resting_fixtures
@@ -70,7 +75,9 @@ def test_what_is_knocked_out_of_a_hand_on_the_way_is_dropped() -> None:
         backend.data.xfrc_applied[mug, 2] = -60.0 if 10 < ticks < 20 else 0.0
 
     backend.watch = pull
-    assert run(backend, worlds, ["navigate to sink"]) == ["dropped"]
+    result = backend.run_round({ROBOT: command(worlds, "navigate to sink")})
+    assert result.outcomes[ROBOT].reason == "dropped"
+    assert result.outcomes[ROBOT].seconds == result.seconds > 20 * CONTROL_PERIOD
     assert backend.world.objects["mug"].place == FLOOR
     assert backend.world.robots[ROBOT].holding is None
 
@@ -78,3 +85,16 @@ def test_what_is_knocked_out_of_a_hand_on_the_way_is_dropped() -> None:
 def test_a_drive_that_loses_nothing_succeeds() -> None:
     backend, _, worlds = kitchen({"mug": "counter"}, 120700)
     assert run(backend, worlds, ["navigate to mug", "pick up mug", "navigate to sink"]) == [None] * 3
+
+
+def test_a_skill_that_only_says_that_it_took_something_slipped_and_took_its_time(monkeypatch) -> None:
+    backend, _, worlds = kitchen({"mug": "counter"}, 120700)
+    assert run(backend, worlds, ["navigate to mug"]) == [None]
+
+    def idle(*_: Any) -> Iterator[None]:
+        yield from [None] * 10
+
+    monkeypatch.setattr(dispatch, "motion", idle)
+    result = backend.run_round({ROBOT: command(worlds, "pick up mug")})
+    assert result.outcomes[ROBOT].reason == "slipped"
+    assert result.outcomes[ROBOT].seconds == result.seconds == pytest.approx(10 * CONTROL_PERIOD)

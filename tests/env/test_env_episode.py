@@ -16,6 +16,7 @@ import pytest
 import remac_env
 from remac_env.errors import LifecycleError
 from remac_env.oracle import solve
+from remac_env.rules.skills import SKILLS
 from remac_env.testing.play import play, random_legal, scripted
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -196,6 +197,31 @@ def test_slips_are_seeded_rare_and_only_of_what_was_accepted() -> None:
 
 
 # -- copies and other processes -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("failure_rate", "commands", "reason", "takes_time"),
+    [
+        (1.0, ["navigate to microwave"], "slipped", True),
+        (0.0, ["navigate to microwave"], "", True),
+        (0.0, ["close cabinet door"], "not_at_station", False),
+        (0.0, ["navigate to microwave", "close microwave door"], "already_done", False),
+        (0.0, ["navigate to microwave", "open microwave door", "turn on microwave"], "blocked", True),
+        (0.0, ["navigate to vegetable", "pick up vegetable", "navigate to cabinet", "place to cabinet"],
+         "door_closed", True),
+        (0.0, ["navigate to vegetable", "pick up vegetable", "navigate to cabinet", "open cabinet door"],
+         "dropped", True),
+    ],
+)  # fmt: skip
+def test_what_is_tried_takes_its_time_and_what_is_refused_takes_none(
+    failure_rate: float, commands: list[str], reason: str, takes_time: bool
+) -> None:
+    env = remac_env.parallel_env("OpenCabinetPnP", robots=1, backend="symbolic", failure_rate=failure_rate)
+    env.reset(seed=0)
+    for command in commands:
+        _, _, _, _, infos = env.step({"robot_0": env.vocabulary.encode(command)})
+    outcome, nominal = infos["robot_0"]["outcome"], SKILLS[env.vocabulary.parse(commands[-1]).skill].seconds
+    assert (outcome["reason"], outcome["seconds"]) == (reason, nominal if takes_time else 0.0)
 
 
 @pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])

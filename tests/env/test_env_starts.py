@@ -118,6 +118,24 @@ def test_things_lie_within_their_slots_and_categories_vary(task: str) -> None:
     assert len(seen) >= 5
 
 
+def test_a_hand_gets_at_what_stands_in_a_cavity() -> None:
+    """It straddles what it takes, so that nothing stands nearer to a side than 0.14 m, where the cavity is so wide."""
+    near = 0
+    for task in TASKS:
+        env = make(task, starts="mixed")
+        for seed in range(12):
+            env.reset(seed=seed)
+            plan = env.worlds.layout(env.start.layout, env.start.style)
+            for noun, item in env.world.objects.items():
+                slot = plan.slots.get(item.place.where)
+                if slot is None or slot.kind != "cavity" or env.worlds.categories[env.start.categories[noun]].vessel:
+                    continue
+                aside = slot.half[0] - abs(env.start.offsets[noun].dx)
+                assert aside >= min(0.14, slot.half[0]) - 1e-9, (task, seed, noun)
+                near += aside < 0.16
+    assert near > 5, "some stand as near to a side as they may"
+
+
 def test_no_robot_has_a_fixed_parking_place() -> None:
     env = make("HeatOnStove")
     places = Counter()
