@@ -25,6 +25,7 @@ from remac_agents.wiring.catalogue import ROLES
 from remac_agents.wiring.filling import fill_roles, read_options
 from remac_env.errors import OptionError, check_choice, whole_number
 from remac_env.files import prepare_file
+from remac_env.plugins import group_of, installed
 from remac_env.values import python_value, python_values
 
 __all__ = [
@@ -53,8 +54,8 @@ def methods() -> list[str]:
 
 
 def roles() -> dict[str, list[str]]:
-    """Role -> the names that fill it."""
-    return {role: list(names) for role, names in ROLES.items()}
+    """Role -> the names that fill it, those of installed packages (`remac.planners` ...) last."""
+    return {role: [*names, *installed(group_of(role))] for role, names in ROLES.items()}
 
 
 def make(

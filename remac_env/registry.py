@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from remac_env.gymnasium_ids import enter_ids
 from remac_env.option_rows import takes_options
 from remac_env.options import Options
-from remac_env.tasks import add, get, names
+from remac_env.tasks import add, get, known, names
 from remac_env.tasks.spec import TaskSpec
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def register_task(spec: TaskSpec) -> None:
 
     validate(spec)
     add(spec)
-    enter_ids(names)
+    enter_ids(known)
 
 
 @takes_options(Options)
@@ -59,4 +59,4 @@ def env(task: str, robots: int = 2, **options: Any) -> KitchenAECEnv:
     return KitchenAECEnv(parallel_env(task, robots, **options))
 
 
-enter_ids(names)
+enter_ids(known)

@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import typer
 
+import remac_env
 from remac_bench.command import Command
 from remac_bench.commands import bench, demo, doctor, experiment, memory, oracle, plan, tasks
 from remac_bench.console import speak_plainly, tame_columns
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
+    invoke_without_command=True,
     pretty_exceptions_show_locals=False,  # locals may hold keys
     help="REMAC Kitchen: robot-kitchen tasks in real physics for planners of all kinds.",
 )
+
+
+@app.callback()
+def remac(
+    version: Annotated[bool, typer.Option("--version", help="Say the version and end.", is_eager=True)] = False,
+) -> None:
+    """REMAC Kitchen: robot-kitchen tasks in real physics for planners of all kinds."""
+    if version:
+        typer.echo(f"remac {remac_env.__version__}")
+        raise typer.Exit
+
+
 app.command(cls=Command)(demo.demo)
 app.command(cls=Command)(oracle.oracle)
 app.command(cls=Command)(plan.plan)

@@ -1,6 +1,6 @@
 """Names of roles, and how anything that fills one is found: one resolver for Python callers and the command line.
 
-    literal                      a name of ROLES
+    literal                      a name of ROLES, or one that an installed package adds (remac_env/plugins.py)
     package.module:Name          a class, an object or a plain function of an importable module
     path/file.py:Name            the same from a file
     http://127.0.0.1:8000/plan   a planner that is sent the request as JSON
@@ -22,6 +22,7 @@ from remac_agents.roles.grants import reads_truth
 from remac_agents.text.options import FORM, read_value, split_options
 from remac_agents.wiring.from_file import load_file
 from remac_env.errors import OptionError, UnknownNameError
+from remac_env.plugins import group_of, installed
 from remac_env.values import python_values
 
 if TYPE_CHECKING:
@@ -152,6 +153,8 @@ def is_plugin(role: str, given: object, *, providers: Path | str | None = None) 
     if not isinstance(name, str) or name.partition(",")[0].strip() in ROLES[role]:
         return False
     bare = name.partition(",")[0].strip()
+    if bare in installed(group_of(role)):
+        return True
     ours = role == "planner" and name.startswith(("http://", "https://", "answers:"))
     return ":" in name and not ours and not (role in MODEL_ROLES and _is_model(bare, providers))
 
@@ -208,12 +211,13 @@ def _providers(models: Models | None) -> Path | str | None:
 
 def _find(role: str, name: str) -> Any:
     """The class, object or function of a name."""
-    source, colon, attribute = ROLES[role].get(name, name).rpartition(":")
+    others = installed(group_of(role))
+    source, colon, attribute = ROLES[role].get(name, others.get(name, name)).rpartition(":")
     is_module = all(part.isidentifier() for part in source.split("."))
     if not colon or not (is_module or source.endswith(".py")):
         forms = (*FORMS, *(MODEL_FORMS * (role in MODEL_ROLES)), *(PLANNER_FORMS * (role == "planner")))
         more = f"; options: {FORM}" if "," in name else ""
-        raise UnknownNameError(f"unknown {role} {name!r}; valid: {', '.join((*ROLES[role], *forms))}{more}")
+        raise UnknownNameError(f"unknown {role} {name!r}; valid: {', '.join((*ROLES[role], *others, *forms))}{more}")
     return _load(role, f"{source}:{attribute}", name)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from remac_env.errors import OptionError, check_choice
+from remac_env.plugins import load_tasks
 from remac_env.tasks.defrost_in_bowl import SPEC as _DEFROST
 from remac_env.tasks.heat_on_stove import SPEC as _HEAT
 from remac_env.tasks.open_cabinet_pnp import SPEC as _CABINET
@@ -15,14 +16,22 @@ from remac_env.values import python_value
 _SPECS: dict[str, TaskSpec] = {spec.name: spec for spec in (_CABINET, _MICROWAVE, _DEFROST, _HEAT, _WASH, _SEASONED)}
 
 
-def names() -> tuple[str, ...]:
-    """The names of all tasks, those registered from outside last."""
+def known() -> tuple[str, ...]:
+    """The names of the tasks that are registered by now, those from outside last."""
     return tuple(_SPECS)
+
+
+def names() -> tuple[str, ...]:
+    """The names of all tasks, those that installed packages add (`remac.tasks`) among them."""
+    load_tasks()
+    return known()
 
 
 def get(name: str) -> TaskSpec:
     """The task of that name; UnknownNameError lists the names."""
     name = python_value(name)
+    if name not in known():
+        load_tasks()
     check_choice("task", name, _SPECS)
     return _SPECS[name]
 
