@@ -8,6 +8,7 @@ from typing import Any
 
 import remac_env.registry as registry
 from remac_agents import Agent, EpisodeReport
+from remac_agents.roles import PlanRequest
 from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules, SlotFacts
 from remac_env.rules.rounds import transition
 from remac_env.rules.subtasks import Subtask
@@ -121,3 +122,14 @@ def _fixture_noun(facts: FixtureFacts) -> Noun:
     uses += ["open door", "close door"] if facts.door else []
     uses += ["turn on", "turn off"] if facts.switches else []
     return Noun(facts.name, "fixture", tuple(uses))
+
+
+class Spy:
+    """A planner that keeps its requests and answers as told."""
+
+    def __init__(self, *replies: Any) -> None:
+        self.replies, self.requests = list(replies), []
+
+    def plan(self, request: PlanRequest) -> Any:
+        self.requests.append(request)
+        return self.replies.pop(0) if self.replies else []

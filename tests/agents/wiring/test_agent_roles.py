@@ -5,24 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from agent_kitchens import play, suite_kitchen
+from agent_kitchens import Spy, play, suite_kitchen
 
 import remac_agents
-from remac_agents.roles import ANSWERS, PlanRequest, View
+from remac_agents.roles import ANSWERS, View
 from remac_env.errors import LifecycleError, OptionError, UnknownNameError
 
 TASK = "DefrostInBowl"
-
-
-class Spy:
-    """A planner that keeps its requests and answers as told."""
-
-    def __init__(self, *replies: Any) -> None:
-        self.replies, self.requests = list(replies), []
-
-    def plan(self, request: PlanRequest) -> Any:
-        self.requests.append(request)
-        return self.replies.pop(0) if self.replies else []
 
 
 @pytest.mark.parametrize(

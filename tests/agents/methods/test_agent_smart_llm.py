@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 from agent_kitchens import play, suite_kitchen
-from test_agent_made_up_tasks import towels
-from test_agent_teamwork import washings
+from made_up_tasks import towels, washings
 
 import remac_agents
 from remac_agents.plan import Commands, Plan, PlanError

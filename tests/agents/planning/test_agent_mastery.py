@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from agent_kitchens import play, suite_kitchen
-from test_agent_made_up_tasks import towels
+from made_up_tasks import towels
 
 import remac_agents
 from remac_agents.memory import Run

@@ -27,7 +27,7 @@ from remac_agents.wiring.catalogue import make_role
 from remac_env.errors import OptionError, RemacError, UnknownNameError
 from remac_env.rules.scene import public_scene
 
-PAGE = Path(__file__).parents[2] / "docs" / "planners.md"
+PAGE = Path(__file__).parents[3] / "docs" / "planners.md"
 TASK = "OpenMicrowavePnP"
 
 

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from agent_kitchens import play, suite_kitchen
+from agent_kitchens import Spy, play, suite_kitchen
 from remac_bench import agents as bench_agents
 from remac_bench.job_lists import make_jobs
 from remac_bench.runner import Settings, run_jobs
 from remac_bench.store import Store
-from test_agent_roles import Spy
 
 import remac_agents
 from remac_agents.methods import METHODS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from test_agent_made_up_tasks import dough, towels
+from made_up_tasks import dough, towels
 
 from remac_agents.checkers.noisy import NoisyChecker
 from remac_agents.handovers.schedule import schedule

@@ -7,39 +7,14 @@ from dataclasses import replace
 
 import pytest
 from agent_kitchens import MadeUpKitchen, play
-from test_agent_made_up_tasks import BENCH, STATIONS, dough
+from made_up_tasks import dough, washings
 
 import remac_agents
 from remac_agents.plan import Commands, Plan
 from remac_agents.planning.teamwork import parts_of, share_out
-from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules
+from remac_env.rules.facts import Rules
 from remac_env.rules.rounds import transition
 from remac_env.rules.subtasks import Subtask
-from remac_env.tasks.goals import All, Inside, Marked
-
-BASIN = FixtureFacts("basin", "basin", "basin", slots=("basin.0", "basin.1"))
-TAP = FixtureFacts("tap", "tap", "basin", switches=("tap",), wets=("basin",))
-LOCKER = FixtureFacts("locker", "locker", "locker", door=True, slots=("locker.0",))
-CHEST = FixtureFacts("chest", "chest", "chest", door=True, slots=("chest.0",))
-
-
-def washings(**changes: object) -> MadeUpKitchen:
-    """Two things are washed in one basin and put away behind two doors; 11 rounds at least (searched once)."""
-    settings: dict[str, object] = {
-        "name": "WashTwo",
-        "sentence": "wash the plum in the basin, place it into the locker, wash the pear in the basin and place it "
-        "into the chest",
-        "goal": All(
-            Marked("plum", "washed"), Marked("pear", "washed"), Inside("plum", "locker"), Inside("pear", "chest")
-        ),
-        "fixtures": {"bench": BENCH, "basin": BASIN, "tap": TAP, "locker": LOCKER, "chest": CHEST},
-        "objects": {name: ObjectFacts(name, name, washable=True) for name in ("plum", "pear")},
-        "places": {"plum": "bench.0", "pear": "bench.3"},
-        "verbs": {"wash": ("turn on tap",)},
-        "slot_stations": STATIONS,
-        "max_rounds": 60,
-    }
-    return MadeUpKitchen(**(settings | changes))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("lead", "helper"), [("robot_0", "robot_1"), ("robot_1", "robot_0")])
