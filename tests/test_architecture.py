@@ -5,9 +5,8 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
-from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from types import FrameType
 
@@ -23,30 +22,17 @@ FOLDERS = {"remac_bench": ROOT / "benchmarks" / "remac_bench"}
 FOLDERS |= {name: ROOT / name for name in ("remac_agents", "remac_env")}
 
 
-@lru_cache(maxsize=1)
-def modules() -> dict[str, dict[str, set[str]]]:
-    """Package -> file without its ending -> what it imports, in functions and for types too."""
-    return {
-        package: {str(p.relative_to(folder).with_suffix("")): _imported(p) for p in sorted(folder.rglob("*.py"))}
-        for package, folder in FOLDERS.items()
-    }
-
-
-def _imported(path: Path) -> set[str]:
-    found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            found |= {f"{node.module}.{alias.name}" for alias in node.names}
-        elif isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-    return found
-
-
+@lru_cache(maxsize=3)
 def parts(package: str) -> dict[str, set[str]]:
-    """A package's files and folders, and what each imports."""
-    found: dict[str, set[str]] = {}
-    for name, imported in modules()[package].items():
-        found.setdefault(name.partition("/")[0], set()).update(imported)
+    """A package's files and folders, and what each imports, in functions and for types too."""
+    folder, found = FOLDERS[package], dict[str, set[str]]()
+    for path in sorted(folder.rglob("*.py")):
+        imported = found.setdefault(path.relative_to(folder).parts[0].removesuffix(".py"), set())
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                imported |= {f"{node.module}.{alias.name}" for alias in node.names}
+            elif isinstance(node, ast.Import):
+                imported |= {alias.name for alias in node.names}
     return found
 
 
@@ -114,29 +100,6 @@ def test_a_page_that_is_not_true_is_found_out(old: str, new: str, told: str) -> 
     page = PAGE.read_text("utf-8")
     assert old in page
     assert any(told in fault for fault in faults(page.replace(old, new)))
-
-
-def circle(imported: Mapping[str, set[str]], package: str) -> list[str]:
-    """Files that import each other in a circle; none where there is no circle."""
-    files = {f"{package}.{name.replace('/', '.')}".removesuffix(".__init__"): name for name in imported}
-    graph: dict[str, set[str]] = {}
-    for name, found in imported.items():
-        goals = [files.get(goal) or files.get(goal.rpartition(".")[0]) for goal in found]
-        graph[name] = {goal for goal in goals if goal not in (None, name)}  # type: ignore[misc]
-    try:
-        list(TopologicalSorter(graph).static_order())
-    except CycleError as error:
-        return list(error.args[1])
-    return []
-
-
-@pytest.mark.parametrize("package", ["remac_agents", "remac_bench"])
-def test_no_files_import_each_other_in_a_circle(package: str) -> None:
-    code = modules()[package]
-    assert not circle(code, package)
-    first, second = ("text/printable", "agent") if package == "remac_agents" else ("agents", "jobs")
-    planted = {**code, first: {*code[first], f"{package}.{second.replace('/', '.')}.Anything"}}
-    assert {first, second} <= set(circle(planted, package))
 
 
 def way(name: str) -> list[str]:
