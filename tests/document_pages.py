@@ -102,6 +102,8 @@ def resolve(line: list[str], where: str) -> tuple[Any, list[str]]:
     while hasattr(command, "commands"):
         if not rest:
             raise NoSubcommandError(f"{where}: {shlex.join(line)}: which command?")
+        if rest[0].startswith("--"):
+            break  # an option of the command itself: remac --version
         if rest[0] not in command.commands:
             raise DocumentError(f"{where}: {shlex.join(line)}: no such command")
         command, rest = command.commands[rest[0]], rest[1:]

@@ -23,6 +23,8 @@ from typer.testing import CliRunner
 
 from remac_agents.llm.provider_files import read_catalogue
 from remac_agents.memory import Memory, Run
+from remac_agents.wiring.catalogue import ROLES
+from remac_env.plugins import TASKS, group_of
 
 KEYS = "REMAC_TEST_KEY"
 
@@ -118,7 +120,10 @@ class Play:
     def _toml(self, block: Block) -> None:
         path = self.folder / "block.toml"
         path.write_text(block.code)
-        if "providers" in tomllib.loads(block.code):
+        told = tomllib.loads(block.code)
+        if "project" in told:  # of a package: only what it says to us can be wrong
+            assert set(told["project"]["entry-points"]) <= {TASKS, *(group_of(role) for role in ROLES)}
+        elif "providers" in told:
             read_catalogue(path)
         else:
             load(str(path))
