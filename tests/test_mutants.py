@@ -74,11 +74,11 @@ MUTANTS: dict[str, tuple[str, str]] = {
     ),
     "checks are noted again and again": (
         NOTES.format(change="__contains__ = lambda self, key: False"),
-        "tests/agents/test_agent_methods.py::test_a_question_is_noted_once_a_moment_and_again_in_the_next_round",
+        "tests/agents/methods/test_agent_methods.py::test_a_question_is_noted_once_a_moment_and_again_in_the_next_round",
     ),
     "checks are noted in one round only": (
         NOTES.format(change="clear = lambda self: None"),
-        "tests/agents/test_agent_methods.py::test_a_question_is_noted_once_a_moment_and_again_in_the_next_round",
+        "tests/agents/methods/test_agent_methods.py::test_a_question_is_noted_once_a_moment_and_again_in_the_next_round",
     ),
 }
 """What is broken: the code that breaks it, and the test that falls."""
