@@ -1,7 +1,15 @@
 """The methods: how roles are combined. Each is a generator that yields what its robots do next.
 
 A method yields `{robot: Subtask}` and is sent the next View, which the run has taken in by then. When it
-returns, every robot says `done`.
+returns, every robot says `done`. One of your own is written with what this module exports:
+
+    def impatient(run: MethodRun) -> Turns:
+        run.make_plan(run.briefing.robots)
+        while not run.finished:
+            yield run.turn
+            run.advance()
+
+    METHODS["IMPATIENT"] = Method(name="IMPATIENT", run=impatient, checks=False)
 """
 
 from __future__ import annotations
@@ -18,6 +26,8 @@ from remac_agents.methods.reflect import reflect, reflect_cc
 from remac_agents.methods.remac import remac
 from remac_agents.methods.smart_llm import smart_llm
 from remac_agents.running.method_run import MethodRun, Turns
+
+__all__ = ["METHODS", "Method", "MethodRun", "Turns"]
 
 
 @dataclass(frozen=True, kw_only=True)
