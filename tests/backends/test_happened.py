@@ -57,7 +57,7 @@ def test_a_door_that_opens_stops_it() -> None:
 @pytest.fixture
 def button() -> Iterator[tuple[PhysicsBackend, Happened]]:
     backend, _, _ = kitchen({"mug": "counter"}, 120602)
-    yield backend, backend._begun()._happened
+    yield backend, backend._begun()._truth.happened
 
 
 def press(backend: PhysicsBackend, happened: Happened, travel: float, periods: int = 4) -> None:
@@ -113,4 +113,4 @@ def test_grains_fall_where_the_shaker_is(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_a_shaker_that_is_only_carried_seasons_nothing() -> None:
     backend, _, worlds = kitchen({"seasoning": "counter", "mug": "counter"}, 120605)
     assert run(backend, worlds, ["navigate to seasoning", "pick up seasoning", "navigate to mug"]) == [None] * 3
-    assert not backend._begun()._happened.seasoned
+    assert not backend._begun()._truth.happened.seasoned

@@ -14,18 +14,16 @@ from numpy.typing import NDArray
 from remac_env.backends.base import Counters, RoundResult
 from remac_env.backends.physics.crew import Crew, Round
 from remac_env.backends.physics.falls import fallen
-from remac_env.backends.physics.happened import Happened
 from remac_env.backends.physics.separation import NEAR_MISS
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, SUBSTEPS, Simulation
-from remac_env.backends.physics.snapshot import read_world
 from remac_env.backends.physics.stage import pose_start
+from remac_env.backends.physics.truth import Truth
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import Worlds
 from remac_env.rules.claims import settle_claims
-from remac_env.rules.marks import SEASONED, washed
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
@@ -115,13 +113,11 @@ class _Episode:
         self._things: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
         robots = tuple(start.scene.robots)
         self.simulation = Simulation(_model(self._layout, robots, tuple(self._things.items())), robots, before)
-        self._marks = {name: state.marks for name, state in start.world.objects.items()}
-        on = frozenset().union(*(state.on for state in start.world.fixtures.values()))
-        self._happened = Happened(self.simulation, start.scene, self._layout, self._things, on)
+        self._truth = Truth(self.simulation, start, self._layout, self._things)
         self._rounds = 0
         pose_start(self.simulation, self._layout, self._things, start)
         self._settle(_START_LEAST)
-        self.world = self._read()
+        self.world = self._truth.read()
 
     @cached_property
     def _crew(self) -> Crew:
@@ -156,7 +152,7 @@ class _Episode:
             misses += distance < NEAR_MISS
         self._settle()
         self._rounds += 1
-        self.world = self._read()
+        self.world = self._truth.read()
         judged = {robot: self._judged(robot, subtasks[robot], before, outcomes[robot]) for robot in subtasks}
         for name, robots in fallen(scene, before, self.world, subtasks):
             for robot in robots:
@@ -176,25 +172,11 @@ class _Episode:
     def _tick(self) -> None:
         """One control period."""
         self.simulation.tick()
-        self._happened.update()
-
-    def _read(self) -> WorldState:
-        """The world now."""
-        world = washed(self.start.scene, self._seen())
-        self._marks = {name: item.marks for name, item in world.objects.items()}
-        return world
-
-    def _seen(self) -> WorldState:
-        """What geometry shows now, with what happened."""
-        happened = self._happened
-        marks = {n: marks | {SEASONED} if n in happened.seasoned else marks for n, marks in self._marks.items()}
-        return read_world(
-            self.simulation, self.start.scene, self._layout, self._things, marks=marks, running=happened.running
-        )
+        self._truth.update()
 
     def _achieved(self, robot: str, subtask: Subtask) -> bool:
         """Whether a subtask of this round has done by now what it says."""
-        seen, held = self._seen(), self.world.robots[robot].holding
+        seen, held = self._truth.seen(), self.world.robots[robot].holding
         return all(condition.holds(self.start.scene, seen) for condition in subtask.achieves(robot, held))
 
     def _judged(self, robot: str, subtask: Subtask, before: WorldState, outcome: Outcome) -> Outcome:

@@ -9,7 +9,8 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
-from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
+from remac_env.backends.physics.bodies import Bodies
+from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen.fixtures import Fixture
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
@@ -52,7 +53,7 @@ class Happened:
     """
 
     def __init__(
-        self, simulation: Simulation, scene: Rules, layout: Layout, things: Mapping[str, Category], on: Collection[str]
+        self, simulation: Bodies, scene: Rules, layout: Layout, things: Mapping[str, Category], on: Collection[str]
     ) -> None:
         self._simulation, self._scene, self._things = simulation, scene, things
         self._buttons = [_Button(fixture) for fixture in layout.fixtures.values() if fixture.buttons]

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 import mujoco
 import numpy as np
 
+from remac_env.backends.physics.bodies import Bodies
 from remac_env.backends.physics.perception import Perception
 from remac_env.errors import PhysicsError
 from remac_env.kitchen.frame import WORLD, Frame
@@ -26,6 +27,7 @@ class RobotHandle:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, name: str) -> None:
         self.name = name
+        self.fingers = tuple(f"{name}/{part}" for part in panda.FINGERS)
         self._data = data
         joints = [model.joint(f"{name}/{part}") for part in panda.JOINTS]
         servos = [model.actuator(f"{name}/{part}") for part in panda.JOINTS]
@@ -100,7 +102,7 @@ class RobotHandle:
         return np.array([np.cos(self.q[2]), np.sin(self.q[2]), 0.0])
 
 
-class Simulation:
+class Simulation(Bodies):
     """Model, data and clock, with the robots called ``robots``.
 
     ``before``: a simulation that has ended; its data are used again where it was of the same model. ``probe`` is called
@@ -108,16 +110,16 @@ class Simulation:
     """
 
     def __init__(self, model: mujoco.MjModel, robots: Iterable[str], before: Simulation | None = None) -> None:
-        self.model = model
         again = before is not None and before.model is model
-        self.data: mujoco.MjData = before.data if before and again else mujoco.MjData(model)
-        self.robots = {name: RobotHandle(model, self.data, name) for name in robots}
+        data: mujoco.MjData = before.data if before and again else mujoco.MjData(model)
+        super().__init__(model, data, {})
+        self.robots: dict[str, RobotHandle] = {name: RobotHandle(model, data, name) for name in robots}
         self.ticks = 0
         self.probe: Callable[[], None] | None = None
 
     def clear(self) -> None:
         """Back to the model's initial state; nothing of what went before remains."""
-        mujoco.mj_resetData(self.model, self.data)
+        super().clear()
         self.ticks = 0
 
     def tick(self) -> None:
@@ -134,30 +136,6 @@ class Simulation:
         if self.data.warning.number.any():
             raised = [mujoco.mjtWarning(k).name for k, w in enumerate(self.data.warning) if w.number]
             raise PhysicsError(f"MuJoCo warned after {self.ticks} control steps: {', '.join(raised)}")
-
-    def geoms(self, body: str) -> list[int]:
-        """Ids of the geoms that belong to ``body`` itself."""
-        b = self.model.body(body)
-        return list(range(int(b.geomadr[0]), int(b.geomadr[0]) + int(b.geomnum[0]))) if b.geomnum[0] else []
-
-    def pose(self, body: str) -> tuple[Array, Array]:
-        """Position (3,) and rotation (3, 3) of a body."""
-        b = self.model.body(body).id
-        return self.data.xpos[b].copy(), self.data.xmat[b].reshape(3, 3).copy()
-
-    def joint(self, name: str) -> float:
-        """Position of a hinge (rad) or slide (m)."""
-        return float(self.data.qpos[self.model.jnt_qposadr[self.model.joint(name).id]])
-
-    def place(self, body: str, position: Array, quaternion: Array) -> None:
-        """Pose a free object at once (at reset only)."""
-        address = int(self.model.joint(body).qposadr[0])
-        self.data.qpos[address : address + 3] = position
-        self.data.qpos[address + 3 : address + 7] = quaternion
-
-    def moving(self) -> float:
-        """Largest speed of any joint in the model (m/s or rad/s)."""
-        return float(np.abs(self.data.qvel).max())
 
 
 class View:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from remac_env.backends.physics.simulation import RobotHandle, Simulation, View
+from remac_env.backends.physics.bodies import Bodies, Standing
+from remac_env.backends.physics.simulation import View
 from remac_env.kitchen.fixtures import Slot
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.robots import panda
 from remac_env.robots.rotation import Array
 from remac_env.rules.facts import ASIDE, Rules
 from remac_env.state import FLOOR, FixtureState, FrozenMap, ObjectState, Place, RobotState, WorldState
@@ -26,7 +26,7 @@ _UPRIGHT = 0.8  # z component of a vessel's axis
 
 
 def read_world(
-    simulation: Simulation, scene: Rules, layout: Layout, things: Mapping[str, Category], *,
+    simulation: Bodies, scene: Rules, layout: Layout, things: Mapping[str, Category], *,
     marks: Mapping[str, frozenset[str]], running: frozenset[str],
 ) -> WorldState:
     """The world as it is.
@@ -49,7 +49,7 @@ def read_world(
     return WorldState(FrozenMap(robots), FrozenMap(objects), FrozenMap(fixtures))
 
 
-def station_of(robot: RobotHandle, layout: Layout) -> str:
+def station_of(robot: Standing, layout: Layout) -> str:
     """The station at which a robot stands, else ``aside``."""
     x, y, yaw = robot.standing
     for name, station in layout.stations.items():
@@ -59,10 +59,10 @@ def station_of(robot: RobotHandle, layout: Layout) -> str:
     return ASIDE
 
 
-def holding(simulation: Simulation, robot: RobotHandle, things: Mapping[str, Category]) -> str | None:
+def holding(simulation: Bodies, robot: Standing, things: Mapping[str, Category]) -> str | None:
     """The thing that both fingers of a robot touch, or None."""
     model, data = simulation.model, simulation.data
-    fingers = [model.body(f"{robot.name}/{part}").id for part in panda.FINGERS]
+    fingers = [model.body(finger).id for finger in robot.fingers]
     bodies = {model.body(name).id: name for name in things}
     touched: dict[int, set[int]] = {}
     for pair in model.geom_bodyid[data.contact.geom[: data.ncon]]:
@@ -74,7 +74,7 @@ def holding(simulation: Simulation, robot: RobotHandle, things: Mapping[str, Cat
 
 
 def _place(
-    simulation: Simulation, layout: Layout, things: Mapping[str, Category], holders: Mapping[str, str], name: str
+    simulation: Bodies, layout: Layout, things: Mapping[str, Category], holders: Mapping[str, str], name: str
 ) -> Place:
     if name in holders:
         return Place("held", holders[name])
@@ -87,7 +87,7 @@ def _place(
 
 
 def vessel_around(
-    simulation: Simulation | View, things: Mapping[str, Category], name: str, position: Array
+    simulation: Bodies | View, things: Mapping[str, Category], name: str, position: Array
 ) -> str | None:
     """The nearest upright vessel in or on which the thing's frame lies."""
     found = []

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
-from remac_env.backends.physics.simulation import Simulation
+from remac_env.backends.physics.bodies import Bodies
 from remac_env.backends.physics.switches import KNOB_ON, LEVER_ON
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
@@ -20,7 +20,7 @@ from remac_env.state import base_place
 _AIR = 0.0002  # m under a thing, so that it starts without penetration
 
 
-def pose_start(simulation: Simulation, layout: Layout, things: Mapping[str, Category], start: Start) -> None:
+def pose_start(simulation: Bodies, layout: Layout, things: Mapping[str, Category], start: Start) -> None:
     """Set every joint of a fresh simulation: objects, doors, switches and robots."""
     simulation.clear()
     for name in start.world.objects:
@@ -55,5 +55,5 @@ def _object_pose(layout: Layout, things: Mapping[str, Category], start: Start, n
     return ground + frame.rotation @ shift, offset.yaw + frame.heading
 
 
-def _set_joint(simulation: Simulation, name: str, value: float) -> None:
+def _set_joint(simulation: Bodies, name: str, value: float) -> None:
     simulation.data.qpos[int(simulation.model.joint(name).qposadr[0])] = value

@@ -1,0 +1,45 @@
+"""What is true in a simulated episode: what geometry shows, and what has happened by now."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from remac_env.backends.physics.bodies import Bodies
+from remac_env.backends.physics.happened import Happened
+from remac_env.backends.physics.snapshot import read_world
+from remac_env.kitchen.layout import Layout
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.rules.marks import SEASONED, washed
+from remac_env.start import Start
+from remac_env.state import WorldState
+
+
+class Truth:
+    """The world of an episode, kept by looking on: ``update`` is to be called after every control step of 0.05 s.
+
+    ``happened``: what was pressed and seasoned by now.
+    """
+
+    def __init__(self, bodies: Bodies, start: Start, layout: Layout, things: Mapping[str, Category]) -> None:
+        self._bodies, self._scene, self._layout, self._things = bodies, start.scene, layout, things
+        self._marks = {name: state.marks for name, state in start.world.objects.items()}
+        on = frozenset().union(*(state.on for state in start.world.fixtures.values()))
+        self.happened = Happened(bodies, start.scene, layout, things, on)
+
+    def update(self) -> None:
+        """Take the last control step into account."""
+        self.happened.update()
+
+    def seen(self) -> WorldState:
+        """What geometry shows now, with what happened; nothing is kept of it."""
+        happened = self.happened
+        marks = {n: marks | {SEASONED} if n in happened.seasoned else marks for n, marks in self._marks.items()}
+        return read_world(
+            self._bodies, self._scene, self._layout, self._things, marks=marks, running=happened.running
+        )
+
+    def read(self) -> WorldState:
+        """The world now. Marks that it shows stay from now on."""
+        world = washed(self._scene, self.seen())
+        self._marks = {name: item.marks for name, item in world.objects.items()}
+        return world
