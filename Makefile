@@ -1,11 +1,13 @@
 # make demo       install, run the four tasks with four methods in physics, print the table, write records and videos
 # make test       install, lint, type-check and run the fast tests
-# make test-all   the same with the long tests
+# make test-all   the same with the long tests, and robosuite's
+# make robosuite  install robosuite apart, run the tests of our kitchens in it and print how fast they are
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+ROBOSUITE := .venv-robosuite
 
-.PHONY: demo test test-all tables tables-check lint install clean
+.PHONY: demo test test-all robosuite robosuite-test tables tables-check lint install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -35,8 +37,21 @@ tables: $(VENV)/.installed-dev
 tables-check: $(VENV)/.installed-dev
 	$(BIN)/python docs/make_tables.py --check
 
-test-all: lint
+test-all: lint robosuite-test
 	$(BIN)/pytest -n 2
 
+# Without robosuite's own pins, which force an old NumPy and a compiler: docs/robosuite.md.
+$(ROBOSUITE)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(ROBOSUITE)
+	$(ROBOSUITE)/bin/pip install --quiet --disable-pip-version-check --editable ".[for-robosuite]" pytest pytest-xdist hypothesis
+	$(ROBOSUITE)/bin/pip install --quiet --disable-pip-version-check --no-deps robosuite==1.5.2
+	touch $@
+
+robosuite-test: $(ROBOSUITE)/.installed
+	$(ROBOSUITE)/bin/python -m pytest -n 2 tests/integrations
+
+robosuite: robosuite-test
+	$(ROBOSUITE)/bin/python benchmarks/speed.py --only robosuite
+
 clean:
-	rm -rf $(VENV) demo_output .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(ROBOSUITE) demo_output .pytest_cache .mypy_cache .ruff_cache

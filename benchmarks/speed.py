@@ -84,7 +84,9 @@ def physics() -> Iterator[Figure]:
     for counter in ("contacts", "constraint rows"):
         yield Figure(f"two robots: {counter}", median(run[counter] for run in runs), "mean of a step")
     yield Figure("REMAC-length episode of two robots", median(run["seconds"] for run in runs), "s", "< 1")
-    yield from _peer(median(rates))
+    peer = _robosuite("TwoArmLift", "Panda", 2)
+    if peer is not None:
+        yield Figure("two robots: steps for each of robosuite's TwoArmLift", median(rates) / peer, "", ">= 25")
 
 
 def _team(seed: int) -> tuple[PhysicsBackend, Start, Goal]:
@@ -131,25 +133,42 @@ def _stepping(seed: int) -> float:
     return count / (process_time() - began)
 
 
-def _peer(own: float) -> Iterator[Figure]:
-    """robosuite's TwoArmLift in the same run, where it is installed, and how often our `own` steps a second are its."""
+# -- robosuite ------------------------------------------------------------------------------------------------------
+
+
+def robosuite() -> Iterator[Figure]:
+    """Control steps of robosuite's TwoArmLift and of our kitchen in robosuite, in one run, where it is installed."""
+    ours = f"RemacKitchen{TASK}"
+    cases = [("TwoArmLift", "Panda", 2, 0.002), *((ours, "PandaOmron", n, dt) for dt in (0.002, 0.005) for n in (2, 1))]
+    for name, robot, count, step in cases:
+        rate = _robosuite(name, robot, count, step)
+        if rate is not None:
+            yield Figure(f"robosuite: env.step of {name}, {count} {robot}, {1000 * step:.0f} ms", rate, "1/s")
+
+
+def _robosuite(name: str, robot: str, count: int, step: float = 0.002) -> float | None:
+    """Control steps of 0.05 s a second in an environment of robosuite's, None where that is not installed.
+
+    `step`: of the simulation, s; robosuite's own is 2 ms.
+    """
     try:
         import robosuite
+        from robosuite import macros
+
+        import remac_env.integrations.robosuite  # noqa: F401 - registers the kitchens
     except ImportError:
-        return
-    peer = robosuite.make(
-        "TwoArmLift", robots=["Panda", "Panda"], has_renderer=False, has_offscreen_renderer=False, use_camera_obs=False
-    )
-    peer.reset()
-    action = np.zeros(peer.action_dim)
-    for _ in range(_WARM):
-        peer.step(action)
-    began = process_time()
-    for _ in range(100):
-        peer.step(action)
-    rate = 100 / (process_time() - began)
-    yield Figure("robosuite TwoArmLift: env.step", rate, "1/s")
-    yield Figure("two robots: steps for each of TwoArmLift's", own / rate, "", ">= 25")
+        return None
+    usual, macros.SIMULATION_TIMESTEP = macros.SIMULATION_TIMESTEP, step
+    try:
+        env = robosuite.make(
+            name, robots=[robot] * count, has_renderer=False, has_offscreen_renderer=False, use_camera_obs=False, seed=0
+        )
+        env.reset()
+        rest = np.zeros(env.action_dim)
+        _timed(lambda: env.step(rest), _WARM)
+        return 100 / sum(_timed(lambda: env.step(rest), 100))
+    finally:
+        macros.SIMULATION_TIMESTEP = usual
 
 
 # -- symbolic -------------------------------------------------------------------------------------------------------
@@ -266,6 +285,7 @@ def memory() -> Iterator[Figure]:
 
 GROUPS: dict[str, Callable[[], Iterator[Figure]]] = {
     "physics": physics,
+    "robosuite": robosuite,
     "symbolic": symbolic,
     "starting": starting,
     "pictures": pictures,

@@ -7,6 +7,7 @@ import importlib
 import io
 import re
 import shlex
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -132,6 +133,12 @@ def check_line(text: str, where: str) -> None:
         targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text("utf-8"), re.M)
         if line[1] not in targets:
             raise DocumentError(f"{where}: there is no target {line[1]!r}; there are {', '.join(targets)}")
+        return
+    if line[0] == "pip":
+        extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+        strange = set(re.findall(r"remac-kitchen\[([^]]+)\]", text)) - set(extras)
+        if strange:
+            raise DocumentError(f"{where}: {text}: no such extra; there are {', '.join(extras)}")
         return
     if line[0] == "python" and not line[1].startswith("benchmarks/"):
         own = [block.file for block in blocks(where.partition(":")[0])] if line[1] == Path(line[1]).name else []

@@ -27,6 +27,9 @@ ONLY_PARSED = {
 LONG = ("docs/experiments.md",)
 """Pages whose commands take more than a few seconds even when they are made smaller."""
 
+APART = {"docs/robosuite.md": "robosuite"}
+"""Pages that want what is installed apart; tests/integrations carries them out there."""
+
 LINES = [(line, block.where) for page in PAGES for block in blocks(page) for line in block.lines]
 SPANS = [span for page in PAGES for span in spans(page)]
 CARRIED_OUT = [page for page in PAGES if any(b.lines or b.language in ("python", "toml", "json") for b in blocks(page))]
@@ -72,6 +75,8 @@ def play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Play]:
     "page", [pytest.param(page, marks=pytest.mark.long) if page in LONG else page for page in CARRIED_OUT]
 )
 def test_the_pages_can_be_carried_out_from_top_to_bottom(page: str, play: Play) -> None:
+    if page in APART:
+        pytest.importorskip(APART[page], reason=f"{page} says how to install it")
     for block in blocks(page):
         play.block(block, skipped)
 
@@ -84,6 +89,7 @@ WRONG = {
     "a number that is none": "```sh\nremac experiment wording --n 0\n```\n",
     "a script that does not exist": "    x\n\n    python benchmarks/no_such.py\n",
     "an option of a script": "```sh\npython benchmarks/twin.py --seed 3\n```\n",
+    "an extra": "```sh\npip install 'remac-kitchen[robosweet]'\n```\n",
     "a target": "```bash\nmake everything\n```\n",
     "a line that goes on": "```sh\nremac oracle --task HeatOnStove \\\n  --robot 2\n```\n",
 }

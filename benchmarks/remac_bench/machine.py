@@ -26,7 +26,7 @@ PACKAGES: Mapping[str, str] = {
     "rich": "tables and progress bars",
 }
 EXTRAS: Mapping[str, str] = {
-    "robosuite": "speed comparisons with its environments",
+    "robosuite": "the tasks as its environments; docs/robosuite.md says how to install it",
     "torch": "learned skills",
     "ray": "jobs on many machines",
 }

@@ -21,6 +21,7 @@ RANKS = {
     "remac_env.registry": 8,
     "remac_env.gymnasium_ids": 7,
     "remac_env.gym_view": 7,
+    "remac_env.integrations": 7,
     "remac_env.aec": 7,
     "remac_env.validate": 7,
     "remac_env.parallel": 6,
@@ -55,7 +56,7 @@ RANKS = {
 }
 PARTS = {"remac_env": 0, "remac_agents": 1, "remac_bench": 2}
 
-SIMULATOR = ("mujoco", "OpenGL", "glfw", "cv2", "tkinter", "pygame", "torch", "matplotlib", "PIL", "scipy")
+SIMULATOR = ("mujoco", "robosuite", "OpenGL", "glfw", "cv2", "tkinter", "pygame", "torch", "matplotlib", "PIL", "scipy")
 
 
 def modules() -> Iterator[tuple[str, Path]]:
@@ -171,6 +172,16 @@ def test_neither_backend_nor_robot_knows_what_draws_it() -> None:
     assert not wrong
 
 
+def test_nothing_imports_the_bridges_to_other_projects() -> None:
+    wrong = [
+        f"{name} imports {other}"
+        for name, source in sources().items()
+        for other in imports(source)
+        if other.startswith("remac_env.integrations") and not name.startswith("remac_env.integrations")
+    ]
+    assert not wrong
+
+
 def test_agents_and_benchmarks_use_no_private_names_of_the_environment() -> None:
     wrong = [
         f"{name} imports {other}"
@@ -250,6 +261,17 @@ def test_what_looks_for_gymnasium_and_does_not_load_it_leaves_the_ids_to_the_imp
         "if any('remac_env' in type(f).__module__ for f in sys.meta_path): raise SystemExit('still waiting')"
     )
     loaded_by(code, tmp_path, first="")
+
+
+@pytest.mark.parametrize("found", ["None", "types.SimpleNamespace(__version__='1.4.1')"], ids=["none", "old"])
+def test_without_the_robosuite_that_is_needed_its_room_says_what_to_do(found: str, tmp_path: Path) -> None:
+    code = (
+        f"import sys, types\nsys.modules['robosuite'] = {found}\n"
+        "try: import remac_env.integrations.robosuite\n"
+        "except ImportError as error: told = str(error)\n"
+        "if 'robosuite' not in told or 'make robosuite' not in told: raise SystemExit(told)\n"
+    )
+    assert "remac_env.parallel" not in loaded_by(code, tmp_path, first="")["modules"]
 
 
 def test_importing_loads_neither_gymnasium_nor_numpy(tmp_path: Path) -> None:
