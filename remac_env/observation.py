@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.rules.facts import ASIDE, Rules
+from remac_env.rules.skills import marks
 from remac_env.state import FixtureState, FrozenMap, ObjectState, WorldState
 from remac_env.vocabulary import Vocabulary
 
 _DOORS = ("closed", "ajar", "open")
-_MARKS = ("washed", "seasoned")
 _FIXTURE_SIZE = 5
 _ROBOTS = 2  # blocks: the robot itself, then the other one (zeros where there is none)
 
@@ -42,9 +42,9 @@ class Facts:
     """Writes WorldStates as vectors.
 
     Layout, with F fixture nouns and O object nouns of the vocabulary: two robot blocks of 1 + F + O + O (aside; at each
-    fixture; at each object; holding each object), the own one first; O object blocks of 1 + F + O + 3 + 2 (present; in
-    each fixture; on each object; held by oneself, held by another, on the floor; washed, seasoned); F fixture blocks of
-    1 + 3 + 1 (present; door closed, ajar, open; on).
+    fixture; at each object; holding each object), the own one first; O object blocks of 1 + F + O + 3 + M (present; in
+    each fixture; on each object; held by oneself, held by another, on the floor; each mark, as washed and seasoned);
+    F fixture blocks of 1 + 3 + 1 (present; door closed, ajar, open; on).
     """
 
     def __init__(self, vocabulary: Vocabulary) -> None:
@@ -52,7 +52,8 @@ class Facts:
         self.objects = tuple(noun.name for noun in vocabulary.nouns if noun.kind == "object")
         f, o = len(self.fixtures), len(self.objects)
         self._at = {name: index for index, name in enumerate((*self.fixtures, *self.objects))}
-        self._robot_size, object_size = 1 + f + 2 * o, f + o + 6
+        self._marks = marks()
+        self._robot_size, object_size = 1 + f + 2 * o, f + o + 4 + len(self._marks)
         objects_from = _ROBOTS * self._robot_size
         fixtures_from = objects_from + o * object_size
         self._object_starts = {name: objects_from + i * object_size for i, name in enumerate(self.objects)}
@@ -103,7 +104,7 @@ class Facts:
                 ones += [first + at[around] for around in (place.where, slot.fixture) if around in at]
                 at_station.setdefault(slot.station, []).append(at[name])
             if item.marks:
-                ones += [rest + 3 + _MARKS.index(mark) for mark in item.marks if mark in _MARKS]
+                ones += [rest + 3 + self._marks.index(mark) for mark in item.marks if mark in self._marks]
         for name, state in world.fixtures.items():
             start = self._fixture_starts[name]
             ones.append(start)

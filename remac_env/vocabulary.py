@@ -23,10 +23,19 @@ from remac_env.values import python_fields, python_value
 from remac_env.words import normalise
 
 
-def _with(target: Literal["none", "thing", "some"]) -> tuple[str, ...]:
-    """The skills without a target, those that every noun has, and those that a noun lists among its uses."""
-    kinds = {"none": "none", "thing": "thing"}
-    return tuple(name for name, skill in SKILLS.items() if kinds.get(skill.target, "some") == target)
+def _bare() -> tuple[str, ...]:
+    """The skills without a target."""
+    return tuple(name for name, skill in SKILLS.items() if skill.target == "none")
+
+
+def _shared() -> tuple[str, ...]:
+    """The skills that every noun has without listing them: each can be gone to."""
+    return tuple(name for name, skill in SKILLS.items() if skill.target == "thing" and skill.moves)
+
+
+def _uses() -> tuple[str, ...]:
+    """The skills that a noun lists among its uses."""
+    return tuple(name for name in SKILLS if name not in (*_bare(), *_shared()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +52,26 @@ class Noun:
 
 
 class Vocabulary:
-    """The subtasks of all kitchens by token; token 0 is `wait`, token 1 is `done`."""
+    """The subtasks of all kitchens by token; token 0 is `wait`, token 1 is `done`.
+
+    Args:
+        nouns: in the order of their tokens. One that comes again has further uses: their tokens come there, so that
+            those before do not move.
+    """
 
     def __init__(self, nouns: Iterable[Noun], *, version: int) -> None:
-        self.nouns = tuple(nouns)
-        for noun in self.nouns:
+        self.entries = tuple(nouns)
+        found: dict[str, Noun] = {}
+        for noun in self.entries:
             if not noun.name or normalise(noun.name) != noun.name or "," in noun.name:
                 raise OptionError(f"noun {noun.name!r} is not valid; valid: lower case words, spaces between them")
+            old = found.get(noun.name, noun)
+            if old.kind != noun.kind:
+                raise OptionError(f"noun {noun.name!r} is a {old.kind} and a {noun.kind}; valid: one of both")
+            found[noun.name] = Noun(noun.name, noun.kind, tuple(dict.fromkeys((*old.uses, *noun.uses))))
+        self.nouns = tuple(found.values())
         self.version = version
-        self._subtasks = tuple(_subtasks(self.nouns))
+        self._subtasks = tuple(dict.fromkeys(_subtasks(self.entries)))
         self._tokens = {subtask.text: token for token, subtask in enumerate(self._subtasks)}
         self._targets = tuple((s.text, s.target, SKILLS[s.skill].target) for s in self._subtasks)
 
@@ -68,10 +88,11 @@ class Vocabulary:
         for noun in nouns:
             if (old := known.setdefault(noun.name, noun)) != noun:
                 raise OptionError(f"noun {noun.name!r} is taken by {old}; give {noun} another name")
-            if strange := set(noun.uses) - set(_with("some")):
-                valid = ", ".join(_with("some"))
+            if strange := set(noun.uses) - set(_uses()):
+                valid = ", ".join(_uses())
                 raise OptionError(f"noun {noun.name!r} has unknown uses {sorted(strange)}; valid: {valid}")
-        return Vocabulary(known.values(), version=self.version)
+        fresh = list(known.values())[len(self.nouns) :]
+        return Vocabulary((*self.entries, *fresh), version=self.version)
 
     def encode(self, text: str) -> int:
         """The token of a command.
@@ -134,10 +155,9 @@ def _names(scene: PublicScene) -> dict[TargetKind, frozenset[str]]:
 
 
 def _subtasks(nouns: Iterable[Noun]) -> Iterable[Subtask]:
-    yield from (Subtask(name) for name in _with("none"))
+    yield from (Subtask(name) for name in _bare())
     for noun in nouns:
-        yield from (Subtask(skill, noun.name) for skill in _with("thing"))
-        yield from (Subtask(skill, noun.name) for skill in _with("some") if skill in noun.uses)
+        yield from (Subtask(skill, noun.name) for skill in (*_shared(), *_uses()) if skill in (*_shared(), *noun.uses))
 
 
 def make_noun(entry: Mapping[str, object], *, file: str) -> Noun:
@@ -146,8 +166,8 @@ def make_noun(entry: Mapping[str, object], *, file: str) -> Noun:
     uses = entry.get("uses", [])
     if kind not in ("fixture", "object"):
         raise KitchenFileError(file, f"noun {name!r}, kind", f"got {kind!r}", ("fixture", "object"))
-    if not isinstance(uses, list) or any(use not in _with("some") for use in uses):
-        raise KitchenFileError(file, f"noun {name!r}, uses", f"got {uses!r}", _with("some"))
+    if not isinstance(uses, list) or any(use not in _uses() for use in uses):
+        raise KitchenFileError(file, f"noun {name!r}, uses", f"got {uses!r}", _uses())
     return Noun(name, kind, tuple(uses))  # type: ignore[arg-type]
 
 

@@ -28,8 +28,8 @@ def check_commands(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1)) -> None:
             told = [subtask for text in legal if (subtask := env.vocabulary.parse(text)) is not None]
             nouns = (noun for role in spec.roles for noun in role.nouns)
             own = {*env.goal.names(), *spec.fixtures, *(role.at for role in spec.roles), *nouns}
-            vessels = {s.target for s in told if s.skill == "place to" and s.target in scene.objects}
-            working = {s.target for s in told if s.skill in ("open door", "turn on")}
+            vessels = {s.target for s in told if s.row.puts and s.target in scene.objects}
+            working = {s.target for s in told if s.row.lasting}
             alone = sorted(vessels & own)
             leak = f"{where}: the commands give the answer away: no other vessel than {', '.join(alone)}; {_REMEDY}"
             expect(not alone or bool(vessels - own), leak)

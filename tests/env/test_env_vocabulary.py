@@ -18,11 +18,10 @@ FROZEN = json.loads((Path(__file__).resolve().parents[1] / "data" / "vocabulary_
 
 
 def test_tokens_are_those_of_version_1() -> None:
-    """Records and policies speak in these numbers: a change needs another version, and another file."""
+    """Records and policies speak in these numbers: what is new comes behind them, and raises the version."""
     words = built_in()
-    assert words.version == FROZEN["version"]
-    assert [words.decode(token) for token in range(len(words))] == FROZEN["commands"]
-    assert len(FROZEN["commands"]) == 211
+    assert [words.decode(token) for token in range(211)] == FROZEN["commands"]
+    assert words.version == FROZEN["version"] if len(words) == 211 else words.version > FROZEN["version"]
 
 
 def test_the_first_tokens() -> None:
@@ -71,9 +70,9 @@ def test_a_slip_of_the_pen_gets_the_nearest_commands() -> None:
         built_in().encode("open cabinett door")
 
 
-@pytest.mark.parametrize("token", [-1, 211, 10**9])
+@pytest.mark.parametrize("token", [-1, len(built_in()), 10**9])
 def test_no_such_token(token: int) -> None:
-    with pytest.raises(UnknownNameError, match=r"valid: 0\.\.210"):
+    with pytest.raises(UnknownNameError, match=rf"valid: 0\.\.{len(built_in()) - 1}"):
         built_in().decode(token)
 
 
@@ -85,7 +84,7 @@ def test_the_mask_marks_what_is_in_the_kitchen(task: str) -> None:
         scene = env.start.scene
         for name, seen in observations.items():
             mask = seen["action_mask"]
-            assert mask.dtype == np.int8 and mask.shape == (211,)
+            assert mask.dtype == np.int8 and mask.shape == (len(built_in()),)
             told = {env.vocabulary.decode(int(token)): int(token) for token in np.flatnonzero(mask)}
             assert told == infos[name]["commands"]
             nouns = {env.vocabulary.subtask(token).target for token in told.values()} - {""}

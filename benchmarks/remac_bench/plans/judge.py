@@ -14,7 +14,6 @@ from remac_env.rules.claims import first_false
 from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.rounds import transition
-from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import DONE, WAIT, Subtask
 from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal
@@ -160,7 +159,7 @@ def _seen_to_later(
         (other, step)
         for other in plan.robots
         for step in plan.row(other)[index + (other == robot) :]
-        if SKILLS[step.skill].target in ("door", "switch")
+        if step.row.lasting
     ]
     return any(needed.condition.holds(scene, step.effect(scene, world, other)) for other, step in later)
 
