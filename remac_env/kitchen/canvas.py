@@ -26,7 +26,7 @@ DRAWN_GROUPS = (DRAWN_GROUP, FINE_GROUP, COARSE_GROUP)
 SWITCHED = "/glow_"
 """Between a switch's name and a number, in the names of geoms that are seen only while it is on."""
 
-# Who touches whom: furniture 1/0, objects 2/3, robots 4/7, the feet of dishes 0/1 (contype/conaffinity).
+# Who touches whom (contype/conaffinity): furniture 1/0, leaves of doors 1/1, things 2/3 and their feet 0/1, robots 4/7.
 FURNITURE_CONTYPE, FURNITURE_CONAFFINITY = 1, 0
 _FURNITURE_FRICTION = (0.8, 0.005, 0.0001)  # sliding, torsional, rolling
 _EDGE = 0.004
@@ -65,10 +65,15 @@ class Canvas:
         turn = [cos(0.5 * frame.heading), 0.0, 0.0, sin(0.5 * frame.heading)]
         self._ground = self._spec.worldbody.add_body(name=name, pos=[frame.x, frame.y, 0.0], quat=turn)
 
-    def body(self, name: str, position: Vector = (0.0, 0.0, 0.0), *, balanced: bool = False) -> Part:
-        """Add a body to the frame in force; without a joint it stands still. balanced: its weight turns no joint."""
+    def body(
+        self, name: str, position: Vector = (0.0, 0.0, 0.0), *, balanced: bool = False, swings: bool = False
+    ) -> Part:
+        """Add a body to the frame in force; without a joint it stands still.
+
+        balanced: its weight turns no joint. swings: it meets other furniture, as leaves of doors do.
+        """
         self._bodies[name] = self._ground.add_body(name=name, pos=list(position), gravcomp=float(balanced))
-        return Part(self, name, self._bodies[name])
+        return Part(self, name, self._bodies[name], meets=FURNITURE_CONTYPE if swings else FURNITURE_CONAFFINITY)
 
     def light(self, name: str, position: Vector, direction: Vector, color: Vector, *, cutoff: float) -> None:
         """Add a spot light without shadow, cutoff in degrees; nothing without looks."""
@@ -125,9 +130,10 @@ class Canvas:
 class Part:
     """One body of a fixture. Positions are in its own frame, whose axes are those of the frame it stands in."""
 
-    def __init__(self, canvas: Canvas, name: str, body: Any) -> None:
-        """Wrap an MjSpec body."""
+    def __init__(self, canvas: Canvas, name: str, body: Any, *, meets: int) -> None:
+        """Wrap an MjSpec body; meets: the conaffinity of its colliders."""
         self._canvas = canvas
+        self._meets = meets
         self._name = name
         self._body = body
 
@@ -267,9 +273,7 @@ class Part:
 
     def _solid(self, **options: Any) -> None:
         options.setdefault("friction", _FURNITURE_FRICTION)
-        self._body.add_geom(
-            contype=FURNITURE_CONTYPE, conaffinity=FURNITURE_CONAFFINITY, group=COLLIDER_GROUP, **options
-        )
+        self._body.add_geom(contype=FURNITURE_CONTYPE, conaffinity=self._meets, group=COLLIDER_GROUP, **options)
 
     def _joint(
         self, kind: Any, name: str, axis: Vector, limits: tuple[float, float], damping: float, friction: float,

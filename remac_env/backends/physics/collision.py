@@ -21,7 +21,8 @@ from remac_env.robots.rotation import Array, about_z, quaternion
 
 ARM_MARGIN = 0.008  # m, around arm links, column and base
 TOUCH_MARGIN = 0.001  # m, around the gripper where it works; more would forbid every grasp on a counter
-TRANSIT_MARGIN = 0.012  # m, around the gripper on the way: the arm lags its command at speed
+TRANSIT_MARGIN = 0.012  # m, around the gripper and what it holds on the way: the arm lags its command at speed
+HELD_MARGIN = 0.010  # m, around what is held on straight ways: a vessel goes on drooping in the fingers
 
 _FENCED_CHECKS = 1500  # collision checks; of 62 searches that ended well within fences one took more
 
@@ -90,8 +91,8 @@ class Scratch:
         for mask, geoms in ((self.model.geom_conaffinity, True), (self.model.body_conaffinity, False)):
             mask[~(own | others)[of] if geoms else ~(own | others)] = 0
             mask[others[of] if geoms else others] = 4
-        self.model.geom_margin[self._classes == ARM] = ARM_MARGIN
-        self.model.geom_margin[self._own_grip] = TOUCH_MARGIN
+        self._keep_away(np.flatnonzero(self._classes == ARM), ARM_MARGIN)
+        self._keep_away(self._own_grip, TOUCH_MARGIN)
         self.model.opt.enableflags = 0
         self.classes = self._classes.copy()
         self.held: Attached | None = None
@@ -181,13 +182,16 @@ class Scratch:
         self.held = None
 
     @contextmanager
-    def clearance(self, margin: float) -> Iterator[None]:
-        """Keep the gripper ``margin`` (m) away from things within this context."""
-        self.model.geom_margin[self._own_grip] = margin
+    def clearance(self, margin: float, *, gripper: bool = True) -> Iterator[None]:
+        """Keep what is held, and the gripper, ``margin`` (m) away from things within this context."""
+        held = [] if self.held is None else self.simulation.geoms(self.held.body)
+        geoms = np.array([*held, *(self._own_grip if gripper else ())], int)
+        before = self.model.geom_margin[geoms]
+        self._keep_away(geoms, margin)
         try:
             yield
         finally:
-            self.model.geom_margin[self._own_grip] = TOUCH_MARGIN
+            self._keep_away(geoms, before)
 
     def free(self, q: Array, joints: Mapping[int, float] | None = None) -> bool:
         """True when configuration ``q`` (11,) has no forbidden contact; ``joints`` sets other qpos entries first."""
@@ -253,6 +257,11 @@ class Scratch:
         self.model.body_conaffinity[self._others] = bits
         self.model.geom_contype[self._others[self.model.geom_bodyid]] = bits
         self.model.body_contype[self._others] = bits
+
+    def _keep_away(self, geoms: Array, margin: Array | float) -> None:
+        """Set the margins (m) of some geoms, and of their bodies, by which the broad phase goes."""
+        self.model.geom_margin[geoms] = margin
+        self.model.body_margin[self.model.geom_bodyid[geoms]] = margin
 
     def _renew(self) -> None:
         """Fresh memory after MuJoCo gave up in the middle of a computation."""

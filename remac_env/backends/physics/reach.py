@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from remac_env.backends.physics.collision import HELD_MARGIN
 from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, drive_to, stances
@@ -20,6 +21,8 @@ DISTANCES = (0.55, 0.48, 0.62, 0.70)  # m
 SIDES = (0.0, -0.12, 0.12, -0.24, 0.24)  # m
 _STEEP, _TURNS = (0.42, 0.48, 0.55, 0.36), (0.0, 0.3, -0.3)  # m, rad
 CHECKS = 9000  # collision checks (about 80 us each) after which a search gives up
+_BETTER = 1500  # of the same, with which to look for a way that keeps clear once there is one that does not
+_SET_DOWN = 0.04  # m before the goal from where a held thing may come near to others
 
 After = Callable[[Array, Grasp], Any]
 """Plans what follows from the goal configuration; None refuses the candidate, anything else is handed on."""
@@ -40,13 +43,15 @@ def plan_reach(
     here: Surroundings, stands: Sequence[Array], grasps: Sequence[Grasp], after: After, *, carry: Array | None = None,
     most: int = 6, checks: int = CHECKS,
 ) -> Reach:
-    """The first free combination. ``carry``: the configuration to start from instead of the folded arm.
+    """The first free combination, or one found soon after it on which a held thing keeps clear of all others too.
 
-    Raises SkillFailure: ``unreachable`` when no pose can be reached, ``blocked`` when things are in the way.
+    ``carry``: the configuration to start from instead of the folded arm. Raises SkillFailure: ``unreachable`` when no
+    pose can be reached, ``blocked`` when things are in the way.
     """
     planner, scratch, robot = here.planner, here.scratch, here.robot
     why: Counter[str] = Counter()
     limit = scratch.limit(checks)
+    tight: Reach | None = None
     for base in stands:
         ready = panda.tucked(*base) if carry is None else np.concatenate([base, carry[3:]])
         if not scratch.free(ready):
@@ -55,7 +60,7 @@ def plan_reach(
         drivable: bool | None = None
         for grasp in grasps:
             if scratch.checks > limit:
-                raise _given_up(why)
+                return _settled(tight, why)
             for goal in planner.reach(grasp.position, grasp.rotation, base, ready, most=most):
                 found = _try_goal(here, ready, goal, grasp, after, why)
                 if found is None:
@@ -66,11 +71,14 @@ def plan_reach(
                 if not drivable:
                     why["drive: {} meets {}".format(*scratch.touching)] += 1
                     break
-                way, approach, following = found
-                return Reach(base, way, approach, following, grasp)
+                reach = Reach(base, *found, grasp)
+                if _keeps_clear(here, reach):
+                    return reach
+                if tight is None:
+                    tight, limit = reach, min(limit, scratch.checks + _BETTER)
             if drivable is False:
                 break
-    raise _given_up(why)
+    return _settled(tight, why)
 
 
 def reach_in_slot(
@@ -114,10 +122,25 @@ def _try_goal(
     return way, approach[1:], following
 
 
-def _given_up(why: Counter[str]) -> SkillFailure:
+def _keeps_clear(here: Surroundings, reach: Reach) -> bool:
+    """Whether what is held stays well clear of everything on the straight way, up to where it is set down."""
+    if here.scratch.held is None:
+        return True
+    with here.scratch.clearance(HELD_MARGIN, gripper=False):
+        return all(
+            here.scratch.free(q)
+            for q in reach.approach[::2]
+            if np.linalg.norm(here.kinematics.forward(q)[0] - reach.grasp.position) > _SET_DOWN
+        )
+
+
+def _settled(tight: Reach | None, why: Counter[str]) -> Reach:
+    """The way found, if any. Raises SkillFailure: ``unreachable`` or ``blocked``."""
+    if tight is not None:
+        return tight
     if not why:
-        return SkillFailure("unreachable", "no configuration reaches it")
-    return SkillFailure("blocked", "; ".join(f"{text} ({count})" for text, count in why.most_common(3)))
+        raise SkillFailure("unreachable", "no configuration reaches it")
+    raise SkillFailure("blocked", "; ".join(f"{text} ({count})" for text, count in why.most_common(3)))
 
 
 def go_to_grasp(here: Surroundings, reach: Reach, *, speed: float = 1.0) -> Steps:

@@ -1,8 +1,8 @@
 """Collision shapes of things, made of primitives. They carry all the mass.
 
-Dishes and cups are hollow: a floor and a ring of tilted boxes. They touch furniture with small spheres alone, four at
-the bottom and eight around the top, because four point contacts stand still cheaply while a ring of boxes does not.
-Bottles and cans stand on such feet too, but fall on their sides.
+Dishes and cups are hollow: a floor and a ring of tilted boxes. They stand on four small spheres at the bottom, and on
+eight around the top when they are upside down, because few point contacts stand still cheaply while a ring of boxes
+does not; all else of them meets edges and corners of furniture. Bottles and cans stand on such feet too.
 """
 
 from __future__ import annotations
@@ -16,9 +16,8 @@ import mujoco
 
 from remac_env.kitchen.objects.catalogue import Category
 
-# Who touches whom (contype, conaffinity): furniture 1/0, objects 2/3, robots 4/7, feet 0/1.
+# Who touches whom (contype, conaffinity): furniture 1/0, leaves of doors 1/1, objects 2/3, robots 4/7, feet 0/1.
 _WHOLE = {"contype": 2, "conaffinity": 3}
-_ON_FEET = {"contype": 2, "conaffinity": 2}
 _FOOT = {"contype": 0, "conaffinity": 1, "friction": [1.0, 0.005, 0.0001], "mass": 0.002}
 _STIFF = {"condim": 6, "solref": [0.01, 1.0]}
 # A pan hangs far from the fingers: its handle creeps in them four times slower than with the pads' own impedance. As
@@ -137,7 +136,7 @@ def _chain(body: mujoco.MjsBody, category: Category) -> None:
 def _floor(body: mujoco.MjsBody, category: Category, radius: float, mass: float) -> None:
     _add(
         body, category, mujoco.mjtGeom.mjGEOM_CYLINDER,
-        pos=[0, 0, _FLOOR_HEIGHT], size=[radius, _FLOOR_HALF, 0], mass=mass, **_ON_FEET,
+        pos=[0, 0, _FLOOR_HEIGHT], size=[radius, _FLOOR_HALF, 0], mass=mass, **_WHOLE,
     )  # fmt: skip
 
 
@@ -153,7 +152,7 @@ def _wall(
         _add(
             body, category, mujoco.mjtGeom.mjGEOM_BOX,
             pos=[middle * cos(turn), middle * sin(turn), bottom + height / 2], size=half,
-            quat=_turned_and_leaning(turn, lean), mass=mass / WALL_PIECES, **_ON_FEET,
+            quat=_turned_and_leaning(turn, lean), mass=mass / WALL_PIECES, **_WHOLE,
         )  # fmt: skip
 
 
