@@ -148,13 +148,16 @@ def _spec(chain: Mapping[str, Any]) -> TaskSpec:
 
 
 def _spread(start: Start, worlds: TaskWorlds) -> Start:
-    """The start with things on worktops anywhere within SPREAD of the middle of their slots, none too near another."""
+    """The start with things on worktops anywhere within SPREAD of the middle of their slots, none too near another.
+
+    In a kitchen so full that they find no such places, within half or a quarter of it.
+    """
     layout, rng = worlds.layout(start.layout, start.style), generator(start.seed, "skills", "spread")
     slots = {noun: layout.slots[state.place.where] for noun, state in start.world.objects.items()}
     open_ones = [noun for noun, slot in slots.items() if slot.kind != "cavity"]
     radius = {noun: max(worlds.categories[start.categories[noun]].size[:2]) for noun in open_ones}
-    for _ in range(_DRAWS):
-        drawn = {noun: rng.uniform(-SPREAD, SPREAD, 2) for noun in open_ones}
+    for spread in np.repeat([SPREAD, 0.5 * SPREAD, 0.25 * SPREAD], _DRAWS):
+        drawn = {noun: rng.uniform(-spread, spread, 2) for noun in open_ones}
         local = {noun: drawn[noun] + slots[noun].center[:2] for noun in open_ones}
         at = {noun: np.array(layout.frame(slots[noun].fixture).point(*local[noun])) for noun in open_ones}
         if all(np.hypot(*(at[a] - at[b])) > radius[a] + radius[b] + _APART for a, b in combinations(open_ones, 2)):

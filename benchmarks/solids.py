@@ -47,7 +47,7 @@ _THING, _FURNITURE, _LEAF = (2, 3), (1, 0), (1, 1)  # contype, conaffinity
 _BEFORE, _ABOVE = 0.012, 0.010  # m before the worktop's front and above what it falls onto at which a dish starts
 _FALL = 300  # steps in which it comes to rest
 _SEEN = 0.006  # m; what stands out of what is solid by less is left out
-_PUSH, _PUSHED = 3.0, 400  # N m with which a door is pushed open, and for how many steps
+_PUSH, _PUSHED = 1.0, 700  # N m with which a door is pushed open, and for how many steps
 
 
 class Solids:

@@ -258,7 +258,7 @@ class Scratch:
         self.model.geom_contype[self._others[self.model.geom_bodyid]] = bits
         self.model.body_contype[self._others] = bits
 
-    def _keep_away(self, geoms: Array, margin: Array | float) -> None:
+    def _keep_away(self, geoms: np.ndarray, margin: np.ndarray | float) -> None:
         """Set the margins (m) of some geoms, and of their bodies, by which the broad phase goes."""
         self.model.geom_margin[geoms] = margin
         self.model.body_margin[self.model.geom_bodyid[geoms]] = margin
