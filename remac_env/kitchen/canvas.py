@@ -65,13 +65,8 @@ class Canvas:
         turn = [cos(0.5 * frame.heading), 0.0, 0.0, sin(0.5 * frame.heading)]
         self._ground = self._spec.worldbody.add_body(name=name, pos=[frame.x, frame.y, 0.0], quat=turn)
 
-    def body(
-        self, name: str, position: Vector = (0.0, 0.0, 0.0), *, balanced: bool = False, swings: bool = False
-    ) -> Part:
-        """Add a body to the frame in force; without a joint it stands still.
-
-        balanced: its weight turns no joint. swings: it meets other furniture, as leaves of doors do.
-        """
+    def body(self, name: str, position: Vector = (0, 0, 0), *, balanced: bool = False, swings: bool = False) -> Part:
+        """Add a body to the frame in force. balanced: its weight turns no joint; swings: it meets other furniture."""
         self._bodies[name] = self._ground.add_body(name=name, pos=list(position), gravcomp=float(balanced))
         return Part(self, name, self._bodies[name], meets=FURNITURE_CONTYPE if swings else FURNITURE_CONAFFINITY)
 

@@ -23,7 +23,6 @@ ARM_MARGIN = 0.008  # m, around arm links, column and base
 TOUCH_MARGIN = 0.001  # m, around the gripper where it works; more would forbid every grasp on a counter
 TRANSIT_MARGIN = 0.012  # m, around the gripper and what it holds on the way: the arm lags its command at speed
 HELD_MARGIN = 0.010  # m, around what is held on straight ways: a vessel goes on drooping in the fingers
-
 _FENCED_CHECKS = 1500  # collision checks; of 62 searches that ended well within fences one took more
 
 OTHER, ARM, GRIPPER, HELD, TARGET, IGNORED = range(6)
@@ -88,9 +87,8 @@ class Scratch:
         self._classes[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE] = IGNORED
         self._own_grip = np.flatnonzero(grip[of])
         # Only pairs with the planning robot are tested; body masks must follow, the broad phase reads them.
-        for mask, geoms in ((self.model.geom_conaffinity, True), (self.model.body_conaffinity, False)):
-            mask[~(own | others)[of] if geoms else ~(own | others)] = 0
-            mask[others[of] if geoms else others] = 4
+        for mask, at in ((self.model.geom_conaffinity, of), (self.model.body_conaffinity, slice(None))):
+            mask[~(own | others)[at]], mask[others[at]] = 0, 4
         self._keep_away(np.flatnonzero(self._classes == ARM), ARM_MARGIN)
         self._keep_away(self._own_grip, TOUCH_MARGIN)
         self.model.opt.enableflags = 0
@@ -157,9 +155,7 @@ class Scratch:
         """Plan with each finger ``opening`` (m) from the middle."""
         self.data.qpos[self.robot.finger_qpos] = opening
 
-    def hold(
-        self, body: str, grip: tuple[Array, Array], pose: tuple[Array, Array], *, meets: bool = True
-    ) -> None:
+    def hold(self, body: str, grip: tuple[Array, Array], pose: tuple[Array, Array], *, meets: bool = True) -> None:
         """Attach ``body`` to the hand, at ``pose`` when the grip is at ``grip``."""
         self.release()
         geoms = self.simulation.geoms(body)
@@ -184,7 +180,7 @@ class Scratch:
     @contextmanager
     def clearance(self, margin: float, *, gripper: bool = True) -> Iterator[None]:
         """Keep what is held, and the gripper, ``margin`` (m) away from things within this context."""
-        held = [] if self.held is None else self.simulation.geoms(self.held.body)
+        held = self.simulation.geoms(self.held.body) if self.held else []
         geoms = np.array([*held, *(self._own_grip if gripper else ())], int)
         before = self.model.geom_margin[geoms]
         self._keep_away(geoms, margin)
@@ -259,7 +255,7 @@ class Scratch:
         self.model.body_contype[self._others] = bits
 
     def _keep_away(self, geoms: np.ndarray, margin: np.ndarray | float) -> None:
-        """Set the margins (m) of some geoms, and of their bodies, by which the broad phase goes."""
+        # The broad phase goes by the margins of bodies.
         self.model.geom_margin[geoms] = margin
         self.model.body_margin[self.model.geom_bodyid[geoms]] = margin
 
@@ -300,6 +296,5 @@ def _geom_spans(model: mujoco.MjModel) -> np.ndarray:
     rod = (kind == mujoco.mjtGeom.mjGEOM_CAPSULE) | (kind == mujoco.mjtGeom.mjGEOM_CYLINDER)
     spans[box, :3] = size[box]
     spans[rod, 2], spans[rod, 3] = size[rod, 1], size[rod, 0]
-    rest = ~box & ~rod
-    spans[rest, 3] = size[rest].max(axis=1)
+    spans[~box & ~rod, 3] = size[~box & ~rod].max(axis=1)
     return spans
