@@ -157,9 +157,9 @@ class Part:
         """Add a capsule collider between the centres of its round ends."""
         self._solid(type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=[*start, *end], size=[radius, 0, 0], **options)
 
-    def solid_floor(self) -> None:
+    def solid_floor(self, **options: Any) -> None:
         """Add an endless level plane through the body's origin."""
-        self._solid(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 0.1])
+        self._body.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 0.1], group=COLLIDER_GROUP, **options)
 
     # Joints and sites
 

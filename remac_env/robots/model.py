@@ -35,6 +35,14 @@ steel); 1.0. Torsional, m: a patch of a pad's half width of 9.5 mm that presses 
 its radius times the sliding friction, 6 mm; of its half length of 18 mm, 12 mm; 10 mm.
 """
 
+SKIRT = "skirt"
+"""The lowest part of the base, 5 to 30 mm over the floor, which pushes away what lies there."""
+
+BUMPER: Mapping[str, object] = MappingProxyType({
+    "friction": [0.3, 0.005, 0.0001], "priority": 1, "solref": [0.01, 1.0], "solimp": [0.98, 0.999, 0.001, 0.5, 2.0],
+})  # fmt: skip
+"""How a base touches things: with a smooth skirt, so that what it pushes slides off it."""
+
 _BOX = mujoco.mjtGeom.mjGEOM_BOX
 _CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
 _CYLINDER = mujoco.mjtGeom.mjGEOM_CYLINDER
@@ -93,7 +101,8 @@ def _add_bodies(spec: mujoco.MjSpec, name: str) -> dict[str, mujoco.MjsBody]:
     base.add_joint(name=f"{name}/base_x", type=slide, axis=[1, 0, 0], armature=1.0)
     base.add_joint(name=f"{name}/base_y", type=slide, axis=[0, 1, 0], armature=1.0)
     base.add_joint(name=f"{name}/base_yaw", type=hinge, axis=[0, 0, 1], armature=1.0)
-    _collider(base, _BOX, panda.BASE_MASS, pos=[-0.135, 0.0, 0.195], size=[0.285, 0.24, 0.165])
+    _collider(base, _BOX, panda.BASE_MASS, pos=[-0.135, 0.0, 0.195], size=[0.285, 0.24, 0.165], **BUMPER)
+    _collider(base, _BOX, 0.0, pos=[-0.135, 0.0, 0.0175], size=[0.285, 0.24, 0.0125], name=f"{name}/{SKIRT}", **BUMPER)
     _collider(base, _CYLINDER, 5.0, pos=[0.0, 0.0, 0.48], size=[0.10, 0.13, 0.0])
 
     lift = child(base, "lift", (0.0, 0.0, panda.MOUNT_HEIGHT))

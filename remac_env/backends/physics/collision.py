@@ -84,7 +84,7 @@ class Scratch:
         self._classes = np.full(model.ngeom, OTHER)
         self._classes[own[of]] = ARM
         self._classes[grip[of]] = GRIPPER
-        self._classes[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE] = IGNORED
+        self.model.geom_contype[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE] = 0  # bases are within margins of it
         self._own_grip = np.flatnonzero(grip[of])
         # Only pairs with the planning robot are tested; body masks must follow, the broad phase reads them.
         for mask, at in ((self.model.geom_conaffinity, of), (self.model.body_conaffinity, slice(None))):

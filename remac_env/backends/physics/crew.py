@@ -31,6 +31,7 @@ SKILL_TIME = 60.0  # s, after which a skill is stopped
 _RECOVERY_TIME = 20.0  # s for coming home after a failure
 _NEIGHBOUR = 1.3  # m between stations whose robots could reach one another
 _ARRIVAL = np.array([0.02, 0.02, 0.03])  # m, m, rad: how far off a drive ends at most; known to the robot afterwards
+_DETOURS = 3  # times that a drive starts anew which things on the floor have stopped
 _THOUGHT = 20  # control periods within which a skill has only planned and closed or opened its hand
 
 Attempt = Generator[None, None, Outcome]
@@ -159,14 +160,23 @@ class Crew:
     # -- attempts ---------------------------------------------------------------------------------------------------
 
     def _drive(self, convoy: Convoy, robot: str, errand: Errand | None) -> Attempt:
-        """Go with the convoy; a robot that cannot pass those at work waits until they are done."""
+        """Go with the convoy; a robot that cannot pass those at work waits until they are done.
+
+        So does one that was stopped by things on the floor, or whose convoy was; then it looks for another way.
+        """
         if errand is None:
             return failure("blocked", "no parking place is free")
         outcome = yield from self._bounded(robot, convoy.steps(robot), SKILL_TIME)
         if outcome.reason == "blocked" and convoy.held_up(robot):
             yield from self._turn(robot)
-            alone = Convoy(self.separation, {robot: errand}, ())
-            outcome = yield from self._bounded(robot, alone.steps(robot), SKILL_TIME)
+            convoy = Convoy(self.separation, {robot: errand}, ())
+            outcome = yield from self._bounded(robot, convoy.steps(robot), SKILL_TIME)
+        for _ in range(_DETOURS):
+            if outcome.success or not convoy.jammed:
+                break
+            yield from self._turn(robot)
+            convoy = Convoy(self.separation, {robot: errand}, (), convoy.jammed)
+            outcome = yield from self._bounded(robot, convoy.steps(robot), SKILL_TIME)
         return outcome
 
     def _skill(self, robot: str, subtask: Subtask, now: Round) -> Attempt:

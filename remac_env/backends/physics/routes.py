@@ -40,7 +40,8 @@ class Course:
 class Departure:
     """From where a robot drives: the layout, its place there and its configuration (11,).
 
-    obstacles: floor to keep off. standing: where other robots stand, poses (3,) or configurations (11,).
+    obstacles: floor to keep off; litter: the same, of things on it. standing: where other robots stand, poses (3,) or
+    configurations (11,).
     """
 
     layout: Layout
@@ -48,6 +49,7 @@ class Departure:
     q: Array
     obstacles: tuple[Block, ...] = ()
     standing: tuple[Array, ...] = ()
+    litter: tuple[Block, ...] = ()
 
 
 def candidates(start: Departure, goal: Station) -> Iterator[Course]:
@@ -79,7 +81,7 @@ def _ways_to(start: Departure, goal: Station, end: Array) -> Iterator[Course]:
             yield Course([q, _moved(q, frame, q, lane), _moved(end, frame, end, lane), end], (side, f"lane {lane}"))
         if not place.wall:
             yield Course([q, end], (side, "straight"))
-    if start.standing:
+    if start.standing or start.litter:
         yield from _along_walls(start, goal, end, side)
     for half in _STANDING if start.standing else _STANDING[:1]:
         around = _around(start, goal, end, half)
@@ -138,7 +140,7 @@ def _around(start: Departure, goal: Station, end: Array, half: float) -> Path | 
     """A way around corners, which turns while it goes: out of the station, over free floor, and in."""
     space = floor(start.layout, _ROOMY)
     taken = (Block((x - half, y - half, 0.0), (x + half, y + half, 1.0)) for x, y, *_ in start.standing)
-    for block in (*start.obstacles, *taken):
+    for block in (*start.obstacles, *start.litter, *taken):
         low, high = block.low, block.high
         space = space.without((low[0] - _GROWTH, low[1] - _GROWTH), (high[0] + _GROWTH, high[1] + _GROWTH))
     q, layout = start.q, start.layout

@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from remac_env.backends.physics.simulation import Simulation
+from remac_env.robots.model import SKIRT
 from remac_env.robots.rotation import Array
 
 NEAR_MISS = 0.05  # m
@@ -122,6 +123,11 @@ class Separation:
         full = (1 << len(self._bodies)) - 1
         for number, (robot, bodies) in enumerate(self._bodies.items()):
             for body in [*bodies, *self._held_bodies(robot)]:
-                geoms = [g for g in range(model.ngeom) if model.geom_bodyid[g] == body and model.geom_group[g] == 3]
+                # A skirt is right under the rest of its base, so it is nowhere nearer to others.
+                skirt = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, f"{robot}/{SKIRT}")
+                geoms = [
+                    g for g in range(model.ngeom)
+                    if model.geom_bodyid[g] == body and model.geom_group[g] == 3 and g != skirt
+                ]  # fmt: skip
                 model.geom_contype[geoms] = model.body_contype[body] = 1 << number
                 model.geom_conaffinity[geoms] = model.body_conaffinity[body] = full & ~(1 << number)

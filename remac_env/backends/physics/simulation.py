@@ -88,6 +88,11 @@ class RobotHandle:
         return told
 
     @property
+    def push(self) -> float:
+        """The force (N) that the base gives along the floor now."""
+        return float(np.linalg.norm(self._data.actuator_force[self._controls[:2]]))
+
+    @property
     def opening(self) -> float:
         """Distance between the fingertip pads (m)."""
         return float(self._data.qpos[self.finger_qpos].sum())

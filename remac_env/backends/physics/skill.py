@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Collection, Generator, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import mujoco
@@ -104,12 +104,18 @@ class Surroundings:
         """What a fixture's joints say now."""
         return self.fixture(name).read(self.simulation.model, self.simulation.data)
 
-    def begin(self, target: Iterable[int] = (), *, held_meets: bool = True) -> None:
-        """Refresh the scratch world, with what the hand holds."""
+    def on_floor(self, body: str) -> bool:
+        """Whether a thing lies on the floor, as the robot sees it."""
+        return bool(self.simulation.pose(body)[0][2] < _FLOOR_THING)
+
+    def begin(
+        self, target: Iterable[int] = (), *, held_meets: bool = True, avoid: Collection[str] = ()
+    ) -> None:
+        """Refresh the scratch world, with what the hand holds. avoid: things on the floor to keep off."""
         self.scratch.begin(target=target, held=self.hand.body, contents=self.hand.contents, held_meets=held_meets)
         for body in self.things:
             # What lies on the floor is pushed aside by the base, and must not keep the robot from moving.
-            if body != self.hand.body and self.simulation.pose(body)[0][2] < _FLOOR_THING:
+            if body != self.hand.body and body not in avoid and self.on_floor(body):
                 self.scratch.mark(self.simulation.geoms(body), IGNORED)
         self.scratch.fingers(self.robot.grip if self.hand.body is None else 0.5 * self.robot.opening)
 

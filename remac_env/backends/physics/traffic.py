@@ -9,22 +9,23 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations, islice, pairwise, permutations, product
+from itertools import combinations, islice, pairwise, permutations
 
 import numpy as np
 
 from remac_env.backends.physics.collision import IGNORED
 from remac_env.backends.physics.encounters import Encounter
+from remac_env.backends.physics.litter import Bumper, blocks, lying, pressed, retreat, slowed
+from remac_env.backends.physics.motion import StuckError
 from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.routes import Course, Departure, Outline, candidates, periods, sampled
+from remac_env.backends.physics.routes import Course, Departure, Outline, sampled
 from remac_env.backends.physics.separation import NEAR_MISS, Separation
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings
+from remac_env.backends.physics.ways import SAMPLE, Combination, Driver, Way, held_pose, ordered, ways_to
 from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.floor_plan import Station
-from remac_env.robots.rotation import Array, quaternion
+from remac_env.robots.rotation import Array
 
-_SAMPLE = 3  # control periods between checks
-_DELAYS = tuple(range(0, 112, 7))  # of the same
 _SOON, _TRIES = 150, 3850  # combinations checked in space and time: at first, and where all else has failed
 _LANES = 3  # ways of one sort that are tried where several robots drive
 _REFUGES = 6  # places to which a robot may withdraw that are tried, nearest first
@@ -39,47 +40,23 @@ class Errand:
     goal: Station
 
 
-@dataclass(eq=False)
-class _Way:
-    """One way of one robot: its course, how long it takes, and, once asked for, its path or None if not free."""
-
-    course: Course
-    periods: int
-    path: Path | None = None
-    checked: bool = False
-
-    @property
-    def moments(self) -> Path:
-        """Every so many configurations of the path, and its last."""
-        path = self.path or []
-        return [*path[::_SAMPLE], *path[-1:]]
-
-
-@dataclass(frozen=True)
-class _Driver:
-    """A robot with its ways, quickest first, its outline while it drives, and its goal."""
-
-    here: Surroundings
-    ways: list[_Way]
-    outline: Outline
-    goal: Station
-
-
-_Combination = tuple[tuple[_Way, ...], tuple[int, ...]]
-"""A way for each robot, and by how many samples each starts late."""
-
-
 class Convoy:
     """The drives of one round. ``plan`` once, then run every robot's ``steps``.
 
-    ``rooms``: the floor that robots need which work meanwhile; drives keep off it.
+    ``rooms``: the floor that robots need which work meanwhile; drives keep off it. ``jammed``: things on the floor that
+    have stopped a drive; it grows when these drives are stopped.
     """
 
-    def __init__(self, separation: Separation, errands: Mapping[str, Errand], rooms: Sequence[Block]) -> None:
+    def __init__(
+        self, separation: Separation, errands: Mapping[str, Errand], rooms: Sequence[Block],
+        jammed: frozenset[str] = frozenset(),
+    ) -> None:
         self._separation, self._errands, self._rooms = separation, dict(errands), tuple(rooms)
+        self.jammed = jammed
         self._timed: dict[str, Path] | None = None
-        self._met: dict[tuple[_Way, _Way], Encounter] = {}
-        self._failed = False
+        self._avoided: frozenset[str] = frozenset()
+        self._pushing = self._failed = False
+        self._met: dict[tuple[Way, Way], Encounter] = {}
 
     def held_up(self, robot: str) -> bool:
         """Whether a robot found no way while others work."""
@@ -93,21 +70,48 @@ class Convoy:
         try:
             if robot not in self._timed:
                 raise SkillFailure("blocked", "no way that keeps clear of the other robot and the furniture")
-            for q in self._timed[robot]:
-                if self._failed:
-                    raise SkillFailure("blocked", "another robot's drive failed")
-                yield from here.mover.step(q)
-            yield from here.mover.settle(0.004, 8)
+            yield from self._drive(robot, self._timed[robot])
         except BaseException:
             self._failed = self._failed or robot in self._timed
             here.enter(here.place)
             raise
         here.enter(self._errands[robot].goal)
 
+    def _drive(self, robot: str, path: Path) -> Steps:
+        """Follow a path; where things on the floor stop it, go back a little."""
+        here = self._errands[robot].here
+        bumper, travelled = Bumper(here), Path()
+        try:
+            for q in path:
+                if self._failed:
+                    raise SkillFailure("blocked", "another robot's drive failed")
+                travelled.append(q)
+                yield from here.mover.step(q)
+                if self._pushing:
+                    bumper.check()
+            yield from here.mover.settle(0.004, 8)
+        except (StuckError, SkillFailure):
+            self._failed = True
+            self.jammed |= pressed(here)
+            yield from retreat(here, travelled)
+            raise
+
     def _plan(self) -> dict[str, Path]:
-        """A timed path for every robot that can go; robots without any way are left out, the others replanned."""
+        """A timed path for every robot that can go: around things on the floor, else through those not yet jammed."""
         for errand in self._errands.values():
             errand.here.leave()
+        litter = frozenset[str]().union(*(lying(errand.here) for errand in self._errands.values()))
+        timed: dict[str, Path] = {}
+        for avoided in dict.fromkeys((litter, self.jammed & litter, frozenset[str]())):
+            self._avoided = avoided
+            timed = self._planned()
+            if len(timed) == len(self._errands):
+                break
+        self._pushing = self._avoided != litter
+        return {name: slowed(path) for name, path in timed.items()} if self._pushing else timed
+
+    def _planned(self) -> dict[str, Path]:
+        """The same with the present things to keep off; robots without any way are left out, the others replanned."""
         drivers = {name: self._driver(errand) for name, errand in self._errands.items()}
         self._separation.refresh()
         places = {name: (errand.goal.x, errand.goal.y) for name, errand in self._errands.items()}
@@ -119,7 +123,7 @@ class Convoy:
             timed = (
                 self._together(together, islice(tries, _SOON))
                 or self._by_turns(together)
-                or self._together(together, islice(tries, _TRIES))
+                or self._together(together, islice(tries, 0 if self._avoided else _TRIES))
             )
             if timed:
                 return timed
@@ -131,18 +135,21 @@ class Convoy:
                     return {name: path}
         return {}
 
-    def _driver(self, errand: Errand) -> _Driver:
+    def _driver(self, errand: Errand) -> Driver:
         """All ways of one robot, not yet checked."""
         here = errand.here
-        here.begin()
+        here.begin(avoid=self._avoided)
         for robot, body in self._separation.held.items():
             if robot != here.robot.name:
                 here.scratch.mark(here.simulation.geoms(body), IGNORED)  # it goes where that robot goes
         staying = tuple(place for name, place in self._separation.places.items() if name not in self._errands)
-        start = Departure(here.layout, here.place, here.robot.q, self._rooms, staying)
-        return _Driver(here, _ways(start, errand.goal), Outline.of(here), errand.goal)
+        start = Departure(here.layout, here.place, here.robot.q, self._rooms, staying, self._litter(here))
+        return Driver(here, ways_to(start, errand.goal), Outline.of(here), errand.goal)
 
-    def _path(self, driver: _Driver, way: _Way) -> Path | None:
+    def _litter(self, here: Surroundings) -> tuple[Block, ...]:
+        return blocks(here, self._avoided - {here.hand.body})
+
+    def _path(self, driver: Driver, way: Way) -> Path | None:
         """The way as a path, one configuration a period, where it meets no furniture and nobody who stays."""
         if not way.checked:
             way.checked = True
@@ -157,30 +164,30 @@ class Convoy:
                     way.path = path
         return way.path
 
-    def _keeps_off(self, driver: _Driver, path: Path, standing: Collection[str]) -> bool:
+    def _keeps_off(self, driver: Driver, path: Path, standing: Collection[str]) -> bool:
         """Whether a path keeps clear of robots that stand where they are."""
         circles = self._separation.circles(standing)
         if not len(circles):
             return True
-        moments = [*path[::_SAMPLE], path[-1]]
+        moments = [*path[::SAMPLE], path[-1]]
         middles, radii = driver.outline.circles(np.array(moments)[:, :3])
         gaps = np.linalg.norm(middles[:, :, None] - circles[:, :2], axis=3) - radii[:, None] - circles[:, 2]
         near = np.flatnonzero(gaps.min(axis=(1, 2)) < _APART)
         return all(self._clear({driver.here.robot.name: driver}, {driver.here.robot.name: moments[k]}) for k in near)
 
-    def _choice(self, driver: _Driver) -> list[_Way]:
+    def _choice(self, driver: Driver) -> list[Way]:
         """Free ways of every sort: the quickest, the slowest and one between."""
-        sorts: dict[tuple[int, str], list[_Way]] = defaultdict(list)
+        sorts: dict[tuple[int, str], list[Way]] = defaultdict(list)
         for way in driver.ways:
             sorts[way.course.sort].append(way)
-        found: list[_Way] = []
+        found: list[Way] = []
         for ways in sorts.values():
             order = [ways[0], ways[-1], *ways[len(ways) // 2 :], *ways[1:]]
             free = (way for way in dict.fromkeys(order) if self._path(driver, way))
             found += islice(free, _LANES)
         return found
 
-    def _together(self, drivers: Mapping[str, _Driver], tries: Iterable[_Combination]) -> dict[str, Path] | None:
+    def _together(self, drivers: Mapping[str, Driver], tries: Iterable[Combination]) -> dict[str, Path] | None:
         """The first combination of ways and delays that keeps the robots apart all the time."""
         names = list(drivers)
         for ways, delays in tries:
@@ -189,19 +196,19 @@ class Convoy:
                 for i, j in combinations(range(len(names)), 2)
             ):
                 return {
-                    name: [drivers[name].here.robot.q] * (delay * _SAMPLE) + (way.path or [])
+                    name: [drivers[name].here.robot.q] * (delay * SAMPLE) + (way.path or [])
                     for name, way, delay in zip(names, ways, delays, strict=True)
                 }
         return None
 
-    def _combinations(self, drivers: Sequence[_Driver]) -> Iterator[_Combination]:
+    def _combinations(self, drivers: Sequence[Driver]) -> Iterator[Combination]:
         """Ways with delays, in the order in which they end; everyone's quickest, at once, before others are checked."""
         quickest = [way for driver in drivers for way in islice((w for w in driver.ways if self._path(driver, w)), 1)]
         if len(quickest) == len(drivers):
             yield tuple(quickest), (0,) * len(drivers)
-            yield from _ordered([self._choice(driver) for driver in drivers])
+            yield from ordered([self._choice(driver) for driver in drivers])
 
-    def _by_turns(self, drivers: Mapping[str, _Driver]) -> dict[str, Path] | None:
+    def _by_turns(self, drivers: Mapping[str, Driver]) -> dict[str, Path] | None:
         """One robot makes room, the other drives, then the first: the quickest such way of two robots."""
         found: list[tuple[int, dict[str, Path]]] = []
         for one, other in permutations(drivers, 2):
@@ -219,22 +226,23 @@ class Convoy:
         return min(found, key=lambda entry: entry[0])[1] if found else None
 
     def _alone(
-        self, drivers: Mapping[str, _Driver], name: str, start: tuple[Station, Array], goal: Station, standing: Array
+        self, drivers: Mapping[str, Driver], name: str, start: tuple[Station, Array], goal: Station, standing: Array
     ) -> Path | None:
         """The quickest way of one robot while the other stands in a configuration."""
         driver, (other,) = drivers[name], (driver for key, driver in drivers.items() if key != name)
         place, q = start
-        for way in _ways(Departure(driver.here.layout, place, q, self._rooms, (standing,)), goal):
+        leaves = Departure(driver.here.layout, place, q, self._rooms, (standing,), self._litter(driver.here))
+        for way in ways_to(leaves, goal):
             if self._path(driver, way):
-                still = _Way(Course([standing], (0, "standing")), 0, [standing], True)
+                still = Way(Course([standing], (0, "standing")), 0, [standing], True)
                 names = (name, other.here.robot.name)
                 if self._encounter(drivers, names, (0, way), (1, still), {}).passes((0, 0)):
                     return way.path
         return None
 
     def _encounter(
-        self, drivers: Mapping[str, _Driver], names: Sequence[str], one: tuple[int, _Way], other: tuple[int, _Way],
-        known: dict[tuple[_Way, _Way], Encounter],
+        self, drivers: Mapping[str, Driver], names: Sequence[str], one: tuple[int, Way], other: tuple[int, Way],
+        known: dict[tuple[Way, Way], Encounter],
     ) -> Encounter:
         key = one[1], other[1]
         if key not in known:
@@ -247,34 +255,7 @@ class Convoy:
             )
         return known[key]
 
-    def _clear(self, drivers: Mapping[str, _Driver], now: Mapping[str, Array]) -> bool:
+    def _clear(self, drivers: Mapping[str, Driver], now: Mapping[str, Array]) -> bool:
         """Whether robots in these configurations are apart, with their real shapes."""
-        held = {name: pose for name, q in now.items() if (pose := _held(drivers[name].here, q)) is not None}
+        held = {name: pose for name, q in now.items() if (pose := held_pose(drivers[name].here, q)) is not None}
         return self._separation.of_configurations(now, held) >= _APART
-
-
-def _ways(start: Departure, goal: Station) -> list[_Way]:
-    """All ways to a place, quickest first, not yet checked."""
-    ways = [_Way(course, periods(course.corners)) for course in candidates(start, goal)]
-    return sorted(ways, key=lambda way: way.periods)
-
-
-def _held(here: Surroundings, q: Array) -> tuple[int, Array] | None:
-    """Address and pose (7,) of what a robot holds when it is in configuration ``q``."""
-    attached = here.scratch.held
-    if attached is None:
-        return None
-    position, rotation = here.kinematics.forward(q)
-    turned = quaternion(rotation @ attached.rotation)
-    return attached.address, np.concatenate([position + rotation @ attached.position, turned])
-
-
-def _ordered(ways: Sequence[Sequence[_Way]]) -> list[_Combination]:
-    """Ways with delays, of which at least one is zero, by the last arrival and then by all arrivals together."""
-    found: list[tuple[int, int, int, tuple[_Way, ...], tuple[int, ...]]] = []
-    for chosen in product(*ways):
-        for delays in product(_DELAYS, repeat=len(chosen)):
-            if min(delays) == 0:
-                ends = [delay * _SAMPLE + way.periods for delay, way in zip(delays, chosen, strict=True)]
-                found.append((max(ends), sum(ends), len(found), chosen, delays))
-    return [(chosen, delays) for _, _, _, chosen, delays in sorted(found, key=lambda entry: entry[:3])]

@@ -1,0 +1,78 @@
+"""Ways of robots that drive at the same time: each with its path once that is asked for, and the order of combinations.
+
+A combination is a way for each robot, and by how many samples each starts late.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from remac_env.backends.physics.paths import Path
+from remac_env.backends.physics.routes import Course, Departure, Outline, candidates, periods
+from remac_env.backends.physics.skill import Surroundings
+from remac_env.kitchen.floor_plan import Station
+from remac_env.robots.rotation import Array, quaternion
+
+SAMPLE = 3  # control periods between checks
+_DELAYS = tuple(range(0, 112, 7))  # of the same
+
+
+@dataclass(eq=False)
+class Way:
+    """One way of one robot: its course, how long it takes, and, once asked for, its path or None if not free."""
+
+    course: Course
+    periods: int
+    path: Path | None = None
+    checked: bool = False
+
+    @property
+    def moments(self) -> Path:
+        """Every so many configurations of the path, and its last."""
+        path = self.path or []
+        return [*path[::SAMPLE], *path[-1:]]
+
+
+@dataclass(frozen=True)
+class Driver:
+    """A robot with its ways, quickest first, its outline while it drives, and its goal."""
+
+    here: Surroundings
+    ways: list[Way]
+    outline: Outline
+    goal: Station
+
+
+Combination = tuple[tuple[Way, ...], tuple[int, ...]]
+"""A way for each robot, and by how many samples each starts late."""
+
+
+def ways_to(start: Departure, goal: Station) -> list[Way]:
+    """All ways to a place, quickest first, not yet checked."""
+    ways = [Way(course, periods(course.corners)) for course in candidates(start, goal)]
+    return sorted(ways, key=lambda way: way.periods)
+
+
+def held_pose(here: Surroundings, q: Array) -> tuple[int, Array] | None:
+    """Address and pose (7,) of what a robot holds when it is in configuration ``q``."""
+    attached = here.scratch.held
+    if attached is None:
+        return None
+    position, rotation = here.kinematics.forward(q)
+    turned = quaternion(rotation @ attached.rotation)
+    return attached.address, np.concatenate([position + rotation @ attached.position, turned])
+
+
+def ordered(ways: Sequence[Sequence[Way]]) -> list[Combination]:
+    """Ways with delays, of which at least one is zero, by the last arrival and then by all arrivals together."""
+    found: list[tuple[int, int, int, tuple[Way, ...], tuple[int, ...]]] = []
+    for chosen in product(*ways):
+        for delays in product(_DELAYS, repeat=len(chosen)):
+            if min(delays) == 0:
+                ends = [delay * SAMPLE + way.periods for delay, way in zip(delays, chosen, strict=True)]
+                found.append((max(ends), sum(ends), len(found), chosen, delays))
+    return [(chosen, delays) for _, _, _, chosen, delays in sorted(found, key=lambda entry: entry[:3])]
