@@ -11,10 +11,11 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import Annotated, Any
+from typing import Any
 
 import typer
-from remac_bench.command import real, run_script, whole
+from remac_bench.command import run_script
+from remac_bench.flags import takes
 
 from remac_agents.llm import ChatClient, ChatReply, Limiter
 
@@ -71,11 +72,8 @@ def measure(*, calls: int, waves: int, latency: float) -> float:
     return seconds
 
 
-def main(
-    calls: Annotated[int, typer.Option(help="At the same time.", **whole(1))] = 32,
-    waves: Annotated[int, typer.Option(help="How many times so many.", **whole(1))] = 3,
-    latency: Annotated[float, typer.Option(help="Of the server, seconds.", **real())] = 2.0,
-) -> None:
+@takes("calls.calls", "calls.waves", "calls.latency")
+def main(*, calls: int, waves: int, latency: float) -> None:
     """Print the wall time against the ideal."""
     seconds, ideal = measure(calls=calls, waves=waves, latency=latency), waves * latency
     typer.echo(

@@ -10,14 +10,15 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import typer
 from module_record import Touch
 from module_trials import STATION, Found, any_layout, colliders_hash, makes, origin, run, tables, trials
-from remac_bench.command import run_script, whole
+from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from rich.table import Table
 
 from remac_env.kitchen.fixtures import Fixture, certificates
@@ -59,12 +60,8 @@ def certificate(kind: str, make: str, found: Iterable[Found]) -> Certificate:
     )
 
 
-def main(
-    only: Annotated[str, typer.Option(help="Prove these again, kinds or kind.make, by commas; empty for all.")] = "",
-    rounds: Annotated[int, typer.Option(help="Runs of each trial, each from another seed.", **whole(1))] = 2,
-    check: Annotated[int, typer.Option(help="Prove so many trials again and compare; writes nothing.", **whole())] = 0,
-    first_seed: Annotated[int, typer.Option(help="Of a make's first trial and --check's choice.", **whole())] = 44000,
-) -> None:
+@takes("certify_modules.only", "certify_modules.rounds", "certify_modules.check", "certify_modules.first_seed")
+def main(*, only: str, rounds: int, check: int, first_seed: int) -> None:
     """Print a table of every make and skill, and every failure."""
     console = make_console()
     wanted = [name.strip() for name in only.split(",") if name.strip()]

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping
-from typing import Annotated
 
-import typer
-from remac_bench.command import run_script, whole
+from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from rich.table import Table
 
 from remac_env.backends.physics.backend import PhysicsBackend
@@ -73,11 +72,8 @@ def trial(category: str, seed: int) -> str:
     return ""
 
 
-def main(
-    trials: Annotated[int, typer.Option(help="Seeds of each category.", **whole(1))] = 3,
-    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...", **whole())] = 0,
-    only: Annotated[str, typer.Option(help="Categories, separated by commas; empty for all.")] = "",
-) -> None:
+@takes("certify_objects.trials", "script.first_seed", "certify_objects.only")
+def main(*, trials: int, first_seed: int, only: str) -> None:
     """Print a table of categories and every failure."""
     console = make_console()
     names = [name.strip() for name in only.split(",") if name.strip()] or list(catalogue.load())

@@ -12,7 +12,8 @@ import json
 import sys
 from typing import Any
 
-import typer
+from remac_bench.command import run_script
+from remac_bench.flags import takes
 from remac_bench.job_lists import parse_seeds
 
 import remac_env
@@ -64,7 +65,8 @@ def fit(task: str, seeds: list[int]) -> tuple[Row, int]:
     return best, scores[best]
 
 
-def main(seeds: str = typer.Option("40000:40200", help="Starts to fit on.")) -> None:
+@takes("fit_memorised.seeds")
+def main(*, seeds: str) -> None:
     """Print the data file."""
     numbers = parse_seeds(seeds)
     lines = [f"# Printed by: python benchmarks/fit_memorised.py --seeds {seeds}", "version = 1"]
@@ -76,6 +78,4 @@ def main(seeds: str = typer.Option("40000:40200", help="Starts to fit on.")) -> 
 
 
 if __name__ == "__main__":
-    app = typer.Typer(pretty_exceptions_enable=False)
-    app.command()(main)
-    app()
+    run_script(main)

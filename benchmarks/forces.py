@@ -13,13 +13,14 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from multiprocessing import get_context
-from typing import Annotated, Any
+from typing import Any
 
 import mujoco
 import numpy as np
-import typer
 from numpy.typing import NDArray
+from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from rich.table import Table
 from skills import CHAINS, ROBOT, run_chain
 
@@ -122,12 +123,8 @@ def together(parts: Iterable[Measured]) -> Measured:
     return sum_
 
 
-def main(
-    trials: Annotated[int, typer.Option(help="Runs of each chain.")] = 5,
-    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...")] = 0,
-    only: Annotated[str, typer.Option(help="Run only chains whose name contains this.")] = "",
-    processes: Annotated[int, typer.Option(help="Worker processes.")] = 2,
-) -> None:
+@takes("forces.trials", "script.first_seed", "script.only", "script.processes")
+def main(*, trials: int, first_seed: int, only: str, processes: int) -> None:
     """Print largest torques and forces, by command."""
     chains = [chain for chain in tomllib.loads(CHAINS.read_text("utf-8"))["chain"] if only in chain["name"]]
     jobs = [(chain, first_seed + number) for chain in chains for number in range(trials)]
@@ -174,4 +171,4 @@ def _doors(found: Mapping[str, Measured]) -> Table:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

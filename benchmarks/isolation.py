@@ -7,12 +7,14 @@ import time
 
 import typer
 from remac_bench.command import run_script
+from remac_bench.flags import takes
 
 from remac_agents.isolation.remote import ForkServer, Host
 
 JOBS = 50
 
 
+@takes()
 def main() -> None:
     """Start a server, and for each job a process that makes its roles."""
     began = time.perf_counter()

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
 
 import typer
 from remac_bench import agents, suites
 from remac_bench.board import Board, Cell, Column, Sheet
-from remac_bench.console import clean_errors, console
+from remac_bench.command import run_script
+from remac_bench.console import console
+from remac_bench.flags import takes
 from remac_bench.job_lists import parse_names, parse_seeds
 from remac_bench.preflight.estimates import FILE, Costs, Need, measured
 from remac_bench.preflight.measuring import MODEL, measure
@@ -38,15 +39,19 @@ MARKS = ("<!-- costs -->", "<!-- end of costs -->")
 Needs = Mapping[str, Mapping[str, Mapping[str, Need]]]
 
 
-@clean_errors
+@takes(
+    *("script.methods", "script.tasks", "model_costs.seeds", "model_costs.write"),
+    *("model_costs.show", "records.as_markdown", "model_costs.into"),
+)
 def main(
-    methods: Annotated[str | None, typer.Option(help="Names with commas between them; by default all.")] = None,
-    tasks: Annotated[str | None, typer.Option(help="Names with commas between them; by default all.")] = None,
-    seeds: Annotated[str, typer.Option(help="0:5, 3 or 0,4,7: starts a task.")] = "0:5",
-    write: Annotated[bool, typer.Option("--write", help=f"Write {FILE.name} anew.")] = False,
-    show: Annotated[bool, typer.Option("--show", help="Measure nothing: show the table as it is.")] = False,
-    markdown: Annotated[bool, typer.Option("--markdown", help="As Markdown.")] = False,
-    into: Annotated[Path | None, typer.Option(help="A document: puts the Markdown between its marks.")] = None,
+    *,
+    methods: str | None,
+    tasks: str | None,
+    seeds: str,
+    write: bool,
+    show: bool,
+    as_markdown: bool,
+    into: Path | None,
 ) -> None:
     """Print calls and tokens an episode by method and task, and US dollars by model and route."""
     chosen = parse_names(methods, "methods") if methods else agents.methods()
@@ -64,7 +69,7 @@ def main(
         before, rest = into.read_text("utf-8").split(MARKS[0])
         into.write_text(f"{before}{MARKS[0]}\n{text}\n\n{MARKS[1]}{rest.split(MARKS[1])[1]}", "utf-8")
         return
-    if markdown:
+    if as_markdown:
         typer.echo(text)
         return
     for part in board_tables(board, everything=True):
@@ -187,4 +192,4 @@ def _sum(amounts: Sequence[float | None]) -> float | None:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

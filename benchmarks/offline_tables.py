@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from remac_bench.command import run_script, whole
+from remac_bench.command import run_script
 from remac_bench.extensions import load_extensions
+from remac_bench.flags import takes
 from remac_bench.job_lists import make_jobs
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.plans.ask import Cell, kitchen, optimum
@@ -23,9 +24,11 @@ FLOORS = ("reader", "memorised", "random")
 OUTSIDERS = Path(__file__).resolve().parents[1] / "tests" / "agents" / "outsiders_registered.py"
 
 
+@takes("offline_tables.seeds")
 def main(
     name: Annotated[str, typer.Argument(help="Which table: tasks, mixed, floors, methods, noisy or outsiders.")],
-    seeds: Annotated[int | None, typer.Option(help="Starts a task; 50, of outsiders 20.", **whole(1))] = None,
+    *,
+    seeds: int | None,
 ) -> None:
     """Print one table in Markdown."""
     check_choice("table", name, TABLES)

@@ -13,11 +13,10 @@ from dataclasses import dataclass
 from itertools import product
 from multiprocessing import get_context
 from time import process_time
-from typing import Annotated
 
-import typer
-from remac_bench.command import run_script, whole
+from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from remac_bench.job_lists import parse_names, parse_seeds
 from rich.table import Table
 
@@ -69,16 +68,12 @@ def play(task: str, robots: int, seed: int, *, layout: str | None, starts: str, 
     )  # fmt: skip
 
 
+@takes(
+    *("script.seeds", "script.tasks", "oracle_physics.layouts", "oracle_physics.by"),
+    *("starts", "oracle_physics.replans", "script.processes"),
+)
 def main(
-    seeds: Annotated[str, typer.Option(help="first:end")] = "0:50",
-    tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
-    layouts: Annotated[
-        str | None, typer.Option(help="Names with commas between them, each with every seed; by default drawn.")
-    ] = None,
-    by: Annotated[str, typer.Option(help="A row for each task, layout or style, and number of robots.")] = "task",
-    starts: Annotated[str, typer.Option(help="paper or mixed")] = "paper",
-    replans: Annotated[int, typer.Option(help="Plans anew after a failed round, at most this often.", **whole())] = 2,
-    processes: Annotated[int, typer.Option(help="Worker processes.", **whole(1))] = 2,
+    *, seeds: str, tasks: str | None, layouts: str | None, by: str, starts: str, replans: int, processes: int
 ) -> None:
     """Print a table a task and number of robots, and every failed subtask."""
     names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")

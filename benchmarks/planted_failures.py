@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Any
 
-import typer
 from remac_bench.blame.labels import LABELS, blame
-from remac_bench.command import run_script, whole
+from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from remac_bench.job_lists import make_jobs
 from remac_bench.jobs import Job
 from remac_bench.records import Record
@@ -25,11 +25,8 @@ TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
 KINDS = ("planner", "checker", "skill", "budget")
 
 
-def main(
-    seeds: Annotated[int, typer.Option(help="How many seeds.", **whole(1))] = 20,
-    first_seed: Annotated[int, typer.Option(**whole())] = 0,
-    physics: Annotated[bool, typer.Option("--physics", help="In physics, which takes minutes.")] = False,
-) -> None:
+@takes("planted_failures.seeds", "script.first_seed", "script.physics")
+def main(*, seeds: int, first_seed: int, physics: bool) -> None:
     """Plant failures, label them, and print how often the label is what was planted."""
     table = Table("planted", "failures", "right", *LABELS, box=SIMPLE_HEAD)
     for kind in KINDS:

@@ -16,12 +16,12 @@ from itertools import combinations
 from multiprocessing import get_context
 from pathlib import Path
 from statistics import mean
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-import typer
-from remac_bench.command import run_script, whole
+from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from remac_bench.judging.statistics import wilson
 from rich.table import Table
 
@@ -99,16 +99,19 @@ def run_chain(
     return trials
 
 
+@takes(
+    *("skills.trials", "script.first_seed", "script.only", "skills.perception_noise"),
+    *("style", "layout", "script.processes"),
+)
 def main(
-    trials: Annotated[int, typer.Option(help="Runs of each chain.", **whole(1))] = 100,
-    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...", **whole())] = 0,
-    only: Annotated[str, typer.Option(help="Run only chains whose name contains this.")] = "",
-    perception_noise: Annotated[
-        str, typer.Option(help="m, of the poses that controllers see; several with commas between them.")
-    ] = "0",
-    style: Annotated[str | None, typer.Option(help="A style's name; by default each seed picks.")] = None,
-    layout: Annotated[str | None, typer.Option(help="A layout's name; by default each seed picks.")] = None,
-    processes: Annotated[int, typer.Option(help="Worker processes.", **whole(1))] = 2,
+    *,
+    trials: int,
+    first_seed: int,
+    only: str,
+    perception_noise: str,
+    style: str | None,
+    layout: str | None,
+    processes: int,
 ) -> None:
     """Print a table of first-try success for every skill."""
     chains = [chain for chain in tomllib.loads(CHAINS.read_text("utf-8"))["chain"] if only in chain["name"]]

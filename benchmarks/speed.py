@@ -18,12 +18,12 @@ from itertools import cycle
 from pathlib import Path
 from statistics import median
 from time import process_time
-from typing import Annotated
 
 import numpy as np
 import typer
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from rich.table import Table
 
 import remac_env
@@ -51,23 +51,21 @@ class Figure:
     aim: str = ""
 
 
-def main(
-    json_file: Annotated[str | None, typer.Option("--json", help="Also write the figures to this file.")] = None,
-    only: Annotated[str, typer.Option(help="Measure only the groups whose name contains this.")] = "",
-) -> None:
+@takes("script.file", "script.only")
+def main(*, file: Path | None, only: str) -> None:
     """Measure and print."""
     chosen = [group for name, group in GROUPS.items() if only in name]
     if not chosen:
         raise typer.BadParameter(f"no group has {only!r} in its name; choose from {', '.join(GROUPS)}")
-    if json_file is not None:
-        prepare_file(json_file, "--json")
+    if file is not None:
+        prepare_file(file, "--json")
     figures = [figure for group in chosen for figure in group()]
     table = Table("figure", "median", "unit", "aim", title="Speed, CPU time of one core")
     for figure in figures:
         table.add_row(figure.name, f"{figure.value:,.4g}", figure.unit, figure.aim)
     make_console().print(table)
-    if json_file is not None:
-        Path(json_file).write_text(json.dumps([asdict(figure) for figure in figures], indent=1) + "\n", "utf-8")
+    if file is not None:
+        file.write_text(json.dumps([asdict(figure) for figure in figures], indent=1) + "\n", "utf-8")
 
 
 # -- physics --------------------------------------------------------------------------------------------------------

@@ -9,10 +9,10 @@ Every role is a rule: no language model is asked.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
 
-import typer
-from remac_bench.console import clean_errors, console
+from remac_bench.command import run_script
+from remac_bench.console import console
+from remac_bench.flags import takes
 from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
 from remac_bench.records import Record
 from remac_bench.worker import Work, play_job
@@ -20,18 +20,10 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
-METHODS = "SMART-LLM,BASE,CC,RE,REMAC"
-STARTS = ("paper", "mixed")
 
 
-@clean_errors
-def main(
-    methods: Annotated[str, typer.Option(help="Names with commas between them.")] = METHODS,
-    seeds: Annotated[str, typer.Option(help="0:50, 3 or 0,4,7: starts a task.")] = "0:50",
-    starts: Annotated[str, typer.Option(help="paper, mixed, or both with a comma between them.")] = "paper,mixed",
-    physics: Annotated[bool, typer.Option("--physics", help="In physics, which takes long.")] = False,
-    errors: Annotated[str, typer.Option(help="Rates of false alarms and misses: REMAC alone, by rate.")] = "",
-) -> None:
+@takes("teams.methods", "script.seeds", "teams.starts", "script.physics", "teams.errors")
+def main(*, methods: str, seeds: str, starts: str, physics: bool, errors: str) -> None:
     """Print the table."""
     kinds = parse_names(starts, "starts")
     backend = "physics" if physics else "symbolic"
@@ -94,4 +86,4 @@ def _mean(values: Sequence[int | None]) -> str:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    run_script(main)

@@ -19,12 +19,11 @@ from dataclasses import asdict, dataclass, replace
 from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
-import typer
-from remac_bench.command import run_script, whole
+from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from remac_bench.job_lists import parse_names, parse_seeds
 from rich.table import Table
 
@@ -247,16 +246,11 @@ def _job(job: tuple[str, int, int, int]) -> list[Compared]:
     return play(*job)
 
 
-def main(
-    seeds: Annotated[str, typer.Option(help="first:end")] = "70000:70020",
-    tasks: Annotated[str | None, typer.Option(help="Names with commas between them; all by default.")] = None,
-    rounds: Annotated[int, typer.Option(help="Rounds of an episode at most.", **whole(1))] = 30,
-    processes: Annotated[int, typer.Option(help="Worker processes.", **whole(1))] = 2,
-    out: Annotated[Path | None, typer.Option("--json", help="Also write every comparison to this file.")] = None,
-) -> None:
+@takes("twin.seeds", "script.tasks", "twin.rounds", "script.processes", "script.file")
+def main(*, seeds: str, tasks: str | None, rounds: int, processes: int, file: Path | None) -> None:
     """Print every disagreement and slip, and a table a skill and reason."""
-    if out is not None:
-        prepare_file(out, "--json")
+    if file is not None:
+        prepare_file(file, "--json")
     names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
     cells = [(*cell, rounds) for cell in product(names, (1, 2), parse_seeds(seeds))]
     console, found = make_console(), list[Compared]()
@@ -268,8 +262,8 @@ def main(
                     where = f"{line.task} {line.robots} seed {line.seed} {line.layout} round {line.round} {line.robot}"
                     console.print(f"{line.verdict}: {where}: {line.subtask}: {line.differs}", markup=False)
     console.print(table(found, f"Both backends on one round, seeds {seeds}"))
-    if out is not None:
-        out.write_text(json.dumps([asdict(line) for line in found], indent=1), encoding="utf-8")
+    if file is not None:
+        file.write_text(json.dumps([asdict(line) for line in found], indent=1), encoding="utf-8")
 
 
 def table(found: Sequence[Compared], title: str) -> Table:

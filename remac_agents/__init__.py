@@ -17,16 +17,18 @@ from typing import Any
 from remac_agents.agent import Agent
 from remac_agents.memory import Memory, Run
 from remac_agents.methods import METHODS
+from remac_agents.options import AgentOptions
 from remac_agents.plan import Plan, PlanError
 from remac_agents.report import Check, EpisodeReport, Exchange, Step, Usage
 from remac_agents.roles import Roles, StopEpisode
 from remac_agents.running.briefing import Bounds
 from remac_agents.wiring.catalogue import ROLES
-from remac_agents.wiring.filling import fill_roles, read_options
-from remac_env.errors import OptionError, check_choice, whole_number
+from remac_agents.wiring.filling import fill_roles
+from remac_env.errors import OptionError, check_choice
 from remac_env.files import prepare_file
+from remac_env.option_rows import takes_options
 from remac_env.plugins import group_of, installed
-from remac_env.values import python_value, python_values
+from remac_env.values import python_value
 
 __all__ = [
     "Agent",
@@ -58,72 +60,38 @@ def roles() -> dict[str, list[str]]:
     return {role: [*names, *installed(group_of(role))] for role, names in ROLES.items()}
 
 
-def make(
-    name: str,
-    *,
-    planner: Any = None,
-    checker: Any = None,
-    conditions: Any = None,
-    adjuster: Any = None,
-    reflector: Any = None,
-    handover: Any = None,
-    summariser: Any = None,
-    memory: Memory | str | Path | None = None,
-    retries: int = 2,
-    max_adjustments: int = 20,
-    max_rounds: int = 60,
-    lead: str | None = None,
-    helper: str | None = None,
-    iterations: int | None = None,
-    **models: Any,
-) -> Agent:
+@takes_options(AgentOptions)
+def make(name: str, **given: Any) -> Agent:
     """A method with its roles filled.
+
+    A role (planner, conditions, checker, adjuster, reflector, handover, summariser) is a name of `roles()`,
+    `package.module:Name`, `path/file.py:Name`, `provider:model`, a mapping {"name": ..., **options}, a function in
+    place of the role's only method, or an object with the role's methods (remac_agents.roles). None: the `model` that
+    is given, where it can speak for the role, else the offline one of `wiring.filling.DEFAULTS`.
 
     Args:
         name: one of `methods()`.
-        planner, checker, conditions, adjuster, reflector, handover, summariser: a name of `roles()`,
-            `package.module:Name`, `path/file.py:Name`, `provider:model`, a mapping {"name": ..., **options}, a
-            function in place of the role's only method, or an object with the role's methods (remac_agents.roles).
-            A planner may also be `http://HOST:PORT/PATH` or `answers:FILE.json` (docs/planners.md). None: the
-            `model` that is given, where it can speak for the role, else the offline one of `filling.DEFAULTS`.
-        memory: a Memory, a path of a JSON-lines file, or None for one in this process.
-        retries: how often a subtask whose post-conditions fail is tried again.
-        max_adjustments, max_rounds: after so many in an episode the plan is no longer changed, or ends.
-        lead: the robot that works alone or leads; None: the first by name.
-        helper: the second robot of a team; None: the first by name of the others.
-        iterations: number of the last iteration on a start, where it is known; REMAC's team forms by then.
-        models: keywords of `filling.ModelOptions`: model, base_url, providers, via, cassette, replay, max_calls,
-            max_tokens, max_money, max_seconds, limiter, manners (docs/models.md).
+        {options}
 
     Raises:
-        UnknownNameError: for an unknown method, role or model; lists the valid ones.
+        UnknownNameError: for an unknown method, role, model or keyword; lists the valid ones.
         OptionError: for a value out of its range, an object that does not fit its role, or a memory that cannot be
             written.
     """
-    name, lead, helper = map(python_value, (name, lead, helper))
+    name = python_value(name)
     check_choice("method", name, METHODS)
-    bounds = _bounds(rounds=max_rounds, retries=retries, adjustments=max_adjustments)
-    iterations = None if iterations is None else whole_number("iterations", iterations, 0)
-    given = {
-        "planner": planner,
-        "checker": checker,
-        "conditions": conditions,
-        "adjuster": adjuster,
-        "reflector": reflector,
-        "handover": handover,
-        "summariser": summariser,
-    }
-    roles = fill_roles(given, read_options(python_values(models)), asks_again=METHODS[name].asks_again)
+    options = AgentOptions(**given)
+    who = {role: getattr(options, role) for role in ROLES}
     return Agent(
-        METHODS[name], roles, memory=_memory(memory), bounds=bounds, lead=lead, helper=helper, iterations=iterations
-    )
-
-
-def _bounds(*, rounds: int, retries: int, adjustments: int) -> Bounds:
-    return Bounds(
-        rounds=whole_number("max_rounds", rounds, 0),
-        retries=whole_number("retries", retries, 0),
-        adjustments=whole_number("max_adjustments", adjustments, 0),
+        METHODS[name],
+        fill_roles(who, options, asks_again=METHODS[name].asks_again),
+        memory=_memory(options.memory),
+        bounds=Bounds(
+            rounds=options.max_rounds, retries=options.retries, adjustments=options.max_adjustments
+        ),
+        lead=options.lead,
+        helper=options.helper,
+        iterations=options.iterations,
     )
 
 

@@ -12,7 +12,8 @@ import inspect
 import math
 import textwrap
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from remac_env.errors import OptionError, check_choice, real_number, whole_number
@@ -23,7 +24,7 @@ R = TypeVar("R")
 LONGEST = 60
 """Characters of a wrong value that an error shows."""
 
-NEEDED: Any = MISSING
+NEEDED: Any = inspect.Parameter.empty
 """The default of an option that has none: it must be given."""
 
 
@@ -58,6 +59,12 @@ class Texts(Values):
     """Texts that add up where they are repeated, or stand with commas between them."""
 
     many = True
+
+
+class File(Values):
+    """A path."""
+
+    kind = Path
 
 
 class Switch(Values):
@@ -124,11 +131,13 @@ class Row:
 
     Attributes:
         help: what it does, for documentation and command lines alike.
-        default: None also says that it may be left open; NEEDED that it must be given.
+        default: NEEDED where it must be given.
+        open: whether None is valid: it always is where it is the default.
         values: which values it takes.
         group: what kind of option it is within its home, such as "role" or "budget"; "" where there are no kinds.
         flag: how it is written on command lines; "": as its name.
-        spoken: whether a command line can say it: it cannot say an object.
+        spoken: whether command lines and suites can say it: they cannot say an object, and no run of the benchmark
+            takes what is there for learners, since planners see no masks, and agents need more than a vector.
     """
 
     help: str
@@ -137,23 +146,28 @@ class Row:
     group: str = ""
     flag: str = ""
     spoken: bool = True
+    open: bool = False
+
+    def __post_init__(self) -> None:
+        """None is valid where it is the default."""
+        object.__setattr__(self, "open", self.open or self.default is None)
 
     def but(self, **changes: Any) -> Row:
         """The same option where a command has another default, or says more of it."""
         return replace(self, **changes)
 
     def check(self, name: str, value: Any) -> Any:
-        """The value as it is used; None is valid where it is the default.
+        """The value as it is used.
 
         Raises:
             UnknownNameError, OptionError: naming the option, the value and what is valid.
         """
-        if value is None and self.default is None:
+        if value is None and self.open:
             return None
         try:
             return self.values.check(name, value)
         except OptionError as error:
-            if self.default is not None:
+            if not self.open:
                 raise
             raise OptionError(f"{error}, or None") from error
 
@@ -167,6 +181,12 @@ def option(default: Any, help: str, values: Values | None = None, **more: Any) -
 def rows(home: Any) -> dict[str, Row]:
     """The options of a dataclass by their names, in order."""
     return {each.name: each.metadata["row"] for each in fields(home) if "row" in each.metadata}
+
+
+def same(home: Any, name: str, **changes: Any) -> Any:
+    """A field that is an option of another dataclass; `changes`: what of its Row is otherwise here."""
+    row = rows(home)[name].but(**changes)
+    return field(default=row.default, metadata={"row": row})
 
 
 def check_rows(made: Any) -> None:
@@ -186,15 +206,13 @@ def takes_options(home: Callable[P, object]) -> Callable[[Callable[..., R]], Cal
     def wrap(function: Callable[..., R]) -> Callable[Concatenate[str, P], R]:
         own = [p for p in inspect.signature(function).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
         signature = inspect.Signature([*own, *inspect.signature(home).parameters.values()])
+        told = f"{function.__module__.partition('.')[0]}.{function.__name__}"
 
         @functools.wraps(function)
         def called(*args: Any, **given: Any) -> R:
-            try:
-                bound = signature.bind(*args, **given)
-            except TypeError as error:
-                valid = ", ".join(signature.parameters)
-                raise TypeError(f"{function.__name__}() {error}; valid: {valid}") from None
-            return function(**bound.arguments)
+            for name in given:
+                check_choice(f"keyword of {told}", name, signature.parameters)
+            return function(**signature.bind(*args, **given).arguments)
 
         called.__signature__ = signature  # type: ignore[attr-defined]
         if called.__doc__ is not None:
@@ -207,11 +225,16 @@ def takes_options(home: Callable[P, object]) -> Callable[[Callable[..., R]], Cal
 def described(home: Any, *, indent: int = 8) -> str:
     """The options of a dataclass as the lines of a docstring."""
     edge = " " * indent
-    lines = [(f"{name}: {row.help[0].lower()}{row.help[1:]}") for name, row in rows(home).items()]
+    lines = [f"{name}: {_going_on(row.help)}" for name, row in rows(home).items()]
     return "\n".join(
         textwrap.fill(line, 120, initial_indent=edge, subsequent_indent=f"{edge}    ", break_on_hyphens=False)
         for line in lines
     )
+
+
+def _going_on(sentence: str) -> str:
+    """A sentence as it stands behind a colon; a first word in capitals keeps them."""
+    return sentence if sentence[:2].isupper() else sentence[0].lower() + sentence[1:]
 
 
 def _number(text: Any, kind: type) -> Any:

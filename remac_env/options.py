@@ -22,9 +22,6 @@ OBSERVATIONS = ("state", "state+images")
 REWARDS = ("sparse", "progress", "distance")
 MASKS = ("grammar", "feasible")
 OBS_FORMATS = ("dict", "flat")
-FOR_LEARNERS = ("masks", "obs_format")
-"""Options that no run of the benchmark takes: planners do not see masks, and agents need more than a vector."""
-
 RENDER_MODES = (None, "rgb_array", "human")
 MAX_ROBOTS = 2
 
@@ -65,11 +62,11 @@ class Options:
     )  # fmt: skip
     masks: str = option(
         "grammar", "grammar (what names something in this kitchen) or feasible (what the skill table would not refuse "
-        "now either; for learners).", Choice(MASKS),
+        "now either; for learners).", Choice(MASKS), spoken=False,
     )  # fmt: skip
     obs_format: str = option(
         "dict", "dict (observation, action_mask, pictures) or flat (the vector alone; masks in infos).",
-        Choice(OBS_FORMATS),
+        Choice(OBS_FORMATS), spoken=False,
     )  # fmt: skip
     failure_rate: float = option(0.0, "Probability that a subtask slips (symbolic).", Real(0.0, 1.0))
 

@@ -2,46 +2,49 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from remac_agents.options import AgentOptions
 from remac_bench.errors import UsageError
 from remac_env.errors import OptionError, check_choice
+from remac_env.option_rows import Switch, option, rows, same
 
 DEFAULT_ITERATIONS = 2
 """RE and REMAC play iterations 0, 1, 2: learn, plan with what was learnt, share the work."""
 
 
-ROLES = ("planner", "conditions", "checker", "adjuster", "reflector", "handover", "summariser")
+def _keywords(*groups: str) -> tuple[str, ...]:
+    return tuple(name for group in groups for name, row in rows(AgentOptions).items() if row.group == group)
+
+
+ROLES = _keywords("role")
 """Keywords of `remac_agents.make` that name a role."""
 
-BUDGET = ("max_calls", "max_tokens", "max_money", "max_seconds")
+BUDGET = _keywords("budget")
 """Its keywords that bound what a job may spend on language models."""
 
-OPTIONS = (*ROLES, "model", *BUDGET, "retries", "max_adjustments", "max_rounds", "lead", "helper")
+BOUNDS = _keywords("bound")
+"""Its keywords that bound what an agent does in an episode."""
+
+OPTIONS = (*ROLES, "model", *BUDGET, *BOUNDS, *_keywords("robot"))
 """Its keywords that a job may set. Not `memory`: every job has one of its own."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Access:
-    """How language models, and roles that are code from outside, are reached.
+    """How language models, and roles that are code from outside, are reached."""
 
-    Attributes:
-        base_url: of models that may be anywhere.
-        providers: file that adds to the providers that are built in, or overrides them.
-        cassette: file in which exchanges are recorded, and from which those that it holds are played.
-        replay: nothing is asked for; what the cassette does not hold ends an episode unscored.
-        isolated: code from outside runs in processes of its own.
-    """
-
-    base_url: str | None = None
-    providers: str | None = None
-    cassette: str | None = None
-    replay: bool = False
-    isolated: bool = True
+    base_url: str | None = same(AgentOptions, "base_url")
+    providers: str | None = same(AgentOptions, "providers")
+    cassette: str | None = same(AgentOptions, "cassette")
+    replay: bool = same(AgentOptions, "replay")
+    isolated: bool = option(
+        True, "Code from outside runs in processes of its own; tables name it where not.", Switch(),
+        flag="--isolation/--no-isolation",
+    )  # fmt: skip
 
     @property
     def told(self) -> dict[str, Any]:
@@ -147,14 +150,14 @@ def changed_options(given: Mapping[str, Any]) -> dict[str, Any]:
     Raises:
         OptionError: for a bound on what models may take that is none.
     """
-    import remac_agents
-    from remac_agents.wiring.filling import DEFAULTS, check_spending
+    from remac_agents.wiring.filling import DEFAULTS
 
+
+    known = rows(AgentOptions)
     for name in BUDGET:
-        check_spending(name, given.get(name))
-    parameters = inspect.signature(remac_agents.make).parameters
+        known[name].check(name, given.get(name))
     kept = {name: value for name, value in given.items() if value is not None}
-    defaults = {name: parameter.default for name, parameter in parameters.items()}
+    defaults = {name: row.default for name, row in known.items()}
     if "model" not in kept:
         defaults |= DEFAULTS
     return {name: value for name, value in kept.items() if value != defaults.get(name)}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable
 from typing import Any, NoReturn
@@ -10,12 +9,8 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperCommand
 
-from remac_bench.console import USAGE, clean_errors, plain
+from remac_bench.console import USAGE, plain
 from remac_bench.errors import UsageError
-from remac_env.errors import OptionError, real_number, whole_number
-
-LONGEST = 60
-"""Characters of a wrong value that an error shows."""
 
 _UsageError: Any = typer.BadParameter.__mro__[1]  # typer has a click of its own, or not: it depends on its version
 
@@ -38,27 +33,6 @@ class Command(TyperCommand):
             _refuse(f"{error.format_message()} (--help lists the options)")
 
 
-def whole(least: int = 0, most: int | None = None, *, valid: str = "") -> dict[str, Any]:
-    """Keywords of typer.Option for a whole number in least..most; `valid` says it in other words."""
-
-    def read(text: object) -> int:
-        try:
-            return whole_number("", _number(text, int), least, most)
-        except OptionError as error:
-            raise OptionError(f"{str(error).partition('valid: ')[0]}valid: {valid}" if valid else str(error)) from error
-
-    return {"parser": _reader(read), "metavar": "INTEGER"}
-
-
-def real(least: float = 0.0, most: float = math.inf) -> dict[str, Any]:
-    """Keywords of typer.Option for a finite number in least..most."""
-
-    def read(text: object) -> float:
-        return float(real_number("", _number(text, float), least, most))
-
-    return {"parser": _reader(read), "metavar": "FLOAT"}
-
-
 def joined(given: list[str] | None, kind: str) -> str | None:
     """The texts of an option that may be repeated as one, with commas between them; None where it was not given.
 
@@ -73,30 +47,10 @@ def joined(given: list[str] | None, kind: str) -> str | None:
 
 
 def run_script(main: Callable[..., Any]) -> None:
-    """Run a script's only function as a command of this kind."""
+    """Run a script's only function, which `flags.takes` has made a command, as one of this kind."""
     app = typer.Typer(add_completion=False)
-    app.command(cls=Command)(clean_errors(main))
+    app.command(cls=Command)(main)
     app()
-
-
-def _number(text: object, kind: type) -> object:
-    """What a text says; the text itself where it says no number."""
-    if not isinstance(text, str):
-        return text
-    try:
-        return kind(text)
-    except ValueError:
-        return text if len(text) <= LONGEST else f"{text[:LONGEST]}..."
-
-
-def _reader(read: Callable[[object], Any]) -> Callable[[object], Any]:
-    def parse(text: object) -> Any:
-        try:
-            return read(text)
-        except OptionError as error:
-            raise typer.BadParameter(str(error).strip()) from error
-
-    return parse
 
 
 def _refuse(message: str) -> NoReturn:

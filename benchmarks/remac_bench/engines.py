@@ -12,12 +12,11 @@ from remac_bench.interrupts import alarm, stoppable
 from remac_bench.jobs import Job
 from remac_bench.machine import cores
 from remac_bench.records import Record
+from remac_bench.settings import ENGINES
 from remac_bench.shared import Shared
 from remac_bench.watch import GRACE_SECONDS, Watch
 from remac_bench.worker import Work, play_job, timed_out
 from remac_env.errors import check_choice
-
-ENGINES = ("auto", "processes", "threads", "ray")
 
 THREADS = 16
 """Jobs at the same time by default where language models are asked: they wait for most of their time."""

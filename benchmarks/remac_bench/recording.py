@@ -13,9 +13,6 @@ from remac_env.errors import RemacError, RenderingError
 VideoMode = Literal["none", "failed", "all", "last"]
 """Within a job: no episode, those that failed, every one, or the last iteration alone."""
 
-VIDEO_CHOICES = ("none", "failed", "all", "first")
-"""For a run: as above; `first` is the last iteration of the first seed of each task and agent."""
-
 
 class Recorder:
     """Films one episode where wanted; a problem is kept in the record's `video` and the episode goes on."""

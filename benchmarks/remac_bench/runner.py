@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from remac_bench.deadline import job_seconds
-from remac_bench.engines import Engine, play_all
-from remac_bench.errors import UsageError
+from remac_bench.engines import play_all
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import Job
 from remac_bench.lock import locked
-from remac_bench.recording import VIDEO_CHOICES, VideoMode
+from remac_bench.recording import VideoMode
 from remac_bench.records import Record
+from remac_bench.settings import Settings
 from remac_bench.store import Store, finished_jobs
 from remac_bench.watch import Watch
 from remac_bench.worker import Work
-from remac_env.errors import check_choice
 from remac_env.files import prepare_file, prepare_folder
 
 
@@ -33,51 +31,6 @@ class Listener:
 
     def slow(self, job: Job, seconds: float) -> None:
         """A job has been running for so long, and still does."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Settings:
-    """How jobs are run; nothing here changes a result, but for a job whose time is up.
-
-    Attributes:
-        workers: how many at the same time; 0: in this process, one by one; None: as many as the engine likes best.
-        engine, address: where they are played; see `engines`.
-        video: one of VIDEO_CHOICES; see `recording`.
-        video_methods: methods that are filmed; None means all.
-        optimum: search the shortest plan of every episode.
-        extensions: modules or files that register tasks, imported in every process.
-        fresh: forget the records and videos that the folder holds.
-        preflight: ask each language model one tiny question before jobs are played.
-        job_seconds: wall time of a job at most, after which it has failed; None: `deadline.job_seconds` for each.
-    """
-
-    workers: int | None = 1
-    engine: str = "auto"
-    address: str | None = None
-    video: str = "none"
-    video_methods: tuple[str, ...] | None = None
-    optimum: bool = False
-    extensions: tuple[str, ...] = ()
-    fresh: bool = False
-    preflight: bool = False
-    job_seconds: float | None = None
-
-    def __post_init__(self) -> None:
-        """Refuse an unknown kind of video or engine, and numbers of workers or seconds that are none.
-
-        Raises:
-            UnknownNameError, UsageError: naming what is valid.
-        """
-        check_choice("video", self.video, VIDEO_CHOICES)
-        _ = self.place
-        seconds = self.job_seconds
-        if seconds is not None and not (isinstance(seconds, int | float) and 0 < seconds < math.inf):
-            raise UsageError(f"job_seconds {seconds!r} is not valid; valid: a positive number of seconds")
-
-    @property
-    def place(self) -> Engine:
-        """Where jobs are played."""
-        return Engine(name=self.engine, workers=self.workers, address=self.address)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from remac_bench.errors import UsageError
-from remac_env.errors import OptionError, real_number, whole_number
+from remac_env.errors import OptionError, RemacError, whole_number
+from remac_env.option_rows import Row
 
 
 def check_finite(file: str, where: str, data: Any) -> None:
@@ -23,8 +24,8 @@ def check_finite(file: str, where: str, data: Any) -> None:
         check_finite(file, f"{where}[{key}]" if isinstance(key, int) else f"{where}.{key}".lstrip("."), part)
 
 
-def number(file: str, where: str, value: Any, most: float, *, least: int = 0, whole: bool = True) -> Any:
-    """The number in least..most, None where none is given.
+def number(file: str, where: str, value: Any, most: int, *, least: int = 0) -> Any:
+    """The whole number in least..most, None where none is given.
 
     Raises:
         UsageError: for anything else.
@@ -32,6 +33,18 @@ def number(file: str, where: str, value: Any, most: float, *, least: int = 0, wh
     if value is None:
         return None
     try:
-        return whole_number(where, value, least, int(most)) if whole else real_number(where, value, least, most)
+        return whole_number(where, value, least, most)
     except OptionError as error:
+        raise UsageError(f"{file}: {error}") from error
+
+
+def option_value(file: str, where: str, row: Row, value: Any) -> Any:
+    """The value of an option.
+
+    Raises:
+        UsageError: naming file, key and valid values.
+    """
+    try:
+        return row.values.check(where, value)
+    except RemacError as error:
         raise UsageError(f"{file}: {error}") from error

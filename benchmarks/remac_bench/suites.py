@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from remac_agents.text.options import MOST_SPENT
+from remac_agents.options import AgentOptions
 from remac_bench import agents
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_bench.job_lists import check_jobs, make_jobs, parse_seeds
 from remac_bench.jobs import Job, SuiteMark
-from remac_bench.suite_numbers import check_finite, number
+from remac_bench.suite_numbers import check_finite, number, option_value
 from remac_env.errors import RemacError
 from remac_env.files import read_text
-from remac_env.options import FOR_LEARNERS, MAX_ROBOTS, Options
+from remac_env.option_rows import rows
+from remac_env.options import MAX_ROBOTS, Options
 from remac_env.seeding import digest
 
 KEPT_SEEDS = 900_000
@@ -31,15 +32,15 @@ TABLE = "table"
 
 TOP = ("name", "version", "about", "methods", "floors", "roles", "budget", "jobs")
 BLOCK = ("tasks", "seeds", "cells", "methods", "robots", "iterations", "kitchen")
-_NOT_A_SUITES = ("robots", "style", "layout", "render_mode", *FOR_LEARNERS)
-KITCHEN = tuple(f.name for f in fields(Options) if f.name not in _NOT_A_SUITES)
+_NOT_A_SUITES = ("robots", "style", "layout", "render_mode")
+KITCHEN = tuple(name for name, row in rows(Options).items() if row.spoken and name not in _NOT_A_SUITES)
 FLOOR_METHOD = "BASE"
 """Floors plan once and look at nothing."""
 
 MOST_ITERATIONS = 1000
 """More is a slip of the keyboard."""
 
-BUDGET = (*agents.BUDGET, "retries", "max_adjustments", "max_rounds")
+BUDGET = (*agents.BUDGET, *agents.BOUNDS)
 """The keys of a suite, of one of its blocks of jobs, and of their tables."""
 
 
@@ -207,7 +208,7 @@ def _read(file: str, data: Mapping[str, Any]) -> Suite:
     roles = _table(file, "roles", data.get("roles", {}), agents.ROLES)
     budget = _table(file, "budget", data.get("budget", {}), BUDGET)
     for key, bound in budget.items():
-        number(file, f"budget.{key}", bound, MOST_SPENT, whole=key not in ("max_money", "max_seconds"))
+        option_value(file, f"budget.{key}", rows(AgentOptions)[key], bound)
     blocks = _value(file, "jobs", data["jobs"], list)
     content = {key: value for key, value in data.items() if key != "about"}
     return Suite(

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from remac_agents.options import ModelOptions
 from remac_agents.roles import Roles
-from remac_agents.text.options import MOST_SPENT, check_number
 from remac_agents.wiring.catalogue import MODEL_ROLES, make_role, read_role
-from remac_env.errors import OptionError, check_choice
+from remac_env.errors import OptionError
 
 if TYPE_CHECKING:
-    from remac_agents.llm import Cassette, Limiter, Manners
     from remac_agents.prompting.models import Models
 
 DEFAULTS = {
@@ -26,68 +24,6 @@ DEFAULTS = {
     "summariser": "rule",
 }
 """Role -> who fills it where nobody is given and no model speaks for it."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ModelOptions:
-    """How an agent uses language models.
-
-    Attributes:
-        model: `provider:model` or a name of the paper's models, with options behind it or without (docs/models.md),
-            for every role that is not given, the handover among them; the checker only if the provider lists images,
-            else that is `truth`.
-        base_url: where the model's server is, and that of other roles' models that may be anywhere.
-        providers: a file that adds to the providers that are built in, or overrides them (docs/models.md).
-        via: the provider by which models are reached, for `model` and those of other roles, or "auto": the first route
-            whose key is set.
-        cassette: a file of exchanges with models, or a Cassette. What it holds already is played, the rest is asked
-            for and recorded.
-        replay: nothing is asked for; what the cassette does not hold ends the episode.
-        max_calls, max_tokens, max_money, max_seconds: what all episodes of the agent together may spend on models;
-            money in US dollars. None: `remac_agents.prompting.models.LIMITS`, and no bound on money.
-        limiter: how many requests may be under way, where several agents share an endpoint.
-        manners: what was learnt of how endpoints want to be asked, where several agents share it.
-    """
-
-    model: str | None = None
-    base_url: str | None = None
-    providers: str | Path | None = None
-    via: str | None = None
-    cassette: Cassette | str | Path | None = None
-    replay: bool = False
-    max_calls: int | None = None
-    max_tokens: int | None = None
-    max_money: float | None = None
-    max_seconds: float | None = None
-    limiter: Limiter | None = None
-    manners: Manners | None = None
-
-    @property
-    def budget(self) -> dict[str, float | None]:
-        """The bounds by the names that budgets have for them."""
-        return {name: getattr(self, f"max_{name}") for name in ("calls", "tokens", "money", "seconds")}
-
-    @property
-    def given(self) -> bool:
-        """Whether any of them is."""
-        return self != ModelOptions()
-
-
-def read_options(given: Mapping[str, Any]) -> ModelOptions:
-    """The options from keywords; UnknownNameError lists the valid ones."""
-    for name in given:
-        check_choice("keyword of remac_agents.make", name, [field.name for field in fields(ModelOptions)])
-    return ModelOptions(**given)
-
-
-def check_spending(name: str, bound: object) -> None:
-    """Refuse a bound on what models may take that is none.
-
-    Raises:
-        OptionError: naming the bound and what is valid.
-    """
-    if bound is not None:
-        check_number(name, bound, 0, MOST_SPENT, whole=name in ("max_calls", "max_tokens"), more=", or None")
 
 
 def fill_roles(given: Mapping[str, Any], options: ModelOptions, *, asks_again: bool = False) -> Roles:
@@ -113,12 +49,12 @@ def fillers(given: Mapping[str, Any], **options: Any) -> dict[str, Any]:
 
     Args:
         given: role -> who fills it; those that are missing are not given.
-        options: keywords of ModelOptions that say which model there is, and where.
+        options: keywords of `options.ModelOptions` that say which model there is, and where.
 
     Raises:
         UnknownNameError, OptionError: for a model that is not valid.
     """
-    read, every = read_options(options), {role: given.get(role) for role in DEFAULTS}
+    read, every = ModelOptions(**options), {role: given.get(role) for role in DEFAULTS}
     return _chosen(every, read, _models(read) if read.given else None)
 
 
@@ -148,8 +84,6 @@ def _models(options: ModelOptions) -> Models:
     from remac_agents.llm import Budget, Cassette, Limiter, Manners  # only here: no offline agent needs the client
     from remac_agents.prompting.models import LIMITS, Models
 
-    for name, bound in options.budget.items():
-        check_spending(f"max_{name}", bound)
     if options.limiter is not None and not isinstance(options.limiter, Limiter):
         raise OptionError(f"limiter {options.limiter!r} is not valid; valid: a remac_agents.llm.Limiter, or None")
     if options.manners is not None and not isinstance(options.manners, Manners):

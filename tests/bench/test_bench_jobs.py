@@ -6,12 +6,10 @@ from dataclasses import fields, replace
 
 import pytest
 from bench_helpers import jobs
-from remac_bench import agents, flags
-from remac_bench.commands import bench
+from remac_bench import agents
 from remac_bench.errors import UsageError
 from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
 
-from remac_agents.wiring.filling import ModelOptions
 from remac_env.errors import OptionError, UnknownNameError
 from remac_env.options import Options
 
@@ -124,21 +122,3 @@ def test_a_role_with_options() -> None:
 def test_bad_agents_come_out_before_any_work(agent: dict) -> None:
     with pytest.raises((UnknownNameError, OptionError), match="valid|imported"):
         jobs("REMAC", **agent)
-
-
-def test_every_keyword_of_kitchen_and_agent_is_a_flag() -> None:
-    import inspect
-
-    import remac_agents
-
-    parameters = inspect.signature(bench.run).parameters
-    assert {field.name for field in fields(Options)} <= set(parameters)
-    made = set(inspect.signature(remac_agents.make).parameters) - {"name", "memory", "models"}
-    made |= {field.name for field in fields(ModelOptions)}
-    of_the_run = {"base_url", "providers", "via", "cassette", "replay", "limiter", "manners", "iterations"}
-    assert made - of_the_run - {"model"} == set(flags.AGENT)
-    assert {"models", *of_the_run - {"limiter", "manners"}} <= set(parameters)
-    assert set(flags.AGENT.values()) <= set(parameters)
-    for field in fields(Options):
-        if field.name != "robots":
-            assert parameters[field.name].default == field.default, field.name

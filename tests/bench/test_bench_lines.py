@@ -16,8 +16,9 @@ import pytest
 import typer
 from bench_helpers import ROOT, read
 from remac_bench.cli import app
-from remac_bench.command import Command, joined, real, whole
+from remac_bench.command import Command, joined
 from remac_bench.console import console
+from remac_bench.flags import parsed
 from remac_bench.store import Store
 from test_bench_cli import remac
 from typer.testing import CliRunner
@@ -25,6 +26,7 @@ from typer.testing import CliRunner
 import remac_agents
 import remac_env
 from remac_env.errors import OptionError
+from remac_env.option_rows import Real, Whole
 
 NO_NUMBERS = ("nan", "inf", "-inf", "-1", "1e400", "0x10", "", "12a", "9" * 5000, "true", "\u0663.\u0663.")
 """Texts that are no valid value of any of our numbers."""
@@ -87,7 +89,7 @@ def test_a_number_without_a_range_would_be_found_out() -> None:
     loose = typer.Typer()
 
     @loose.command(cls=Command)
-    def play(seconds: float = 1.0, rounds: Annotated[float, typer.Option(**real(1.0))] = 2.0) -> None:
+    def play(seconds: float = 1.0, rounds: Annotated[float, typer.Option(**parsed(Real(1.0)))] = 2.0) -> None:
         """Play."""
 
     assert CliRunner().invoke(loose, ["--seconds", "inf"]).exit_code == 0
@@ -100,8 +102,8 @@ def test_numbers_that_are_some_are_taken() -> None:
 
     @taken.command(cls=Command)
     def play(
-        seconds: Annotated[float | None, typer.Option(**real(0.0, 9.5))] = None,
-        rounds: Annotated[int, typer.Option(**whole(1, 3))] = 2,
+        seconds: Annotated[float | None, typer.Option(**parsed(Real(0.0, 9.5)))] = None,
+        rounds: Annotated[int, typer.Option(**parsed(Whole(1, 3)))] = 2,
     ) -> None:
         """Play."""
         typer.echo(f"{seconds!r} {rounds!r}")

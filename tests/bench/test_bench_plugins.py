@@ -12,12 +12,14 @@ from bench_helpers import jobs, odd_scene, read
 from remac_bench.commands.progress import Bar
 from remac_bench.console import console
 from remac_bench.deadline import ASKING_SECONDS, JOB_SECONDS, Deadline, job_seconds
-from remac_bench.errors import JobTimeoutError, UsageError
+from remac_bench.errors import JobTimeoutError
 from remac_bench.interrupts import SIGNALS, Stopped, is_stop, stoppable
 from remac_bench.redaction import redact
 from remac_bench.runner import RunSummary, Settings, run_jobs
 from remac_bench.watch import GRACE_SECONDS, SLOW_SECONDS, Watch
 from remac_bench.worker import Work
+
+from remac_env.errors import OptionError
 
 ODD_SEED = 1
 
@@ -178,7 +180,7 @@ def test_the_bound_hangs_on_who_is_asked(agent: dict[str, str], seconds: float) 
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, float("inf"), float("nan"), "9"])
 def test_bounds_that_are_none(seconds: Any) -> None:
-    with pytest.raises(UsageError, match="job_seconds .* valid: a positive number"):
+    with pytest.raises(OptionError, match="job_seconds .* valid: a number from 0.001 to"):
         Settings(job_seconds=seconds)
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from remac_bench.command import joined
-from remac_bench.console import clean_errors, console
-from remac_bench.flags import Backend, Jobs, Seeds
+from remac_bench.console import console
+from remac_bench.flags import takes
 
 if TYPE_CHECKING:
     from remac_bench.jobs import Job
@@ -16,26 +14,19 @@ if TYPE_CHECKING:
 METHODS = ("BASE", "CC", "RE", "REMAC")
 
 
-@clean_errors
+@takes("demo.out", "demo.seeds", "backend", "workers", "demo.video", "demo.resume")
 def demo(
-    out: Annotated[str, typer.Option(help="Folder for records and videos.")] = "demo_output",
-    seeds: Seeds = ["0:3"],  # noqa: B006 - typer reads it, nobody writes to it
-    backend: Backend = "physics",
-    jobs: Jobs = None,
-    video: Annotated[bool, typer.Option(help="One video of a REMAC episode a task.")] = True,
-    resume: Annotated[
-        bool, typer.Option(help="Go on with an earlier demo instead of starting anew.")
-    ] = False,
+    *, out: str, seeds: list[str], backend: str, workers: int | None, video: bool, resume: bool
 ) -> None:
     """Play four tasks with BASE, CC, RE and REMAC, one kitchen a task: the table, records and videos."""
     from remac_bench.commands.progress import run_and_report
     from remac_bench.job_lists import parse_seeds
-    from remac_bench.runner import Settings
+    from remac_bench.settings import Settings
     from remac_env.files import prepare_folder
 
     prepare_folder(out, "--out")
     settings = Settings(
-        workers=jobs,
+        workers=workers,
         video="first" if video else "none",
         video_methods=("REMAC",),
         fresh=not resume,

@@ -4,25 +4,20 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
-from typing import Annotated
 
 import typer
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from remac_bench import flags
-from remac_bench.console import FAILED, MARKS, clean_errors, console
+from remac_bench.console import FAILED, MARKS, console
 from remac_bench.errors import UsageError
+from remac_bench.flags import takes
 
 
-@clean_errors
+@takes("doctor.models", "base_url", "providers", "via", "doctor.as_json")
 def doctor(
-    models: flags.AskedModels = None,
-    base_url: flags.BaseUrl = None,
-    providers: flags.Providers = None,
-    via: flags.Via = None,
-    as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+    *, models: list[str] | None, base_url: str | None, providers: str | None, via: str | None, as_json: bool
 ) -> None:
     """Say what this machine has and what for, or ask models one tiny question each.
 

@@ -7,25 +7,14 @@ from typing import Annotated
 
 import typer
 
-from remac_bench import flags
-from remac_bench.console import clean_errors, console
+from remac_bench.console import console
+from remac_bench.flags import takes
 
 Folder = Annotated[str, typer.Argument(help="The --out of a run.")]
-Markdown = Annotated[bool, typer.Option("--markdown", help="As Markdown.")]
 
 
-@clean_errors
-def report(
-    folder: Folder,
-    as_markdown: Markdown = False,
-    everything: Annotated[
-        bool, typer.Option("--all", help="Every table with every column, not the main ones alone.")
-    ] = False,
-    csv: Annotated[
-        str | None, typer.Option(help="Write FILE.csv with the results, or every table into a folder.")
-    ] = None,
-    pages: Annotated[bool, typer.Option(help="Also write FOLDER/leaderboard.html with a page an episode.")] = True,
-) -> None:
+@takes("records.as_markdown", "report.everything", "report.csv", "report.pages")
+def report(folder: Folder, *, as_markdown: bool, everything: bool, csv: str | None, pages: bool) -> None:
     """Print the tables of a folder's records, and write them as pages: FOLDER/leaderboard.html."""
     from remac_bench.report import board_markdown, board_tables, prepare_csv, read_board, write_csv
 
@@ -48,15 +37,8 @@ def report(
         screen.print(part, crop=False)
 
 
-@clean_errors
-def blame(
-    folder: Folder,
-    as_markdown: Markdown = False,
-    rescue: Annotated[
-        bool, typer.Option(help="Also try whether the oracle's steps from the bad round on reach the goal.")
-    ] = True,
-    extensions: flags.Extensions = None,
-) -> None:
+@takes("records.as_markdown", "blame.rescue", "extensions")
+def blame(folder: Folder, *, as_markdown: bool, rescue: bool, extensions: list[str] | None) -> None:
     """Play a folder's failed episodes again, say why each failed, and write FOLDER/blame.jsonl."""
     from rich.progress import track
 

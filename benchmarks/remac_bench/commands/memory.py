@@ -8,21 +8,22 @@ from typing import Annotated
 
 import typer
 
-from remac_agents.memory import MAX_CHARACTERS, MAX_LESSONS, Memory, Run, prune_file
-from remac_bench.command import Command, whole
-from remac_bench.console import clean_errors, plain
+from remac_agents.memory import Memory, Run, prune_file
+from remac_bench.command import Command
+from remac_bench.console import plain
 from remac_bench.errors import UsageError
+from remac_bench.flags import parsed, takes
 from remac_env.files import prepare_file
+from remac_env.option_rows import Whole
 
 app = typer.Typer(no_args_is_help=True, help="Look into memory files: what runs taught.")
 
 File = Annotated[Path, typer.Argument(help="A memory file (JSON lines).")]
-Task = Annotated[str | None, typer.Option(help="Only this task.")]
 
 
 @app.command("list", cls=Command)
-@clean_errors
-def list_runs(file: File, task: Task = None) -> None:
+@takes("memory.task")
+def list_runs(file: File, *, task: str | None) -> None:
     """One line a run: number, task, success, whether the plan was adjusted, lessons, length of the first plan."""
     for number, run in _chosen(file, task):
         adjusted = "adjusted" if run.adjusted else "as planned"
@@ -32,15 +33,16 @@ def list_runs(file: File, task: Task = None) -> None:
 
 
 @app.command(cls=Command)
-@clean_errors
+@takes("memory.task", "memory.most", "memory.characters")
 def show(
     file: File,
     number: Annotated[
-        int | None, typer.Argument(help="Of a run, as `list` says; without it, the lessons.", **whole())
+        int | None, typer.Argument(help="Of a run, as `list` says; without it, the lessons.", **parsed(Whole()))
     ] = None,
-    task: Task = None,
-    most: Annotated[int, typer.Option(help="Lessons at most.", **whole(1))] = MAX_LESSONS,
-    characters: Annotated[int, typer.Option(help="Characters of lessons at most.", **whole(1))] = MAX_CHARACTERS,
+    *,
+    task: str | None,
+    most: int,
+    characters: int,
 ) -> None:
     """Print one run with its eight fields as JSON, or the lessons that a prompt would get, by task."""
     chosen = dict(_chosen(file, task))
@@ -57,8 +59,8 @@ def show(
 
 
 @app.command(cls=Command)
-@clean_errors
-def diff(first: File, second: File, task: Task = None) -> None:
+@takes("memory.task")
+def diff(first: File, second: File, *, task: str | None) -> None:
     """What the second file's prompts have (+) and lack (-) against the first's, by task."""
     one, other = Memory(_there(first)), Memory(_there(second))
     names = dict.fromkeys([*one.tasks(), *other.tasks()])
@@ -71,12 +73,8 @@ def diff(first: File, second: File, task: Task = None) -> None:
 
 
 @app.command(cls=Command)
-@clean_errors
-def prune(
-    file: File,
-    keep: Annotated[int, typer.Option(help="Newest runs a task that stay.", **whole())],
-    task: Task = None,
-) -> None:
+@takes("memory.keep", "memory.task")
+def prune(file: File, *, keep: int, task: str | None) -> None:
     """Forget all but the newest runs of each task; the file is replaced in one step."""
     prepare_file(_there(file), "memory file")
     gone = prune_file(_there(file), keep=keep, task=task)

@@ -3,31 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import typer
 
+from remac_agents.options import AgentOptions, ModelOptions
 from remac_bench import agents
 from remac_bench.console import FAILED, plain
 from remac_bench.errors import UsageError
+from remac_bench.settings import Settings
+from remac_env.option_rows import rows, same
 
 
 @dataclass(kw_only=True)
 class Reach:
     """The flags that say it; see `flags`."""
 
-    base_url: str | None = None
-    providers: str | None = None
-    via: str | None = None
-    preflight: bool = True
-    cassette: str | None = None
-    replay: bool = False
-    max_calls: int | None = None
-    max_tokens: int | None = None
-    max_money: float | None = None
-    max_seconds: float | None = None
+    base_url: str | None = same(AgentOptions, "base_url")
+    providers: str | None = same(AgentOptions, "providers")
+    via: str | None = same(AgentOptions, "via")
+    cassette: str | None = same(AgentOptions, "cassette")
+    replay: bool = same(AgentOptions, "replay")
+    preflight: bool = same(Settings, "preflight", default=True)
+    budget: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Refuse a provider, or a file of providers, that is not valid, and a replay of nothing.
@@ -43,7 +43,9 @@ class Reach:
     @classmethod
     def of(cls, context: typer.Context) -> Reach:
         """From the flags of a command."""
-        return cls(**{field.name: context.params[field.name] for field in fields(cls)})
+        given = context.params
+        budget = {name: given[name] for name in agents.BUDGET}
+        return cls(**{name: given[name] for name in rows(cls)}, budget=budget)
 
     def routed(self, text: str) -> str:
         """A role's text, in which a model of the paper goes by its route.
@@ -66,10 +68,8 @@ class Reach:
         from remac_agents.llm import Budget  # only here: no offline role needs the client
         from remac_agents.prompting.models import LIMITS, Models
 
-        bounds: dict[str, Any] = {
-            name: LIMITS.get(name) if (bound := getattr(self, f"max_{name}")) is None else bound
-            for name in ("calls", "tokens", "money", "seconds")
-        }
+        budget = ModelOptions(**self.budget).budget
+        bounds: dict[str, Any] = {n: LIMITS.get(n) if bound is None else bound for n, bound in budget.items()}
         reached = {"base_url": self.base_url, "providers": self.providers, "cassette": self._tape}
         return make_role(role, text, models=Models(budget=Budget(**bounds), **reached))
 

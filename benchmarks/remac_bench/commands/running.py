@@ -15,8 +15,9 @@ from remac_bench.errors import UsageError
 from remac_bench.extensions import find_local_modules, load_extensions
 from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
 from remac_bench.jobs import Job
-from remac_bench.runner import Settings
+from remac_bench.settings import Settings
 from remac_env.files import prepare_folder
+from remac_env.option_rows import rows
 
 SHOWN = 20
 """Contradictions that are printed; all are counted."""
@@ -33,8 +34,7 @@ def run_command(context: typer.Context) -> None:
     load_extensions(given["extensions"] or ())
     if given["out"] is None and given["suite"] is None:
         raise UsageError("--out is missing: a folder for the records; only a suite has one of its own")
-    reached = {name: given[name] for name in ("base_url", "providers", "cassette", "replay")}
-    access = Access(**reached, isolated=given["isolation"])
+    access = Access(**{name: given[name] for name in rows(Access)})
     if access.replay and access.cassette is None:
         raise UsageError("--replay needs --cassette FILE")
     entries = _entries(context)
@@ -58,7 +58,7 @@ def verify_command(
     *,
     sample: int | None,
     seed: int,
-    extensions: tuple[str, ...],
+    extensions: list[str] | None = None,
     cassette: str | None = None,
     providers: str | None = None,
 ) -> None:
@@ -71,7 +71,7 @@ def verify_command(
     from remac_bench.proof.verify import verify
 
     find_local_modules()
-    load_extensions(extensions)
+    load_extensions(extensions or ())
     verdict = verify(folder, sample=sample, seed=seed, cassette=cassette, providers=providers)
     if not verdict.jobs:
         raise UsageError(f"no finished jobs in {folder!r}; give the --out of a `remac bench run`")
@@ -100,13 +100,15 @@ def _entries(context: typer.Context) -> list[dict[str, Any]]:
     def routed(text: str) -> str:
         return agents.by_route(text, via=given["via"], providers=given["providers"])
 
-    agent = {name: value for name, value in flags.pick(context, flags.AGENT).items() if value is not None}
+    said = flags.pick(given, "agent")
+    models = said.pop("model")
+    agent = {name: value for name, value in said.items() if name in agents.OPTIONS and value is not None}
     agent |= {name: routed(agent[name]) for name in agents.ROLES if name in agent}
-    if not given["models"]:
+    if not models:
         return [agent]
     from remac_agents.llm.settings import plain_model_name  # only here: no offline run needs the client
 
-    return [{"model": model, **agent} for model in dict.fromkeys(plain_model_name(routed(m)) for m in given["models"])]
+    return [{"model": model, **agent} for model in dict.fromkeys(plain_model_name(routed(m)) for m in models)]
 
 
 def _jobs(context: typer.Context, entry: dict[str, Any], access: Access) -> list[Job]:
@@ -128,31 +130,25 @@ def _jobs(context: typer.Context, entry: dict[str, Any], access: Access) -> list
 def _kitchen(context: typer.Context) -> dict[str, Any]:
     """The kitchen's flags; those about pictures only where they are given, else they follow from the roles."""
     follow = ("obs", "image_size")
-    given = flags.pick(context, flags.KITCHEN)
+    given = flags.pick(context.params, "kitchen")
+    del given["robots"]  # by default the method's
     return {name: v for name, v in given.items() if name not in follow or _explicit(context, name) is not None}
 
 
 def _settings(given: dict[str, Any]) -> Settings:
-    return Settings(
-        workers=given["jobs"],
-        engine=given["engine"],
-        address=given["address"],
-        video=given["video"],
-        optimum=given["optimum"],
-        job_seconds=given["job_seconds"],
-        extensions=tuple(given["extensions"] or ()),
-        preflight=given["preflight"],
-    )
+    said = flags.pick(given, "settings")
+    return Settings(**{**said, "extensions": tuple(said["extensions"] or ())})
 
 
 def _check_frozen(context: typer.Context, suite: str) -> None:
-    for flag in flags.FROZEN:
-        if _explicit(context, flag) is not None:
-            raise UsageError(f"--{flag.replace('_', '-')} does not go with suite {suite!r}, which says that itself")
+    for name in flags.FROZEN:
+        if _explicit(context, name) is not None:
+            raise UsageError(f"{flags.TABLE[name].written} does not go with suite {suite!r}, which says that itself")
 
 
-def _explicit(context: typer.Context, flag: str) -> Any:
+def _explicit(context: typer.Context, name: str) -> Any:
     """The value of a flag that was given on the command line; None where it was not."""
-    source = context.get_parameter_source(flag)
+    parameter = flags.TABLE[name].parameter
+    source = context.get_parameter_source(parameter)
     # By its name: typer brings a click of its own, whose enumeration is not the one of the package click.
-    return context.params[flag] if source is not None and source.name == "COMMANDLINE" else None
+    return context.params[parameter] if source is not None and source.name == "COMMANDLINE" else None

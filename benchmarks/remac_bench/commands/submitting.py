@@ -2,42 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from remac_bench import flags
-from remac_bench.command import whole
-from remac_bench.console import FAILED, clean_errors, console, plain
-from remac_env.seeding import SEED_MAX
+from remac_bench.console import FAILED, console, plain
+from remac_bench.flags import takes
 
 SHOWN = 20
 """Reasons that are printed; all are counted."""
 
 
-@clean_errors
+@takes("submit.out", "submit.name", "submit.contact", "submit.kind", "cassette", "providers")
 def submit(
-    folder: Annotated[str, typer.Argument(help="The --out of a run of a suite.")],
-    out: Annotated[str, typer.Option(help="A new folder for the submission.")],
-    name: Annotated[str, typer.Option(help="Under which name it stands on boards.")],
-    contact: Annotated[str, typer.Option(help="Where to ask.")] = "",
-    kind: Annotated[str, typer.Option(help="standard, or custom: with roles or code of one's own.")] = "standard",
-    cassette: flags.Cassette = None,
-    providers: flags.Providers = None,
+    folder: Annotated[str, typer.Argument(help="The --out of a run of a suite.")], *, out: str, **entry: Any
 ) -> None:
     """Pack records, the cassette that plays them again, and entry.toml into a folder that others can accept."""
     from remac_bench.proof.submission import pack
 
-    pack(folder, out, name=name, contact=contact, kind=kind, cassette=cassette, providers=providers)
+    pack(folder, out, **entry)
     typer.echo(f"packed: {plain(out)}; try it yourself: remac bench accept {plain(out)}")
 
 
-@clean_errors
-def accept(
-    folder: Annotated[str, typer.Argument(help="A submission.")],
-    reask: Annotated[int, typer.Option(help="Jobs whose models are asked again, with your keys.", **whole())] = 0,
-    seed: Annotated[int, typer.Option(help="Which jobs are asked again.", **whole(0, SEED_MAX))] = 0,
-) -> None:
+@takes("accept.reask", "accept.seed")
+def accept(folder: Annotated[str, typer.Argument(help="A submission.")], *, reask: int, seed: int) -> None:
     """Play a whole submission again; print its rows, or the reasons why it is not accepted (exit code 1)."""
     from remac_bench.proof.acceptance import accept as judge
     from remac_bench.report import tables
@@ -57,10 +45,9 @@ def accept(
     screen.print(f"accepted: {plain(found.entry.name)}, {found.tier}{again}", markup=False)
 
 
-@clean_errors
+@takes("board.out")
 def board(
-    folders: Annotated[list[str], typer.Argument(help="Accepted submissions of one suite.")],
-    out: Annotated[str, typer.Option(help="A new folder for the pages.")],
+    folders: Annotated[list[str], typer.Argument(help="Accepted submissions of one suite.")], *, out: str
 ) -> None:
     """Make the tables and pages of accepted submissions: OUT/leaderboard.html."""
     from remac_bench.pages import write_pages

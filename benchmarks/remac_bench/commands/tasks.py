@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from remac_bench.console import clean_errors, console
-from remac_bench.flags import Extensions
+from remac_bench.console import console
+from remac_bench.flags import takes
 
 
-@clean_errors
-def tasks(
-    as_json: Annotated[bool, typer.Option("--json", help="As JSON.")] = False, extensions: Extensions = None
-) -> None:
+@takes("tasks.as_json", "extensions")
+def tasks(*, as_json: bool, extensions: list[str] | None) -> None:
     """List the tasks with their styles and layouts."""
     from remac_bench.extensions import load_extensions
 

@@ -20,6 +20,8 @@ from remac_bench.entries import MESSAGE_MAX
 from remac_bench.plans.judge import Judgement, judge
 from remac_bench.playing import BlamedError, blaming
 from remac_bench.redaction import redact
+from remac_env.option_rows import rows, same
+from remac_env.options import Options
 from remac_env.oracle import certify
 
 
@@ -28,20 +30,19 @@ class Cell:
     """Where a plan is asked for: keywords of `remac_env.parallel_env` without the backend, and a seed."""
 
     task: str
-    robots: int = 1
+    robots: int = same(Options, "robots", default=1)
     seed: int = 0
-    starts: str = "paper"
-    wording: int = 3
-    style: str | None = None
-    layout: str | None = None
-    naming: str = "role"
-    text: str = "plain"
+    starts: str = same(Options, "starts")
+    wording: int = same(Options, "wording")
+    style: str | None = same(Options, "style")
+    layout: str | None = same(Options, "layout")
+    naming: str = same(Options, "naming")
+    text: str = same(Options, "text")
 
     @property
     def options(self) -> dict[str, Any]:
         """What the kitchen is made with."""
-        skipped = ("task", "seed")
-        return {name: getattr(self, name) for name in self.__dataclass_fields__ if name not in skipped}
+        return {name: getattr(self, name) for name in rows(Cell)}
 
 
 @dataclass(frozen=True)
