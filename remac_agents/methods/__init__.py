@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from string import ascii_letters, digits
 
 from remac_agents.methods.base import base
 from remac_agents.methods.best import best_of
@@ -26,6 +27,9 @@ from remac_agents.methods.reflect import reflect, reflect_cc
 from remac_agents.methods.remac import remac
 from remac_agents.methods.smart_llm import smart_llm
 from remac_agents.running.method_run import MethodRun, Turns
+from remac_env.errors import OptionError
+
+_LETTERS = frozenset(f"{ascii_letters}{digits}-_+.")  # a comma would end a name on command lines
 
 __all__ = ["METHODS", "Method", "MethodRun", "Turns"]
 
@@ -74,3 +78,16 @@ METHODS: dict[str, Method] = {
     )
 }
 """Every method by its name."""
+
+
+def register_method(method: Method) -> None:
+    """Add a method from outside; it is then made, run and shown in tables by its name.
+
+    Raises:
+        OptionError: if the name is taken, or no name.
+    """
+    if not method.name or not set(method.name) <= _LETTERS:
+        raise OptionError(f"method name {method.name!r} is not valid; valid: letters, figures, and -, _, + or .")
+    if METHODS.get(method.name, method) != method:
+        raise OptionError(f"method {method.name!r} exists already; valid: a name beside {', '.join(METHODS)}")
+    METHODS[method.name] = method
