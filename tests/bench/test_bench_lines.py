@@ -9,7 +9,8 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, get_args, get_type_hints
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
@@ -49,7 +50,12 @@ def options(callback: Callable[..., Any]) -> Iterator[tuple[str, tuple[type, ...
             if isinstance(info, typer.models.OptionInfo):
                 words = [word for word in (info.default, *(info.param_decls or ())) if isinstance(word, str)]
                 flag = next((word for word in words if word.startswith("--")), None)
-                yield (flag or f"--{name.replace('_', '-')}").partition("/")[0], get_args(kind) or (kind,), info
+                yield (flag or f"--{name.replace('_', '-')}").partition("/")[0], kinds(kind), info
+
+
+def kinds(annotation: Any) -> tuple[Any, ...]:
+    """The types that an annotation allows."""
+    return get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
 
 
 COMMANDS = dict(commands())
