@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import typer
 
 import remac_env
 from remac_bench.command import Command
 from remac_bench.commands import bench, demo, doctor, experiment, memory, oracle, plan, tasks
 from remac_bench.console import speak_plainly, tame_columns
+from remac_bench.flags import takes
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -20,9 +19,8 @@ app = typer.Typer(
 
 
 @app.callback()
-def remac(
-    version: Annotated[bool, typer.Option("--version", help="Say the version and end.", is_eager=True)] = False,
-) -> None:
+@takes("remac.version")
+def remac(*, version: bool) -> None:
     """REMAC Kitchen: robot-kitchen tasks in real physics for planners of all kinds."""
     if version:
         typer.echo(f"remac {remac_env.__version__}")

@@ -16,6 +16,7 @@ _KEPT = "File of JSON lines for plans as they come; what it holds is not asked a
 _JSON = Row(help="As JSON.", default=False, values=Switch(), flag="--json")
 
 ROWS: dict[str, Row] = {
+    "remac.version": Row(help="Say the version and end.", default=False, values=Switch(), flag="--version"),
     "run.out": Row(
         help="Folder for records and videos; what it holds is not run again. Default: results/SUITE.", group="run"
     ),

@@ -50,6 +50,8 @@ def changes() -> list[dict]:
         "image_size": 64,
         "max_rounds": 9,
         "reward": "progress",
+        "masks": "feasible",
+        "obs_format": "flat",
         "failure_rate": 0.5,
     }
     untold = {field.name for field in fields(Options)} - set(values) - {"naming", "render_mode"}
