@@ -10,7 +10,7 @@ if __name__ == "__main__":  # with vectorization_mode="async" each kitchen has a
     random = np.random.default_rng(0)
     observations, infos = envs.reset(seed=0)
     for _ in range(20):
-        actions = [random.choice(np.flatnonzero(mask)) for mask in observations["robot_0.action_mask"]]
+        actions = [random.choice(np.flatnonzero(mask)) for mask in observations["robot_0_action_mask"]]
         observations, rewards, terminated, truncated, infos = envs.step(np.array(actions))
     print("observations of", {name: values.shape for name, values in observations.items()})
     envs.close()

@@ -16,7 +16,7 @@ from typing import Any
 
 from remac_agents.agent import Agent
 from remac_agents.memory import Memory, Run
-from remac_agents.methods import METHODS, Method, register_method
+from remac_agents.methods import METHODS, register_method
 from remac_agents.options import AgentOptions
 from remac_agents.plan import Plan, PlanError
 from remac_agents.report import Check, EpisodeReport, Exchange, Step, Usage
@@ -37,7 +37,6 @@ __all__ = [
     "EpisodeReport",
     "Exchange",
     "Memory",
-    "Method",
     "Plan",
     "PlanError",
     "Roles",

@@ -3,20 +3,20 @@
 A method yields `{robot: Subtask}` and is sent the next View, which the run has taken in by then. When it
 returns, every robot says `done`. One of your own is written with what this module exports:
 
+    @register_method("IMPATIENT", checks=False)
     def impatient(run: MethodRun) -> Turns:
         run.make_plan(run.briefing.robots)
         while not run.finished:
             yield run.turn
             run.advance()
-
-    METHODS["IMPATIENT"] = Method(name="IMPATIENT", run=impatient, checks=False)
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from string import ascii_letters, digits
+from typing import Any
 
 from remac_agents.methods.base import base
 from remac_agents.methods.best import best_of
@@ -26,12 +26,25 @@ from remac_agents.methods.re import re
 from remac_agents.methods.reflect import reflect, reflect_cc
 from remac_agents.methods.remac import remac
 from remac_agents.methods.smart_llm import smart_llm
+from remac_agents.running.checks import adjust, check_after, check_before
 from remac_agents.running.method_run import MethodRun, Turns
-from remac_env.errors import OptionError
+from remac_env.errors import OptionError, check_choice
 
 _LETTERS = frozenset(f"{ascii_letters}{digits}-_+.")  # a comma would end a name on command lines
 
-__all__ = ["METHODS", "Method", "MethodRun", "Turns"]
+__all__ = [
+    "METHODS",
+    "Method",
+    "MethodRun",
+    "Turns",
+    "adjust",
+    "check_after",
+    "check_before",
+    "register_method",
+]
+
+
+Run = Callable[[MethodRun], Turns]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +63,7 @@ class Method:
     """
 
     name: str
-    run: Callable[[MethodRun], Turns]
+    run: Run
     robots: int = 1
     remembers: bool = False
     iterates: bool = False
@@ -80,14 +93,27 @@ METHODS: dict[str, Method] = {
 """Every method by its name."""
 
 
-def register_method(method: Method) -> None:
-    """Add a method from outside; it is then made, run and shown in tables by its name.
+def register_method(name: str, **facts: Any) -> Callable[[Run], Run]:
+    """Add the method that is decorated; it is then made, run and shown in tables by its name.
+
+    Args:
+        name: letters, figures, and -, _, + or .
+        facts: attributes of Method beside name and run.
 
     Raises:
-        OptionError: if the name is taken, or no name.
+        OptionError: for another name, or one that is taken.
+        UnknownNameError: for a fact that methods do not have; lists the valid ones.
     """
-    if not method.name or not set(method.name) <= _LETTERS:
-        raise OptionError(f"method name {method.name!r} is not valid; valid: letters, figures, and -, _, + or .")
-    if METHODS.get(method.name, method) != method:
-        raise OptionError(f"method {method.name!r} exists already; valid: a name beside {', '.join(METHODS)}")
-    METHODS[method.name] = method
+    if not name or not set(name) <= _LETTERS:
+        raise OptionError(f"method name {name!r} is not valid; valid: letters, figures, and -, _, + or .")
+    if name in METHODS:
+        raise OptionError(f"method {name!r} exists already; valid: a name beside {', '.join(METHODS)}")
+    known = [each.name for each in fields(Method) if each.name not in ("name", "run")]
+    for fact in facts:
+        check_choice("fact of a method", fact, known)
+
+    def add(run: Run) -> Run:
+        METHODS[name] = Method(name=name, run=run, **facts)
+        return run
+
+    return add

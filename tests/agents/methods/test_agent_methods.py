@@ -17,6 +17,7 @@ import remac_agents
 from remac_agents.methods import METHODS
 from remac_agents.planners.literal import LiteralPlanner
 from remac_agents.roles import Advice, ExplainRequest, Explanation, PlanRequest, SeenStep, Summary
+from remac_env.errors import OptionError, UnknownNameError
 from remac_env.rules.conditions import condition
 
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
@@ -231,3 +232,13 @@ def test_the_scored_record_succeeds_where_any_record_does(tmp_path: Path) -> Non
     assert scored == {job: any(r.success for r in records if r.job == job) for job in scored}
     alone = [record.success for record in Store(tmp_path).read() if record.method == "CC"]
     assert sum(scored.values()) > sum(alone)
+
+
+def test_methods_from_outside_need_a_name_of_their_own() -> None:
+    before = remac_agents.methods()
+    for name, told in (("CC", "'CC' exists already"), ("", "letters"), ("A,b=c", "letters")):
+        with pytest.raises(OptionError, match=told):
+            remac_agents.register_method(name)
+    with pytest.raises(UnknownNameError, match="unknown fact of a method 'robot'; valid: robots, remembers"):
+        remac_agents.register_method("MINE", robot=2)
+    assert remac_agents.methods() == before
