@@ -17,6 +17,10 @@ class UnknownNameError(RemacError, ValueError):
     """A name (task, style, layout, backend, role, ...) that is not among the valid ones."""
 
 
+class UnknownKeywordError(UnknownNameError, TypeError):
+    """A keyword that a function does not have."""
+
+
 class OptionError(RemacError, ValueError):
     """An option whose value is outside its range or not offered."""
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
-from remac_env.errors import OptionError, check_choice, real_number, whole_number
+from remac_env.errors import OptionError, UnknownKeywordError, check_choice, real_number, whole_number
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -211,7 +211,9 @@ def takes_options(home: Callable[P, object]) -> Callable[[Callable[..., R]], Cal
         @functools.wraps(function)
         def called(*args: Any, **given: Any) -> R:
             for name in given:
-                check_choice(f"keyword of {told}", name, signature.parameters)
+                if name not in signature.parameters:
+                    valid = ", ".join(signature.parameters)
+                    raise UnknownKeywordError(f"unknown keyword of {told} {name!r}; valid: {valid}")
             return function(**signature.bind(*args, **given).arguments)
 
         called.__signature__ = signature  # type: ignore[attr-defined]

@@ -7,16 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from remac_bench import agents, pool, ray_pool, threads
-from remac_bench.errors import JobTimeoutError, UsageError
+from remac_bench.errors import JobTimeoutError
 from remac_bench.interrupts import alarm, stoppable
 from remac_bench.jobs import Job
 from remac_bench.machine import cores
 from remac_bench.records import Record
-from remac_bench.settings import ENGINES
 from remac_bench.shared import Shared
 from remac_bench.watch import GRACE_SECONDS, Watch
 from remac_bench.worker import Work, play_job, timed_out
-from remac_env.errors import check_choice
 
 THREADS = 16
 """Jobs at the same time by default where language models are asked: they wait for most of their time."""
@@ -27,29 +25,18 @@ class Engine:
     """How jobs are spread.
 
     Attributes:
-        name: one of ENGINES; auto: threads of this process where language models are asked, so that all jobs share one
-            limiter and one cassette, else processes.
+        name: one of `settings.ENGINES`; auto: threads of this process where language models are asked, so that all
+            jobs share one limiter and one cassette, else processes.
         workers: how many jobs at the same time; None: one a core, THREADS in threads; 0: in this process, one by one.
         address: of a Ray cluster; None: one on this machine that ends with the run.
-
-    Raises:
-        UnknownNameError, UsageError: for a value that is not valid.
     """
 
     name: str = "auto"
     workers: int | None = None
     address: str | None = None
 
-    def __post_init__(self) -> None:
-        """Refuse an unknown engine, a negative number of workers, and an address without a cluster."""
-        check_choice("engine", self.name, ENGINES)
-        if self.workers is not None and self.workers < 0:
-            raise UsageError(f"jobs {self.workers} is not valid; valid: 0 (in this process) or more")
-        if self.address is not None and self.name != "ray":
-            raise UsageError(f"address {self.address!r} is for --engine ray, not for {self.name!r}")
-
     def picked(self, jobs: Sequence[Job]) -> str:
-        """The engine that plays these jobs: one of ENGINES but auto, or "here"."""
+        """The engine that plays these jobs: one of `settings.ENGINES` but auto, or "here"."""
         if self.workers == 0:
             return "here"
         if self.name != "auto":

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from remac_bench.deadline import job_seconds
-from remac_bench.engines import play_all
+from remac_bench.engines import Engine, play_all
 from remac_bench.extensions import load_extensions
 from remac_bench.jobs import Job
 from remac_bench.lock import locked
@@ -79,7 +79,8 @@ def run_jobs(
         broken: list[str] = []
         watch = Watch(listener.slow)
         listener.begin([work.job for work in works])
-        for work, records in play_all(works, engine=settings.place, extensions=settings.extensions, watch=watch):
+        engine = Engine(name=settings.engine, workers=settings.workers, address=settings.address)
+        for work, records in play_all(works, engine=engine, extensions=settings.extensions, watch=watch):
             store.append(records)
             broken += [_problem(record) for record in records if record.infrastructure_error]
             listener.end(work.job, records)

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from remac_bench.errors import UsageError
 from remac_env.option_rows import Choice, Real, Switch, Texts, Whole, check_rows, option
-
-if TYPE_CHECKING:
-    from remac_bench.engines import Engine
 
 VIDEO_CHOICES = ("none", "failed", "all", "first")
 """`first` is the last iteration of the first seed of each task and agent."""
@@ -58,11 +55,5 @@ class Settings:
             UnknownNameError, OptionError, UsageError: naming what is valid.
         """
         check_rows(self)
-        _ = self.place
-
-    @property
-    def place(self) -> Engine:
-        """Where jobs are played."""
-        from remac_bench.engines import Engine  # only here: command lines that play nothing need no engine
-
-        return Engine(name=self.engine, workers=self.workers, address=self.address)
+        if self.address is not None and self.engine != "ray":
+            raise UsageError(f"address {self.address!r} is for --engine ray, not for {self.engine!r}")
