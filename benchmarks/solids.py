@@ -14,15 +14,15 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from typing import Annotated, Any
+from typing import Any
 
 import mujoco
 import numpy as np
-import typer
 from drawn_solids import standing_out
 from numpy.typing import NDArray
-from remac_bench.command import run_script, whole
+from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from rich.table import Table
 from skills import CHAINS, run_chain
 
@@ -156,13 +156,8 @@ def play(chain: Mapping[str, Any], seed: int) -> tuple[Depths, dict[tuple[str, s
     return (probes[0].depths, probes[0].commands) if probes else ({}, {})
 
 
-def main(
-    trials: Annotated[int, typer.Option(help="Runs of each chain; 0: staged measurements only.", **whole())] = 5,
-    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...", **whole())] = 0,
-    only: Annotated[str, typer.Option(help="Run only chains whose name contains this.")] = "",
-    staged: Annotated[bool, typer.Option(help="Whether to measure the staged falls and doors.")] = True,
-    processes: Annotated[int, typer.Option(help="Worker processes.", **whole(1))] = 2,
-) -> None:
+@takes("solids.trials", "script.first_seed", "script.only", "solids.staged", "script.processes")
+def main(*, trials: int, first_seed: int, only: str, staged: bool, processes: int) -> None:
     """Print how deep colliders reach into one another."""
     console = make_console()
     if staged:

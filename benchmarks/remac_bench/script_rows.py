@@ -51,6 +51,8 @@ ROWS: dict[str, Row] = {
     "skills.perception_noise": Row(
         help="m, of the poses that controllers see; several with commas between them.", default="0"
     ),
+    "solids.trials": Row(help="Runs of each chain; 0: staged measurements only.", default=5, values=Whole()),
+    "solids.staged": Row(help="Whether to measure the staged falls and doors.", default=True, values=Switch()),
     "teams.methods": Row(help="Names with commas between them.", default="SMART-LLM,BASE,CC,RE,REMAC"),
     "teams.starts": Row(help="paper, mixed, or both with a comma between them.", default="paper,mixed"),
     "teams.errors": Row(help="Rates of false alarms and misses: REMAC alone, by rate.", default=""),
