@@ -14,14 +14,13 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from multiprocessing import get_context
-from typing import Annotated
 
 import mujoco
 import numpy as np
-import typer
 from numpy.typing import NDArray
-from remac_bench.command import run_script, whole
+from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.flags import takes
 from rich.table import Table
 
 from remac_env.backends.physics.backend import PhysicsBackend
@@ -209,11 +208,8 @@ _SPEC = TaskSpec(
 )
 
 
-def main(
-    trials: Annotated[int, typer.Option(help="Staged starts with each number of robots.", **whole(1))] = 18,
-    first_seed: Annotated[int, typer.Option(help="Seeds are first_seed, first_seed + 1, ...", **whole())] = 0,
-    processes: Annotated[int, typer.Option(help="Worker processes.", **whole(1))] = 2,
-) -> None:
+@takes("littered.trials", "script.first_seed", "script.processes")
+def main(*, trials: int, first_seed: int, processes: int) -> None:
     """Print how robots get away from things on the floor, and how deep those are pressed into what."""
     jobs = [(seed, robots) for robots in (1, 2) for seed in range(first_seed, first_seed + trials)]
     console = make_console()

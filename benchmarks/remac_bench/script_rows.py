@@ -34,6 +34,7 @@ ROWS: dict[str, Row] = {
     "certify_objects.only": Row(help="Categories, separated by commas; empty for all.", default=""),
     "fit_memorised.seeds": _SEEDS.but(help="Starts to fit on.", default="40000:40200"),
     "forces.trials": Row(help="Runs of each chain.", default=5, values=_COUNT),
+    "littered.trials": Row(help="Staged starts with each number of robots.", default=18, values=_COUNT),
     "model_costs.seeds": _SEEDS.but(default="0:5"),
     "model_costs.write": Row(help="Write model_costs.toml anew.", default=False, values=Switch(), flag="--write"),
     "model_costs.show": Row(
