@@ -12,6 +12,7 @@ from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import Options
 from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome
+from remac_env.rules.scene import public_scene
 from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
 from remac_env.state import WorldState
@@ -65,7 +66,7 @@ class Terms:
     @cached_property
     def texts(self) -> dict[str, str]:
         """What each robot is told of itself and of the kitchen."""
-        kitchen = describe(self.scene, list(self.commands), self.sentence)
+        kitchen = describe(public_scene(self.scene), list(self.commands), self.sentence)
         return {robot: f"You are {robot}.\n{kitchen}" for robot in self.scene.robots}
 
 

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 
 from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome
-from remac_env.rules.scene import PublicScene, public_scene
+from remac_env.rules.scene import PublicScene
 from remac_env.state import Place, WorldState
 
 
-def describe(scene: Rules, commands: Sequence[str], goal: str) -> str:
+def describe(scene: PublicScene, commands: Sequence[str], goal: str) -> str:
     """The scene as names alone, how it is used, and the goal sentence; facts, and no states."""
     return "\n".join(
         (
@@ -18,7 +18,7 @@ def describe(scene: Rules, commands: Sequence[str], goal: str) -> str:
             f"Fixtures: {', '.join(scene.fixtures)}.",
             f"Objects: {', '.join(sorted(scene.objects))}.",
             f"Commands: {', '.join(commands)}.",
-            describe_use(public_scene(scene)),
+            describe_use(scene),
             f"Goal: {goal}.",
         )
     )

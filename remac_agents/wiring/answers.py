@@ -30,6 +30,7 @@ from remac_agents.text.printable import is_printable, quoted, type_name
 from remac_env.errors import RemacError
 from remac_env.rules.conditions import Condition, Denial, denied
 from remac_env.rules.predicates import PREDICATES
+from remac_env.rules.scene import NAME_KINDS
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import DONE, WAIT, Subtask
 
@@ -219,10 +220,9 @@ def _command(step: object) -> str | None:
 
 def _names(view: View) -> dict[str, frozenset[str]]:
     """Kind of argument -> the names that it may be."""
-    scene = view.scene
-    robots, fixtures, objects = frozenset(scene.robots), frozenset(scene.fixtures), frozenset(scene.objects)
-    plain = dict.fromkeys(("fixture", "door", "switch"), fixtures)
-    return {"robot": robots, "thing": fixtures | objects, "object": objects, "vessel": objects, **plain}
+    names: dict[str, frozenset[str]] = {kind: frozenset(view.scene.names(kind)) for kind in NAME_KINDS}
+    # A sentence about the door of a fixture without one is false, not malformed.
+    return names | {"vessel": names["object"], "door": names["fixture"], "switch": names["fixture"]}
 
 
 def _is_name(arg: object, valid: frozenset[str] | None) -> bool:

@@ -24,7 +24,7 @@ def settled() -> tuple[str, ...]:
 
 
 def first_false(
-    scene: Rules, world: WorldState, robot: str, subtask: Subtask, mark: Mark, *, alone: bool = True
+    rules: Rules, world: WorldState, robot: str, subtask: Subtask, mark: Mark, *, alone: bool = True
 ) -> Requirement | None:
     """The first requirement of this mark that is false, or None.
 
@@ -32,7 +32,7 @@ def first_false(
         alone: False leaves out what the round settles, as robots may change places in it.
     """
     for requirement, settles, test, args in _tests(subtask.skill, subtask.target, robot).get(mark, ()):
-        if (alone or not settles) and not test(scene, world, *args):
+        if (alone or not settles) and not test(rules, world, *args):
             return requirement
     return None
 
@@ -51,14 +51,14 @@ def _tests(skill: str, target: str, robot: str) -> dict[Mark, list[_Test]]:
     return tests
 
 
-def feasible(scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> bool:
+def feasible(rules: Rules, world: WorldState, robot: str, subtask: Subtask) -> bool:
     """Whether the table would let this subtask succeed now, whatever the other robots do in the same round."""
     marks: tuple[Mark, ...] = ("refuse", "attempt")
-    return all(first_false(scene, world, robot, subtask, mark, alone=False) is None for mark in marks)
+    return all(first_false(rules, world, robot, subtask, mark, alone=False) is None for mark in marks)
 
 
 def settle_claims(
-    scene: Rules, world: WorldState, subtasks: Mapping[str, Subtask]
+    rules: Rules, world: WorldState, subtasks: Mapping[str, Subtask]
 ) -> tuple[dict[str, Outcome], dict[str, str]]:
     """Refusals of this round, and the station at which every robot will end it.
 
@@ -70,20 +70,20 @@ def settle_claims(
     picks: list[tuple[str, str]] = []
     goals: dict[str, str | None] = {}
     for robot, subtask in subtasks.items():
-        false = first_false(scene, world, robot, subtask, "refuse", alone=False)
+        false = first_false(rules, world, robot, subtask, "refuse", alone=False)
         if false is not None:
             refused[robot] = false.outcome
             continue
         row = SKILLS[subtask.skill]
         if row.goes is not None:
-            goals[robot] = row.goes(scene, world, robot, subtask.target)
+            goals[robot] = row.goes(rules, world, robot, subtask.target)
         if row.takes:
             picks.append((robot, subtask.target))
     if len(picks) > 1:
         _settle_objects(picks, refused)
         goals = {robot: goal for robot, goal in goals.items() if robot not in refused}
     stations = {robot: state.station for robot, state in world.robots.items()}
-    while goals and (clash := _clashes(scene, stations, goals)):
+    while goals and (clash := _clashes(rules, stations, goals)):
         for robot in clash:
             refused[robot] = failure("station_occupied", f"{goals[robot]} is claimed or in use", refused=True)
         goals = {robot: goal for robot, goal in goals.items() if robot not in clash}
@@ -99,12 +99,12 @@ def _settle_objects(picks: Sequence[tuple[str, str]], refused: dict[str, Outcome
             refused[robot] = failure("station_occupied", f"another robot reaches for the {target}", refused=True)
 
 
-def _clashes(scene: Rules, stations: Mapping[str, str], goals: Mapping[str, str | None]) -> list[str]:
+def _clashes(rules: Rules, stations: Mapping[str, str], goals: Mapping[str, str | None]) -> list[str]:
     """Robots whose goal another robot keeps or also claims, in the order of the goals."""
     ends = {**stations, **goals}
     return [
         robot
         for robot, goal in goals.items()
         if goal is not None
-        and any(end is not None and other != robot and scene.conflicting(goal, end) for other, end in ends.items())
+        and any(end is not None and other != robot and rules.conflicting(goal, end) for other, end in ends.items())
     ]

@@ -27,9 +27,9 @@ class Condition:
         """The condition in plain English, as a checker or a language model reads it."""
         return _sentence(self.predicate, self.args)
 
-    def holds(self, scene: Rules, world: WorldState) -> bool:
+    def holds(self, rules: Rules, world: WorldState) -> bool:
         """Whether the condition is true in this world."""
-        return PREDICATES[self.predicate].test(scene, world, *self.args)
+        return PREDICATES[self.predicate].test(rules, world, *self.args)
 
     @property
     def kind(self) -> Kind:
@@ -69,9 +69,9 @@ class Denial(Condition):
         """That of what is denied."""
         return self.condition.kind
 
-    def holds(self, scene: Rules, world: WorldState) -> bool:
+    def holds(self, rules: Rules, world: WorldState) -> bool:
         """Whether what is denied is false in this world."""
-        return not self.condition.holds(scene, world)
+        return not self.condition.holds(rules, world)
 
     def felt(self, scene: PublicScene, holding: Mapping[str, str | None]) -> bool | None:
         """The gripper's answer to what is denied, turned round."""

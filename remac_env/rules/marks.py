@@ -12,16 +12,16 @@ SEASONED = "seasoned"
 """The mark of a thing over which a shaker was shaken."""
 
 
-def washed(scene: Rules, world: WorldState) -> WorldState:
+def washed(rules: Rules, world: WorldState) -> WorldState:
     """The world with the mark `washed` on whatever washable thing stands under running water."""
-    for tap, basins in scene.taps:
+    for tap, basins in rules.taps:
         if not world.fixtures[tap].on:
             continue
-        for thing in scene.washables:
+        for thing in rules.washables:
             item = world.objects[thing]
             if WASHED in item.marks or item.place.relation in ("held", "floor"):
                 continue
-            around = supports(scene, world, thing)
+            around = supports(rules, world, thing)
             if any(basin in around for basin in basins):
                 world = world.with_object(thing, marks=item.marks | {WASHED})
     return world

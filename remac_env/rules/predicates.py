@@ -96,64 +96,64 @@ def table(rows: Iterable[Predicate]) -> dict[str, Predicate]:
 # -- what decides them ----------------------------------------------------------------------------------------------
 
 
-def _at(scene: Rules, world: WorldState, robot: str, target: str) -> bool:
-    return world.robots[robot].station in stations_of(scene, world, target)
+def _at(rules: Rules, world: WorldState, robot: str, target: str) -> bool:
+    return world.robots[robot].station in stations_of(rules, world, target)
 
 
-def _station_free(scene: Rules, world: WorldState, robot: str, target: str) -> bool:
-    goal = destination(scene, world, robot, target)
+def _station_free(rules: Rules, world: WorldState, robot: str, target: str) -> bool:
+    goal = destination(rules, world, robot, target)
     others = (state.station for name, state in world.robots.items() if name != robot)
-    return goal is not None and not any(scene.conflicting(goal, other) for other in others)
+    return goal is not None and not any(rules.conflicting(goal, other) for other in others)
 
 
-def _accessible(scene: Rules, world: WorldState, target: str) -> bool:
-    around = [target] if target in scene.fixtures else supports(scene, world, target)
-    doors = (world.fixtures[name].door for name in around if name in scene.fixtures)
+def _accessible(rules: Rules, world: WorldState, target: str) -> bool:
+    around = [target] if target in rules.fixtures else supports(rules, world, target)
+    doors = (world.fixtures[name].door for name in around if name in rules.fixtures)
     return all(door in (None, "open") for door in doors)
 
 
-def _placed(scene: Rules, world: WorldState, target: str) -> bool:
-    return target in scene.fixtures or base_place(world, target).relation == "slot"
+def _placed(rules: Rules, world: WorldState, target: str) -> bool:
+    return target in rules.fixtures or base_place(world, target).relation == "slot"
 
 
-def _graspable(scene: Rules, world: WorldState, target: str) -> bool:
-    kind, place = kind_around(scene, world, target), world.objects[target].place
-    deep = place.relation == "vessel" and kind in scene.objects[place.where].too_deep_in
-    return not deep and kind not in scene.objects[target].too_big_for
+def _graspable(rules: Rules, world: WorldState, target: str) -> bool:
+    kind, place = kind_around(rules, world, target), world.objects[target].place
+    deep = place.relation == "vessel" and kind in rules.objects[place.where].too_deep_in
+    return not deep and kind not in rules.objects[target].too_big_for
 
 
-def _room(scene: Rules, world: WorldState, robot: str, target: str) -> bool:
-    return landing(scene, world, robot, target) is not None
+def _room(rules: Rules, world: WorldState, robot: str, target: str) -> bool:
+    return landing(rules, world, robot, target) is not None
 
 
-def _no_vessel_needed(scene: Rules, world: WorldState, robot: str, target: str) -> bool:
+def _no_vessel_needed(rules: Rules, world: WorldState, robot: str, target: str) -> bool:
     held = world.robots[robot].holding
-    if held is None or target not in scene.fixtures:
+    if held is None or target not in rules.fixtures:
         return True
-    place = landing(scene, world, robot, target)
+    place = landing(rules, world, robot, target)
     if place is not None and place.relation == "vessel":
         return True
-    return scene.fixtures[target].kind not in scene.objects[held].needs_vessel_in
+    return rules.fixtures[target].kind not in rules.objects[held].needs_vessel_in
 
 
-def _switched_on(scene: Rules, world: WorldState, fixture: str) -> bool:
-    return switch_for(scene, world, fixture) in world.fixtures[fixture].on
+def _switched_on(rules: Rules, world: WorldState, fixture: str) -> bool:
+    return switch_for(rules, world, fixture) in world.fixtures[fixture].on
 
 
-def _may_run(scene: Rules, world: WorldState, fixture: str) -> bool:
-    return not scene.fixtures[fixture].shut_to_run or world.fixtures[fixture].door == "closed"
+def _may_run(rules: Rules, world: WorldState, fixture: str) -> bool:
+    return not rules.fixtures[fixture].shut_to_run or world.fixtures[fixture].door == "closed"
 
 
-def _all_off(scene: Rules, world: WorldState, fixture: str) -> bool:
+def _all_off(rules: Rules, world: WorldState, fixture: str) -> bool:
     return not world.fixtures[fixture].on
 
 
-def _within(scene: Rules, world: WorldState, name: str, container: str) -> bool:
-    return inside(scene, world, name, container)
+def _within(rules: Rules, world: WorldState, name: str, container: str) -> bool:
+    return inside(rules, world, name, container)
 
 
 def _by_gripper(feel: Feel) -> Test:
-    return lambda scene, world, robot, *others: feel(scene.shakers, world.robots[robot].holding, *others)
+    return lambda rules, world, robot, *others: feel(rules.shakers, world.robots[robot].holding, *others)
 
 
 def _felt(
@@ -167,7 +167,7 @@ def _felt(
 
 def _door(name: str, sentence: str, test: Callable[[str | None], bool], *, repair: str | None = None) -> Predicate:
     """A row about the state of a fixture's door."""
-    decided: Test = lambda scene, world, fixture: test(world.fixtures[fixture].door)
+    decided: Test = lambda rules, world, fixture: test(world.fixtures[fixture].door)
     return Predicate(name=name, about=("door",), sentence=sentence, test=decided, repair=repair)
 
 
@@ -179,7 +179,7 @@ PREDICATES: dict[str, Predicate] = table((
         sentence="{0} stands at the {1}", repair="go there",
     ),
     Predicate(
-        name="aside", about=("robot",), test=lambda scene, world, robot: world.robots[robot].station == ASIDE,
+        name="aside", about=("robot",), test=lambda rules, world, robot: world.robots[robot].station == ASIDE,
         sentence="{0} has stepped aside",
     ),
     Predicate(
@@ -204,7 +204,7 @@ PREDICATES: dict[str, Predicate] = table((
         sentence="no shut door is in front of the {0}", repair="open the door",
     ),
     Predicate(
-        name="unloaded", about=("object",), test=lambda scene, world, name: not contents(world, name),
+        name="unloaded", about=("object",), test=lambda rules, world, name: not contents(world, name),
         sentence="nothing lies on or in the {0}", repair="unload",
     ),
     Predicate(
@@ -225,7 +225,7 @@ PREDICATES: dict[str, Predicate] = table((
     ),
     Predicate(
         name="directly_on", about=("object", "vessel"),
-        test=lambda scene, world, name, vessel: world.objects[name].place == Place("vessel", vessel),
+        test=lambda rules, world, name, vessel: world.objects[name].place == Place("vessel", vessel),
         sentence="the {0} lies on or in the {1} itself",
     ),
     _door("door_open", "the {0} door is open", lambda door: door == "open"),
@@ -238,11 +238,11 @@ PREDICATES: dict[str, Predicate] = table((
     ),
     Predicate(
         name="switched_off", about=("switch",),
-        test=lambda scene, world, fixture: not _switched_on(scene, world, fixture),
+        test=lambda rules, world, fixture: not _switched_on(rules, world, fixture),
         sentence="the {0} is not switched on yet", repair="leave out",
     ),
     Predicate(
-        name="some_on", about=("switch",), test=lambda scene, world, fixture: not _all_off(scene, world, fixture),
+        name="some_on", about=("switch",), test=lambda rules, world, fixture: not _all_off(rules, world, fixture),
         sentence="the {0} is not switched off yet", repair="leave out",
     ),
     Predicate(
@@ -255,7 +255,7 @@ PREDICATES: dict[str, Predicate] = table((
     ),
     Predicate(
         name="marked", about=("object", "mark"), kind="ran",
-        test=lambda scene, world, name, mark: mark in world.objects[name].marks,
+        test=lambda rules, world, name, mark: mark in world.objects[name].marks,
         sentence="the {0} has been {1}",
     ),
 ))  # fmt: skip

@@ -20,17 +20,17 @@ SUCCESS = Outcome("success")
 """What the table says of a subtask that does what it says; it took no time yet."""
 
 def attempt(
-    scene: Rules, world: WorldState, robot: str, subtask: Subtask, *, station: str
+    rules: Rules, world: WorldState, robot: str, subtask: Subtask, *, station: str
 ) -> tuple[Outcome, WorldState]:
     """What the table says comes of an accepted subtask, seen from the world before the round."""
-    false = first_false(scene, world, robot, subtask, "attempt")
+    false = first_false(rules, world, robot, subtask, "attempt")
     if false is not None:
         after = drop(world, robot) if false.drops else world
         return false.outcome, after
     row, after = SKILLS[subtask.skill], world
     if row.goes is not None and world.robots[robot].station != station:
         after = world.with_robot(robot, station=station)
-    return SUCCESS, after if row.effect is None else row.effect(scene, after, robot, subtask.target)
+    return SUCCESS, after if row.effect is None else row.effect(rules, after, robot, subtask.target)
 
 
 def merge(world: WorldState, results: Mapping[str, WorldState]) -> WorldState | None:
@@ -62,19 +62,19 @@ def _set(world: WorldState, part: str, name: str, value: object) -> WorldState:
 
 
 def transition(
-    scene: Rules, world: WorldState, subtasks: Mapping[str, Subtask]
+    rules: Rules, world: WorldState, subtasks: Mapping[str, Subtask]
 ) -> tuple[WorldState, dict[str, Outcome]]:
     """One whole round by the table alone: the symbolic backend's step, and what the oracle searches over."""
-    refused, stations = settle_claims(scene, world, subtasks)
+    refused, stations = settle_claims(rules, world, subtasks)
     outcomes, results = dict(refused), {}
     for robot, subtask in subtasks.items():
         if robot not in refused:
             outcomes[robot], results[robot] = attempt(
-                scene, world, robot, subtask, station=stations[robot]
+                rules, world, robot, subtask, station=stations[robot]
             )
     merged = merge(world, results)
     if merged is None:
         reason: Reason = "blocked"
         clash = {r: failure(reason, "the robots' effects contradict each other") for r in results}
         return world, outcomes | clash
-    return washed(scene, merged), outcomes
+    return washed(rules, merged), outcomes

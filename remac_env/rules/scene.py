@@ -15,7 +15,7 @@ from remac_env.frozen import FrozenMap
 from remac_env.rules.facts import ASIDE, Rules
 
 NameKind = Literal["robot", "thing", "object", "food", "vessel", "surface", "fixture", "door", "switch"]
-NAME_KINDS: tuple[str, ...] = NameKind.__args__  # type: ignore[attr-defined]
+NAME_KINDS: tuple[NameKind, ...] = NameKind.__args__  # type: ignore[attr-defined]
 """Kinds of names: what commands and sentences are about."""
 
 

@@ -103,34 +103,34 @@ def _for_season(robot: str, target: str) -> tuple[Requirement, ...]:
 # -- effects --------------------------------------------------------------------------------------------------------
 
 
-def _take(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
+def _take(rules: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_object(target, place=Place("held", robot)).with_robot(robot, holding=target)
 
 
-def _put(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
-    held, place = world.robots[robot].holding, landing(scene, world, robot, target)
+def _put(rules: Rules, world: WorldState, robot: str, target: str) -> WorldState:
+    held, place = world.robots[robot].holding, landing(rules, world, robot, target)
     return world.with_object(str(held), place=place).with_robot(robot, holding=None)
 
 
-def _set_on(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
-    return world.with_fixture(target, on=world.fixtures[target].on | {switch_for(scene, world, target)})
+def _set_on(rules: Rules, world: WorldState, robot: str, target: str) -> WorldState:
+    return world.with_fixture(target, on=world.fixtures[target].on | {switch_for(rules, world, target)})
 
 
-def _set_off(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
+def _set_off(rules: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_fixture(target, on=frozenset())
 
 
-def _open(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
+def _open(rules: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     opened = world.with_fixture(target, door="open")
     # A fixture that runs only when shut stops when its door is opened.
-    return opened.with_fixture(target, on=frozenset()) if scene.fixtures[target].shut_to_run else opened
+    return opened.with_fixture(target, on=frozenset()) if rules.fixtures[target].shut_to_run else opened
 
 
-def _close(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
+def _close(rules: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_fixture(target, door="closed")
 
 
-def _season(scene: Rules, world: WorldState, robot: str, target: str) -> WorldState:
+def _season(rules: Rules, world: WorldState, robot: str, target: str) -> WorldState:
     return world.with_object(target, marks=world.objects[target].marks | {SEASONED})
 
 
@@ -145,7 +145,7 @@ def drop(world: WorldState, robot: str) -> WorldState:
 # -- where they lead, and what holds then ---------------------------------------------------------------------------
 
 
-def _aside(scene: Rules, world: WorldState, robot: str, target: str) -> str | None:
+def _aside(rules: Rules, world: WorldState, robot: str, target: str) -> str | None:
     return ASIDE
 
 

@@ -42,9 +42,9 @@ class Subtask:
         """What holds after success; `held` is what the robot held before."""
         return self.row.achieves(robot, self.target, held)
 
-    def effect(self, scene: Rules, world: WorldState, robot: str) -> WorldState:
+    def effect(self, rules: Rules, world: WorldState, robot: str) -> WorldState:
         """The world after success."""
-        return self.row.after(scene, world, robot, self.target)
+        return self.row.after(rules, world, robot, self.target)
 
 
 @lru_cache(maxsize=4096)

@@ -25,7 +25,7 @@ def kitchen(task: str = "HeatOnStove", **options: Any) -> Any:
 
 
 def told(scene: Any) -> str:
-    return describe(scene, ["wait"], "tidy up")
+    return describe(public_scene(scene), ["wait"], "tidy up")
 
 
 @pytest.mark.parametrize("robots", [1, 2])
