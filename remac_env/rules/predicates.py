@@ -6,7 +6,7 @@ adjuster does about it. Docs: docs/extending.md, "add a predicate".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from string import Formatter
 from typing import Literal
@@ -15,6 +15,7 @@ from remac_env.errors import OptionError, check_choice
 from remac_env.rules.facts import ASIDE, Rules
 from remac_env.rules.places import destination, kind_around, landing, stations_of, switch_for
 from remac_env.rules.scene import NAME_KINDS, NameKind
+from remac_env.rules.tables import by_name
 from remac_env.state import Place, WorldState, base_place, contents, inside, supports
 
 Kind = Literal["seen", "felt", "known", "ran"]
@@ -74,23 +75,6 @@ class Predicate:
         if (self.kind == "felt") != (self.feel is not None) or (self.feel is not None and self.about[0] != "robot"):
             given = f"kind {self.kind!r} with feel={self.feel!r} about {', '.join(self.about)}"
             raise OptionError(f"{where}: {given}; valid: a feel and a robot first for felt, no feel for other kinds")
-
-
-def table(rows: Iterable[Predicate]) -> dict[str, Predicate]:
-    """The rows by name.
-
-    Raises:
-        OptionError: for two rows of one name, or of one sentence: it could not be read back.
-    """
-    found: dict[str, Predicate] = {}
-    sentences: dict[str, str] = {}
-    for row in rows:
-        if row.name in found:
-            raise OptionError(f"predicate {row.name!r} has two rows; valid: one")
-        if (other := sentences.setdefault(row.sentence, row.name)) != row.name:
-            raise OptionError(f"predicates {other!r} and {row.name!r} have one sentence; valid: one of their own each")
-        found[row.name] = row
-    return found
 
 
 # -- what decides them ----------------------------------------------------------------------------------------------
@@ -173,7 +157,7 @@ def _door(name: str, sentence: str, test: Callable[[str | None], bool], *, repai
 
 # -- the rows -------------------------------------------------------------------------------------------------------
 
-PREDICATES: dict[str, Predicate] = table((
+PREDICATES: dict[str, Predicate] = by_name("predicate", "sentence", (
     Predicate(
         name="at", about=("robot", "thing"), test=_at,
         sentence="{0} stands at the {1}", repair="go there",

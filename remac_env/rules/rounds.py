@@ -1,7 +1,6 @@
-"""What a round is, for both backends: claims are settled before anything moves, the same for every robot.
+"""What comes of a round by the skill table alone: what succeeds, what fails, and what the world is then.
 
-A robot whose subtask is refused stays where it is. Two robots that claim one station (or two that conflict), or one
-object, both get `station_occupied`; arriving where another stands is allowed if that one leaves in the same round.
+Claims are settled first (claims.py); effects of one round must commute, else all of them fail.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from remac_env.state import WorldState
 
 SUCCESS = Outcome("success")
 """What the table says of a subtask that does what it says; it took no time yet."""
+
 
 def attempt(
     rules: Rules, world: WorldState, robot: str, subtask: Subtask, *, station: str

@@ -6,7 +6,7 @@ physics decides, and the table says what comes of it; `advise` - nothing stops i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -127,20 +127,3 @@ class Skill:
         """The world after success."""
         moved = world if self.goes is None else world.with_robot(robot, station=self.goes(rules, world, robot, target))
         return moved if self.effect is None else self.effect(rules, moved, robot, target)
-
-
-def table(rows: Iterable[Skill]) -> dict[str, Skill]:
-    """The rows by name.
-
-    Raises:
-        OptionError: for two rows of one name, or of one form: a command could not be read back.
-    """
-    found: dict[str, Skill] = {}
-    forms: dict[str, str] = {}
-    for row in rows:
-        if row.name in found:
-            raise OptionError(f"skill {row.name!r} has two rows; valid: one")
-        if (other := forms.setdefault(row.form, row.name)) != row.name:
-            raise OptionError(f"skills {other!r} and {row.name!r} have one form; valid: one of their own each")
-        found[row.name] = row
-    return found

@@ -11,7 +11,8 @@ from remac_env.rules.facts import ASIDE, Rules
 from remac_env.rules.marks import SEASONED, WASHED
 from remac_env.rules.outcomes import Reason
 from remac_env.rules.places import destination, landing, switch_for
-from remac_env.rules.skill_row import Achieves, Requirement, Skill, table
+from remac_env.rules.skill_row import Achieves, Requirement, Skill
+from remac_env.rules.tables import by_name
 from remac_env.state import FLOOR, Place, WorldState
 
 # -- requirements ---------------------------------------------------------------------------------------------------
@@ -168,7 +169,7 @@ def _of_robot(predicate: str) -> Achieves:
 
 # -- the rows -------------------------------------------------------------------------------------------------------
 
-SKILLS: dict[str, Skill] = table((
+SKILLS: dict[str, Skill] = by_name("skill", "form", (
     Skill(name="wait", form="wait", target="none", seconds=0.0, still=True, relevant="never",
           requires=_nothing, achieves=_none),
     Skill(name="done", form="done", target="none", seconds=0.0, still=True, relevant="never",

@@ -20,7 +20,7 @@ from remac_agents.plan import Plan
 from remac_agents.roles import AdjustRequest, View
 from remac_env.errors import RemacError
 from remac_env.oracle import solve
-from remac_env.rules import predicates, skill_row
+from remac_env.rules import paraphrases
 from remac_env.rules.claims import settle_claims
 from remac_env.rules.conditions import Condition, condition
 from remac_env.rules.outcomes import failure
@@ -31,6 +31,7 @@ from remac_env.rules.sentences import predicate_of, read_condition, sentence_for
 from remac_env.rules.skill_row import Requirement, Skill
 from remac_env.rules.skills import SKILLS, marks
 from remac_env.rules.subtasks import Subtask
+from remac_env.rules.tables import by_name
 from remac_env.tasks.goals import Marked
 from remac_env.vocabulary import Noun, Vocabulary, built_in
 
@@ -180,14 +181,14 @@ def test_a_row_that_is_not_whole_is_refused_when_it_is_loaded(fault: str) -> Non
 
 
 def test_two_rows_cannot_have_one_name_or_one_sentence() -> None:
-    for table, rows, other in (
-        (predicates.table, (PEELED, PEELED), "two rows"),
-        (predicates.table, (PEELED, replace(PEELED, name="skinned")), "one sentence"),
-        (skill_row.table, (SKILLS["wait"], SKILLS["wait"]), "two rows"),
-        (skill_row.table, (SKILLS["pick up"], replace(SKILLS["pick up"], name="pick")), "one form"),
+    for kind, words, rows, other in (
+        ("predicate", "sentence", (PEELED, PEELED), "two rows"),
+        ("predicate", "sentence", (PEELED, replace(PEELED, name="skinned")), "one sentence"),
+        ("skill", "form", (SKILLS["wait"], SKILLS["wait"]), "two rows"),
+        ("skill", "form", (SKILLS["pick up"], replace(SKILLS["pick up"], name="pick")), "one form"),
     ):
         with pytest.raises(RemacError, match=other):
-            table(rows)  # type: ignore[operator]
+            by_name(kind, words, rows)  # type: ignore[arg-type]
 
 
 # -- what rows say of one another -----------------------------------------------------------------------------------
@@ -196,6 +197,11 @@ def test_two_rows_cannot_have_one_name_or_one_sentence() -> None:
 def test_every_repair_that_a_row_names_is_one_that_the_adjuster_has() -> None:
     named = {row.repair for row in PREDICATES.values() if row.repair}
     assert named <= set(REPAIRS) and set(REPAIRS) - named <= {"achieve"}
+
+
+def test_other_words_are_listed_for_predicates_that_there_are_and_with_their_arguments() -> None:
+    for name, sentences in paraphrases.table().also.items():
+        assert all(sentence.format(*PREDICATES[name].about) for sentence in sentences)
 
 
 def test_a_skill_is_what_its_row_does() -> None:
