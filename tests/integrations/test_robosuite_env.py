@@ -13,7 +13,7 @@ import pytest
 from robosuite_kitchen import make
 
 import remac_env
-from remac_env.errors import OptionError, UnknownNameError
+from remac_env.errors import ActionError, OptionError, PhysicsError, UnknownNameError
 from remac_env.oracle import solve
 from remac_env.rules.rounds import transition
 
@@ -201,8 +201,19 @@ def test_what_does_not_fit_is_refused() -> None:
     import robosuite
     from robosuite_kitchen import QUICK
 
-    with pytest.raises(OptionError, match="two pads of one gripper.*PandaOmron"):
-        robosuite.make("RemacKitchenOpenCabinetPnP", robots="Baxter", **QUICK)
+    for robot in ("Baxter", "SpotWithArm", "PandaDexRH"):
+        with pytest.raises(OptionError, match=f"'{robot}' does not hold things between .* 'PandaOmron'"):
+            robosuite.make("RemacKitchenOpenCabinetPnP", robots=robot, **QUICK)
+    env = robosuite.make("RemacKitchenOpenCabinetPnP", robots="PandaOmron", seed=1, **QUICK)
+    env.reset()
+    before = state(env)
+    for wrong in (np.full(env.action_dim, np.nan), np.zeros(env.action_dim + 1)):
+        with pytest.raises(ActionError, match=f"{env.action_dim} finite numbers"):
+            env.step(wrong)
+    assert np.array_equal(state(env), before)
+    env.sim.data._data.qvel[:] = 1e12
+    with pytest.raises(PhysicsError, match="MuJoCo warned after 1 steps: mjWARN"):
+        env.step(np.zeros(env.action_dim))
 
 
 def test_tasks_from_outside_are_entered_when_asked(monkeypatch: pytest.MonkeyPatch) -> None:

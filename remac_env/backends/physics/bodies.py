@@ -59,3 +59,7 @@ class Bodies:
     def moving(self) -> float:
         """Largest speed of any joint in the model (m/s or rad/s)."""
         return float(np.abs(self.data.qvel).max())
+
+    def warnings(self) -> list[str]:
+        """What MuJoCo has warned of since the start. It then goes on with a state that is wrong, or made up."""
+        return [mujoco.mjtWarning(kind).name for kind, warned in enumerate(self.data.warning) if warned.number]

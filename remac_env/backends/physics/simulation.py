@@ -139,8 +139,7 @@ class Simulation(Bodies):
                 self.probe()
         self.ticks += 1
         if self.data.warning.number.any():
-            raised = [mujoco.mjtWarning(k).name for k, w in enumerate(self.data.warning) if w.number]
-            raise PhysicsError(f"MuJoCo warned after {self.ticks} control steps: {', '.join(raised)}")
+            raise PhysicsError(f"MuJoCo warned after {self.ticks} control steps: {', '.join(self.warnings())}")
 
 
 class View:

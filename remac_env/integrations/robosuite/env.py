@@ -15,7 +15,7 @@ from robosuite.utils.observables import Observable
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.backends.physics.stage import pose_start
 from remac_env.backends.physics.truth import Truth
-from remac_env.errors import check_choice, whole_number
+from remac_env.errors import ActionError, PhysicsError, check_choice, whole_number
 from remac_env.integrations.robosuite.arena import KitchenArena, recorded_facts
 from remac_env.integrations.robosuite.episode import Cell, Episode, draw, redraw
 from remac_env.integrations.robosuite.reading import Reading, check_robots
@@ -197,9 +197,19 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
         self._show(self._truth.read())
 
     def step(self, action: Any) -> tuple[Any, float, bool, dict[str, Any]]:
-        """One control step; see robosuite. `action`, (action_dim,) in `action_spec`, is left as it is."""
-        # robosuite writes into the actions that it is given: recordings would hold what nobody commanded.
-        observations, reward, done, info = super().step(np.array(action, float))
+        """One control step; see robosuite. `action`, (action_dim,) in `action_spec`, is left as it is.
+
+        Raises:
+            ActionError: for an action of another shape, or that is not finite.
+            PhysicsError: if the simulation has become unstable.
+        """
+        # A copy, for robosuite writes into what it is given: recordings would hold what nobody commanded.
+        taken = np.array(action, float)
+        if taken.shape != (self.action_dim,) or not np.isfinite(taken).all():
+            raise ActionError(f"action {action!r} is not valid; valid: {self.action_dim} finite numbers")
+        observations, reward, done, info = super().step(taken)
+        if self._bodies.data.warning.number.any():
+            raise PhysicsError(f"MuJoCo warned after {self.timestep} steps: {', '.join(self._bodies.warnings())}")
         return observations, reward, done, info
 
     def _pre_action(self, action: Any, policy_step: bool = False) -> None:

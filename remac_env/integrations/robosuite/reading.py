@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from remac_env.backends.physics.bodies import Bodies
@@ -47,32 +48,35 @@ class Reading(Bodies):
 
 
 def check_robots(robots: Sequence[Any]) -> None:
-    """See that every robot has one arm with a gripper that we know how to watch.
+    """See that every robot has one gripper with two pads, before anything is built.
 
     Raises:
         OptionError: where not.
     """
     for robot in robots:
         grippers = _grippers(robot)
-        pads = [set(gripper.important_geoms.get(pad, ())) for gripper in grippers for pad in _PADS]
-        if len(grippers) != 1 or not all(pads):
-            raise OptionError(
-                f"robot {robot.name!r} does not hold things between the two pads of one gripper; valid: robots of "
-                "robosuite that do, such as 'PandaOmron'"
-            )
+        if len(grippers) != 1 or not all(grippers[0].important_geoms.get(pad) for pad in _PADS):
+            raise _unfit(robot)
 
 
 def fingers(robot: Any, model: Any) -> tuple[str, ...]:
-    """The bodies of a robot's fingertips, one for each pad."""
+    """The bodies of a robot's fingertips, one for each pad; raises OptionError where a pad is not one body."""
     (gripper,) = _grippers(robot)
-    raw = model._model
-    found: list[str] = []
+    raw, found = model._model, list[str]()
     for pad in _PADS:
-        bodies = {int(raw.geom_bodyid[model.geom_name2id(geom)]) for geom in gripper.important_geoms[pad]}
-        if len(bodies) != 1:
-            raise OptionError(f"robot {robot.name!r}: the {pad} of its gripper is not one body")
+        geoms = [mujoco.mj_name2id(raw, mujoco.mjtObj.mjOBJ_GEOM, name) for name in gripper.important_geoms[pad]]
+        bodies = {int(raw.geom_bodyid[geom]) for geom in geoms}
+        if min(geoms) < 0 or len(bodies) != 1:
+            raise _unfit(robot)
         found.append(str(raw.body(bodies.pop()).name))
     return tuple(found)
+
+
+def _unfit(robot: Any) -> OptionError:
+    return OptionError(
+        f"robot {robot.name!r} does not hold things between the two pads of one gripper; valid: robots of robosuite "
+        "that do, such as 'PandaOmron'"
+    )
 
 
 def _grippers(robot: Any) -> list[Any]:
