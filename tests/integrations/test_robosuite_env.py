@@ -14,6 +14,7 @@ from robosuite_kitchen import make
 
 import remac_env
 from remac_env.errors import ActionError, OptionError, PhysicsError, UnknownNameError
+from remac_env.kitchen.builder import build_model
 from remac_env.oracle import solve
 from remac_env.rules.rounds import transition
 
@@ -86,6 +87,28 @@ def test_a_start_is_the_one_of_the_same_seed_elsewhere(task: str) -> None:
     # What was left on by a button and what was washed cannot be posed: those are tested where they happen.
     held = {type(atom).__name__: atom.holds(there.start.scene, env.world) for atom in env.episode.goal.atoms()}
     assert all(holds for name, holds in held.items() if name not in ("SwitchedOn", "Marked")), held
+    env.close()
+
+
+def test_the_physics_is_ours() -> None:
+    """But for the step, which robosuite chooses; and things weigh what they weigh, which depends on groups there."""
+    env = make("WashPnPHeat", seed=2, looks=True)
+    env.reset()
+    episode, theirs = env.episode, env.sim.model._model
+    ours = build_model(episode.layout, robots=(), objects=episode.things)
+    for name in ("integrator", "cone", "solver", "impratio", "iterations", "ls_iterations", "jacobian", "enableflags"):
+        assert getattr(theirs.opt, name) == getattr(ours.opt, name), name
+    assert theirs.opt.timestep == 0.002
+    assert theirs.narena == ours.narena
+    for body in range(1, ours.nbody):
+        mine = ours.body(body)
+        other = theirs.body(mine.name)
+        assert other.mass == pytest.approx(mine.mass, rel=1e-4), mine.name
+        assert other.inertia == pytest.approx(mine.inertia, rel=1e-3, abs=1e-9), mine.name
+    colliders = [(mine.bodyid[0], *mine.friction) for mine in map(ours.geom, range(ours.ngeom)) if mine.contype[0]]
+    assert len(colliders) > 100
+    solid = {int(body) for body in theirs.geom_bodyid[(theirs.geom_contype | theirs.geom_conaffinity) > 0]}
+    assert {theirs.body(ours.body(int(row[0])).name).id for row in colliders} <= solid
     env.close()
 
 

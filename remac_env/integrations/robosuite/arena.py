@@ -24,7 +24,7 @@ CAMERAS = {"frontview": WIDE, "agentview": FRONT}
 """robosuite's usual cameras -> ours that stand there for them."""
 
 _OWN_PARTS = ("option", "visual", "statistic")
-"""Parts of a description that robosuite does not merge. Without the first, things slip out of hands."""
+"""Parts of a description that robosuite does not merge: the solver's settings, light and size of the scene."""
 
 _FACTS = "remac"
 """What the text in a model is called from which its episode is drawn again: recorded models are read without more."""

@@ -85,7 +85,8 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
         self._seeds = np.random.default_rng()
         self._looks, self.use_object_obs = bool(looks), bool(use_object_obs)
         self.reward_shaping, self.reward_scale = bool(reward_shaping), float(reward_scale)
-        super().__init__(robots=robots, seed=_checked(seed), **options)
+        # As robosuite's own tasks have it.
+        super().__init__(robots=robots, seed=_checked(seed), **{"initialization_noise": "default", **options})
 
     # -- which start ------------------------------------------------------------------------------------------------
 
