@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
+import importlib.util
 import io
 import re
 import shlex
@@ -163,6 +163,10 @@ def check_span(text: str, where: str) -> None:
     line = words(text)
     if line[1].startswith("docs/"):
         check_line(text, where)
+        return
+    if line[1] == "-m":
+        if importlib.util.find_spec(f"{line[2]}.__main__") is None:
+            raise DocumentError(f"{where}: {text}: {line[2]} cannot be run")
         return
     try:
         command, rest = resolve(line, where)
