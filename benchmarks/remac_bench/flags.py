@@ -26,9 +26,6 @@ from remac_env.errors import OptionError
 from remac_env.option_rows import Row, Texts, Values, rows
 from remac_env.options import Options
 
-_PANELS = {"kitchen": "The kitchen", "agent": "The agent", "models": "Language models", "run": "The run", "": None}
-
-
 HOMES: dict[str, Any] = {"kitchen": Options, "agent": AgentOptions, "access": Access, "settings": Settings}
 """Dataclass by name of home. A keyword that the agent has too is written --agent-... ."""
 
