@@ -229,8 +229,8 @@ def main(*, trials: int, first_seed: int, processes: int) -> None:
 
 
 def _table(found: list[Trial]) -> Table:
-    table = Table("things lie", "robots", "starts", "robots walled in", "drives", "arrive", "mean s",
-                  *(f"mm in {where}" for where in _WHERE), title="Things on the floor")
+    table = Table("objects lie", "robots", "starts", "robots walled in", "drives", "arrive", "mean s",
+                  *(f"mm in {where}" for where in _WHERE), title="Objects on the floor")
     for robots in (1, 2):
         for way in WAYS:
             part = [t for t in found if t.way == way and t.robots == robots]

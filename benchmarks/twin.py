@@ -268,7 +268,7 @@ def main(*, seeds: str, tasks: str | None, rounds: int, processes: int, file: Pa
 
 def table(found: Sequence[Compared], title: str) -> Table:
     """Counts a skill and reason, and the share of agreement without slips; what is decided by rule stands apart."""
-    shown = Table("skill", "foretold", "n", "agree", "slips", "disagree", title=title)
+    shown = Table("skill", "predicted", "n", "agree", "slips", "disagree", title=title)
     tried, ruled = ([line for line in found if line.by_rule is by_rule] for by_rule in (False, True))
     for lines in (tried, ruled):
         for skill, reason in sorted({(line.skill, line.foretold) for line in lines}):
