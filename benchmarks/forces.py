@@ -162,7 +162,8 @@ def _torques(found: Mapping[str, Measured]) -> Table:
 
 def _doors(found: Mapping[str, Measured]) -> Table:
     table = Table(
-        "command", "part of the robot", "door panel", "largest force, N", f"s over {DOOR_FORCE:g} N", title="Forces at doors"
+        *("command", "part of the robot", "door panel", "largest force, N", f"s over {DOOR_FORCE:g} N"),
+        title="Forces at doors",
     )
     for text, part in found.items():
         for (body, leaf), force in sorted(part.doors.items()):
