@@ -249,8 +249,7 @@ def _targets(fixture: Fixture, subtask: Subtask, held: str | None) -> list[str]:
         return [leaf.joint for leaf in fixture.leaves]
     if subtask.skill not in ("turn on", "turn off"):
         return []
-    knobs = list(getattr(fixture, "knobs", ()))
-    return knobs or [f"{fixture.name}/{'lever' if fixture.kind == 'faucet' else 'button'}"]
+    return [actuator.joint for actuator in fixture.actuators]
 
 
 def _found(

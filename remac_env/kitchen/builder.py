@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import mujoco
 
 from remac_env.kitchen.canvas import SWITCHED, Canvas
-from remac_env.kitchen.fixtures import Window
 from remac_env.kitchen.fixtures.room import Face
 from remac_env.kitchen.floor_plan import Layout, Wall
 from remac_env.kitchen.style import Style, load
@@ -78,7 +77,7 @@ def build_spec(
 
 def _face(layout: Layout, wall: Wall) -> Face:
     """How a side of the room is drawn: with the tiles of its wall and the openings of its windows."""
-    return Face(wall.tiles, tuple((f.x, f.z) for f in layout.at_wall(wall.name) if isinstance(f, Window)))
+    return Face(wall.tiles, tuple(f.opening for f in layout.at_wall(wall.name) if f.opening is not None))
 
 
 def show_switches(model: mujoco.MjModel, on: frozenset[str]) -> None:

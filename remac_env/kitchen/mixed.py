@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from remac_env.kitchen.draft import Draft
+from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.rules.facts import Rules
 from remac_env.rules.places import has_room
 from remac_env.state import ObjectState, Place, base_place, door_state, occupant
@@ -18,8 +19,6 @@ from remac_env.tasks.goals import Goal, Inside, SwitchedOn
 DOOR_ODDS = {"closed": 0.45, "ajar": 0.20, "open": 0.35}
 AJAR = (0.20, 0.60)
 """Angles of a door that stands ajar, rad."""
-OPENED = 1.45
-"""Angle to which robots open doors, rad."""
 IN_PLACE = 0.35
 OCCUPIED = 0.20
 PUT_AWAY = 0.15
@@ -66,7 +65,7 @@ def vary(draft: Draft, goal: Goal, target: str, rng: np.random.Generator) -> Non
 
 def _set_door(draft: Draft, fixture: str, state: str, rng: np.random.Generator) -> None:
     if state != "closed":
-        draft.doors[fixture] = float(rng.uniform(*AJAR)) if state == "ajar" else OPENED
+        draft.doors[fixture] = float(rng.uniform(*AJAR)) if state == "ajar" else OPEN_TO
     draft.world = draft.world.with_fixture(fixture, door=door_state(draft.doors[fixture]))
 
 

@@ -10,16 +10,10 @@ from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules, SlotFacts
 from remac_env.state import FixtureState, FrozenMap
 
-SHUT_TO_RUN = ("microwave",)
-"""Kinds of fixtures that can only be switched on with their door closed."""
-
-WATER, BASIN = "faucet", "sink"
-"""The kind of fixture that gives water, and the kind into which it runs: the one at the same station."""
-
 
 def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence[str]) -> Rules:
     """The facts of a kitchen: the layout's usable fixtures, and `things` (noun -> category)."""
-    basins = {name: str(f.station) for name, f in layout.fixtures.items() if f.kind == BASIN}
+    basins = {name: str(f.station) for name, f in layout.fixtures.items() if f.catches_water}
     slots_of: dict[str, list[str]] = defaultdict(list)
     for slot in layout.slots.values():
         slots_of[layout.noun(slot)].append(slot.name)
@@ -31,8 +25,8 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             door=fixture.door,
             switches=tuple(fixture.switches),
             slots=tuple(slots_of[name]),
-            shut_to_run=fixture.kind in SHUT_TO_RUN,
-            wets=tuple(n for n, at in basins.items() if fixture.kind == WATER and at == fixture.station),
+            shut_to_run=fixture.shut_to_run,
+            wets=tuple(n for n, at in basins.items() if fixture.gives_water and at == fixture.station),
         )
         for name, fixture in layout.fixtures.items()
         if fixture.station is not None and not fixture.part_of

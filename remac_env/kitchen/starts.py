@@ -80,7 +80,7 @@ def sample(
         check_choice(f"fixture (in layout {layout.name}, for {spec.name})", needed, scene.fixtures)
     goal = spec.goal.bind(names)
     for _ in range(_ATTEMPTS):
-        draft = Draft(scene, _place(spec, scene, names, rng))
+        draft = Draft(scene, _place(spec, layout, scene, names, rng))
         draft.doors = {n: float(rng.uniform(0, CLOSED_AT_RESET)) for n, f in scene.fixtures.items() if f.door}
         if starts == "mixed":
             vary(draft, goal, names[spec.roles[0].name], rng)
@@ -135,8 +135,8 @@ def _choose_distractors(
     taken = {word for noun, category in things.items() for word in (noun, category.name, *category.roles)}
     others = [c for c in categories.values() if not c.holds and not taken & {c.name, *c.roles}]
     count = int(rng.integers(spec.distractors[0], spec.distractors[1] + 1))
-    slots = sum(layout.fixtures[slot.fixture].kind == "counter" for slot in layout.slots.values())
-    used = sum(layout.fixtures[role.at].kind == "counter" for role in spec.roles if role.at in layout.fixtures)
+    slots = sum(layout.fixtures[slot.fixture].worktop for slot in layout.slots.values())
+    used = sum(layout.fixtures[role.at].worktop for role in spec.roles if role.at in layout.fixtures)
     count = max(0, min(count, slots - used - 1))
     chosen: dict[str, Category] = {}
     for index in rng.permutation(len(others)):
@@ -158,7 +158,7 @@ def _with_vessels(
     What is small stays before what is not: in mixed starts it may lie in the way.
     """
     words = {word for noun, thing in things.items() for word in (noun, thing.name, *thing.roles)}
-    open_slots = (slot for slot in layout.slots.values() if layout.fixtures[slot.fixture].kind == "counter")
+    open_slots = (slot for slot in layout.slots.values() if layout.fixtures[slot.fixture].worktop)
     room = min((min(slot.half) for slot in open_slots), default=0.0)
     fits = [c for c in categories.values() if c.holds and not words & {c.name, *c.roles} and min(c.size[:2]) <= room]
     wanted = max(SPARE_VESSELS, VESSELS - sum(thing.holds > 0 for thing in things.values()))
@@ -174,15 +174,18 @@ def _confused(one: Category, other: Category) -> bool:
     return one.name in other.roles or other.name in one.roles
 
 
-def _place(spec: TaskSpec, scene: Rules, names: Mapping[str, str], rng: np.random.Generator) -> WorldState:
+def _place(
+    spec: TaskSpec, layout: Layout, scene: Rules, names: Mapping[str, str], rng: np.random.Generator
+) -> WorldState:
     """Everything in a slot: the roles at stations of their own that the goal's fixtures do not use."""
+    worktops = [name for name, facts in scene.fixtures.items() if facts.slots and layout.fixtures[name].worktop]
     places: dict[str, Place] = {}
     stations = {scene.fixtures[name].station for name in spec.goal.names() if name in scene.fixtures}
     for role in spec.roles:
-        slot = _role_slot(spec, scene, role, places, stations, rng)
+        slot = _role_slot(spec, scene, role, worktops, places, stations, rng)
         places[names[role.name]] = Place("slot", slot)
         stations.add(scene.slots[slot].station)
-    slots = [slot for name in _open_surfaces(scene) for slot in scene.fixtures[name].slots]
+    slots = [slot for name in worktops for slot in scene.fixtures[name].slots]
     free = [slot for slot in slots if Place("slot", slot) not in places.values()]
     rest = [noun for noun in scene.objects if noun not in places]
     if len(free) < len(rest):
@@ -198,22 +201,19 @@ def _role_slot(
     spec: TaskSpec,
     scene: Rules,
     role: Role,
+    worktops: Sequence[str],
     places: Mapping[str, Place],
     stations: set[str],
     rng: np.random.Generator,
 ) -> str:
     check_choice(f"fixture for role {role.name!r} of {spec.name}", role.at, scene.fixtures)
     free = [slot for slot in scene.fixtures[role.at].slots if Place("slot", slot) not in places.values()]
-    if role.at in _open_surfaces(scene):
+    if role.at in worktops:
         # Goal-relevant stations must not conflict, or two robots could not work at the same time.
         free = [s for s in free if not any(scene.conflicting(scene.slots[s].station, other) for other in stations)]
     if not free:
         raise SamplingError(f"{spec.name}: no free slot at {role.at} for role {role.name!r}")
     return free[int(rng.integers(len(free)))]
-
-
-def _open_surfaces(scene: Rules) -> list[str]:
-    return [name for name, facts in scene.fixtures.items() if facts.slots and facts.kind == "counter"]
 
 
 def _offset(world: WorldState, layout: Layout, noun: str, category: Category, rng: np.random.Generator) -> Offset:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
+from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
@@ -14,7 +15,7 @@ from remac_env.rules.facts import ASIDE
 from remac_env.start import Offset, Start
 from remac_env.state import Place, WorldState, door_state
 
-DOOR_ANGLES = {"closed": 0.0, "ajar": 0.4, "open": 1.45}
+DOOR_ANGLES = {"closed": 0.0, "ajar": 0.4, "open": OPEN_TO}
 """Angles at which doors are drawn when their own is not known, rad."""
 
 

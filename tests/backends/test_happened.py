@@ -33,12 +33,12 @@ def test_a_microwave_whose_button_nobody_pressed_stays_off(monkeypatch: pytest.M
     backend, _, worlds = kitchen({"mug": "counter"}, 120600)
     assert run(backend, worlds, ["navigate to microwave"]) == [None]
     with monkeypatch.context() as patch:
-        patch.setattr(dispatch, "press_button", idle)
+        patch.setattr(dispatch, "work", idle)
         assert run(backend, worlds, ["turn on microwave"]) == ["slipped"]
         assert not runs(backend.world)
     assert run(backend, worlds, ["turn on microwave"]) == [None] and runs(backend.world)
     with monkeypatch.context() as patch:
-        patch.setattr(dispatch, "press_button", idle)
+        patch.setattr(dispatch, "work", idle)
         assert run(backend, worlds, ["turn off microwave"]) == ["slipped"]
         assert runs(backend.world), "and it goes on running"
     assert run(backend, worlds, ["turn off microwave"]) == [None] and not runs(backend.world)

@@ -105,7 +105,8 @@ def test_looks_move_alike(bare: mujoco.MjModel, dressed: mujoco.MjModel) -> None
 
 def test_colliders_meet_objects_and_robots_and_leaves_meet_furniture_too(bare: mujoco.MjModel) -> None:
     leaves = np.array([bare.body(body).name.endswith("/door") for body in bare.geom_bodyid])
-    assert set(bare.geom_contype) == {1} and leaves.any()
+    floor = bare.geom_bodyid == bare.body("room/floor").id
+    assert set(bare.geom_contype[~floor]) == {1} and set(bare.geom_contype[floor]) == {3} and leaves.any()
     assert set(bare.geom_conaffinity[leaves]) == {1} and set(bare.geom_conaffinity[~leaves]) == {0}
     bar_geom = bare.geom("microwave/handle")
     assert bar_geom.size[0] == pytest.approx(0.009)

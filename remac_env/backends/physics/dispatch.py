@@ -9,7 +9,7 @@ from remac_env.backends.physics.place import place_on
 from remac_env.backends.physics.room import Spot, forbidden, free_slot, spot_in, vessels_on
 from remac_env.backends.physics.season import season
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, require_open
-from remac_env.backends.physics.switches import press_button, turn_knob, turn_lever
+from remac_env.backends.physics.switches import work
 from remac_env.kitchen.fixtures import Slot
 from remac_env.robots import panda
 from remac_env.rules.facts import Rules
@@ -117,16 +117,12 @@ def _season(here: Surroundings, world: WorldState, target: str) -> Steps:
 
 
 def _switch(here: Surroundings, scene: Rules, world: WorldState, target: str, *, on: bool) -> Steps:
-    fixture = here.layout.fixtures[target]
-    if fixture.kind == "stove":
+    facts, actuators = scene.fixtures[target], {a.switch: a for a in here.fixture(target).actuators}
+    switches = list(facts.switches)
+    if facts.switch_per_slot:
         switches = [switch_for(scene, world, target)] if on else sorted(world.fixtures[target].on)
-        for switch in switches:
-            knob = fixture.knobs[fixture.switches.index(switch)]  # type: ignore[attr-defined]
-            yield from turn_knob(here, knob, on=on)
-    elif fixture.kind == "faucet":
-        yield from turn_lever(here, target, on=on)
-    else:
-        yield from press_button(here, target)
-        if on and scene.fixtures[target].shut_to_run and here.reading(target).door not in (None, "closed"):
-            raise SkillFailure("blocked", f"the {target} does not run with its door open")
+    for switch in switches:
+        yield from work(here, actuators[switch], on=on)
+    if on and facts.shut_to_run and here.reading(target).door not in (None, "closed"):
+        raise SkillFailure("blocked", f"the {target} does not run with its door open")
 

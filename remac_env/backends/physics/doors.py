@@ -15,12 +15,11 @@ from remac_env.backends.physics.paths import STEP_LIMIT
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, shown, stances, tuck
-from remac_env.kitchen.fixtures.door import Door
+from remac_env.kitchen.fixtures.door import OPEN_TO, Door
 from remac_env.robots import panda
 from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array, about_z, grip_frame
 
-OPEN_TO = 1.45  # rad
 _SWUNG, _SHUT = 1.0, 0.045  # rad at which a leaf has been opened, and closed
 _CLEAR, _ASIDE = 0.8, 1.0  # rad at which a leaf leaves room for the hand at its neighbour, and to which it is swung
 _PLANNED = 0.05  # rad beyond, in planning

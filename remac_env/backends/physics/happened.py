@@ -58,7 +58,7 @@ class Happened:
         self._simulation, self._scene, self._things = simulation, scene, things
         self._buttons = [_Button(fixture) for fixture in layout.fixtures.values() if fixture.buttons]
         self._shakers = {name: _Shaker() for name, kind in things.items() if kind.seasons}
-        pushed = {switch for button in self._buttons for switch in button.fixture.switches}
+        pushed = {button.switch for fixture in layout.fixtures.values() for button in fixture.buttons}
         self.running = frozenset(on) & pushed
         self.seasoned: frozenset[str] = frozenset()
 

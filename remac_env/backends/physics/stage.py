@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 
 from remac_env.backends.physics.bodies import Bodies
-from remac_env.backends.physics.switches import KNOB_ON, LEVER_ON
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
@@ -27,15 +26,8 @@ def pose_start(simulation: Bodies, layout: Layout, things: Mapping[str, Category
         position, yaw = _object_pose(layout, things, start, name)
         simulation.place(name, position, np.array([math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw)]))
     for name, state in start.world.fixtures.items():
-        fixture = layout.fixtures[name]
-        for leaf in fixture.leaves:
-            _set_joint(simulation, leaf.joint, start.doors.get(name, 0.0))
-        for switch in state.on:
-            if fixture.kind == "stove":
-                knob = fixture.knobs[fixture.switches.index(switch)]  # type: ignore[attr-defined]
-                _set_joint(simulation, knob, KNOB_ON)
-            elif fixture.kind == "faucet":
-                _set_joint(simulation, f"{name}/lever", LEVER_ON)
+        for joint, value in layout.fixtures[name].joints(start.doors.get(name, 0.0), state.on).items():
+            simulation.data.qpos[int(simulation.model.joint(joint).qposadr[0])] = value
     for name, (index, offset) in start.robots.items():
         place = layout.asides[index]
         yaw = place.yaw + offset.yaw
@@ -53,7 +45,3 @@ def _object_pose(layout: Layout, things: Mapping[str, Category], start: Start, n
         ground = np.array(layout.middle(place.where))
     frame = layout.frame(layout.slots[base_place(start.world, name).where].fixture)
     return ground + frame.rotation @ shift, offset.yaw + frame.heading
-
-
-def _set_joint(simulation: Bodies, name: str, value: float) -> None:
-    simulation.data.qpos[int(simulation.model.joint(name).qposadr[0])] = value

@@ -1,4 +1,4 @@
-"""Turn things on and off: the stove's knobs, the faucet's lever, the microwave's start button."""
+"""Turn things on and off: knobs, levers and push buttons."""
 
 from __future__ import annotations
 
@@ -13,11 +13,18 @@ from remac_env.backends.physics.paths import STEP_LIMIT, Path
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances, tuck
-from remac_env.kitchen.fixtures.microwave import BUTTON_PRESSED
+from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.robots.rotation import Array, about_x, about_y, about_z, grip_frame
 
-KNOB_ON, LEVER_ON = 0.9, 0.7  # rad to which they are turned; on from 0.35
-_LEVER_GRIP = 0.12  # m from the lever's hinge
+
+def work(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
+    """Turn a knob or lever on or off, or push a button."""
+    if actuator.motion == "knob":
+        yield from _turn_knob(here, actuator, on=on)
+    elif actuator.motion == "lever":
+        yield from _swing_lever(here, actuator, on=on)
+    else:
+        yield from _push_button(here, actuator)
 
 
 @dataclass(frozen=True)
@@ -35,10 +42,10 @@ class _Turn:
     closing: float
 
 
-def turn_knob(here: Surroundings, joint: str, *, on: bool) -> Steps:
-    """Turn a knob (joint, body and site of one name) on or off."""
-    model = here.simulation.model
-    at = here.simulation.located(joint, np.array(model.body(joint).pos) + np.array(model.site(joint).pos))
+def _turn_knob(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
+    """Turn a knob about its own axis."""
+    model, joint = here.simulation.model, actuator.joint
+    at = here.simulation.located(joint, np.array(model.body(joint).pos) + np.array(model.site(actuator.site).pos))
     start, above = here.simulation.joint(joint), abs(float(model.joint(joint).axis[2])) > 0.5
     seen = about_z(here.simulation.turned(joint))
 
@@ -52,21 +59,22 @@ def turn_knob(here: Surroundings, joint: str, *, on: bool) -> Steps:
             approach = [0.0, math.sin(pitch), -math.cos(pitch)] if above else [0.0, math.cos(pitch), -math.sin(pitch)]
             hand = grip_frame(seen @ approach, turn_by(start) @ seen @ [side, 0.0, 0.0])
             grasps.append(Grasp(at, hand, at - hand[:, 2] * 0.12))
-    target, beyond = (KNOB_ON, 0.15) if on else (0.0, -0.10)
+    target, beyond = (actuator.worked, 0.15) if on else (0.0, -0.10)
     turn = _Turn(joint, joint, lambda _: at, turn_by, target, beyond, 1.2, 0.035, 0.0)
     stands = stances(here, at, (0.66, 0.74, 0.58, 0.82), (0.0, 0.12, -0.12, 0.25, -0.25))
     yield from _turn_hinge(here, turn, grasps, stands)
 
 
-def turn_lever(here: Surroundings, fixture: str, *, on: bool) -> Steps:
-    """Lift or lower the lever of a faucet, pinched from above and below: the hand is wide along its fingers."""
-    joint = f"{fixture}/lever"
-    hinge = here.simulation.located(joint, np.array(here.simulation.model.body(joint).pos))
+def _swing_lever(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
+    """Lift or lower a lever, pinched from above and below: the hand is wide along its fingers."""
+    model, joint = here.simulation.model, actuator.joint
+    hinge = here.simulation.located(joint, np.array(model.body(joint).pos))
+    grip = np.array(model.site(actuator.site).pos)
     seen = about_z(here.simulation.turned(joint))
     start = here.simulation.joint(joint)
 
     def at(angle: float) -> Array:
-        return hinge + seen @ about_x(-angle) @ np.array([0.0, -_LEVER_GRIP, 0.0])
+        return hinge + seen @ about_x(-angle) @ grip
 
     tilted, grasps = seen @ about_x(-start), []
     for pitch in (0.0, 0.3, 0.6, -0.3):
@@ -79,23 +87,23 @@ def turn_lever(here: Surroundings, fixture: str, *, on: bool) -> Steps:
         for side in (1.0, -1.0):
             hand = seen @ grip_frame([0.0, math.cos(pitch), -math.sin(pitch)], [side, 0.0, 0.0])
             grasps.append(Grasp(at(start), hand, at(start) - hand[:, 2] * 0.12))
-    target, beyond = (LEVER_ON, 0.2) if on else (0.0, -0.15)
+    target, beyond = (actuator.worked, 0.2) if on else (0.0, -0.15)
     turn = _Turn(joint, joint, at, lambda a: about_x(-0.6 * a), target, beyond, 0.8, 0.03, 0.004)
     stands = stances(here, at(start), (0.64, 0.7, 0.58, 0.76), (0.0, 0.12, -0.12, 0.25, -0.25))
     yield from _turn_hinge(here, turn, grasps, stands)
 
 
-def press_button(here: Surroundings, fixture: str) -> Steps:
-    """Push the start button in with closed fingertips and let go."""
+def _push_button(here: Surroundings, actuator: Actuator) -> Steps:
+    """Push a button in with closed fingertips and let go."""
     simulation, robot, planner = here.simulation, here.robot, here.planner
-    name = f"{fixture}/button"
+    name = actuator.joint
     here.begin()
     yield from tuck(here)
     robot.grip = 0.0
     yield from here.mover.fingers(0.0, 8)
     here.begin(simulation.geoms(name))
     here.scratch.fingers(0.0)
-    face = np.array(simulation.model.body(name).pos) + np.array(simulation.model.site(name).pos)
+    face = np.array(simulation.model.body(name).pos) + np.array(simulation.model.site(actuator.site).pos)
     face, seen = simulation.located(name, face), about_z(simulation.turned(name))
     grasps = []
     for pitch in (0.5, 0.8, 0.3, 0.0):
@@ -120,8 +128,8 @@ def press_button(here: Surroundings, fixture: str) -> Steps:
     yield from here.mover.fingers(0.04, 4)
     here.begin()
     yield from go_home(here)
-    if pushed < BUTTON_PRESSED:
-        raise SkillFailure("slipped", f"the {fixture} button went in by only {1000 * pushed:.0f} mm")
+    if pushed < actuator.counts:
+        raise SkillFailure("slipped", f"the {actuator.switch} button went in by only {1000 * pushed:.0f} mm")
 
 
 def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands: Sequence[Array]) -> Steps:
