@@ -5,6 +5,7 @@
     path/file.py:Name            the same from a file
     http://127.0.0.1:8000/plan   a planner that is sent the request as JSON
     answers:FILE.json            a planner whose answers lie in a file
+    policy:FILE.npz              a planner that is a trained policy, as numbers
     provider:model               a language model (docs/models.md), or a name of the paper's models, such as "o3"
 Options stand behind a name: name,option=value (text/options.py). A class is made with the options that are given; a
 function is called in place of the role's only verb.
@@ -79,8 +80,16 @@ VERBS = {
 
 FORMS = ("package.module:Name", "path/file.py:Name")
 MODEL_FORMS = ("provider:model",)
-PLANNER_FORMS = ("http://HOST:PORT/PATH", "answers:FILE.json")
+PLANNER_FORMS = ("http://HOST:PORT/PATH", "answers:FILE.json", "policy:FILE.npz")
 """What may stand in place of a name: for every role, for those of MODEL_ROLES, and for planners alone."""
+
+PLANNERS_AT = {
+    "http://": ("remac_agents.planners.http:HttpPlanner", "url"),
+    "https://": ("remac_agents.planners.http:HttpPlanner", "url"),
+    "answers:": ("remac_agents.planners.answers:AnswersPlanner", "path"),
+    "policy:": ("remac_agents.planners.policy:PolicyPlanner", "path"),
+}
+"""Beginning of a planner's text -> its class, and the argument that says where it is: a URL is the whole text."""
 
 
 def make_role(role: str, given: object, *, models: Models | None = None) -> Any:
@@ -142,7 +151,7 @@ def looks_at_pictures(role: str, given: object, *, providers: Path | str | None 
     name = name.partition(",")[0].strip()
     if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name, providers):
         return bool(getattr(_load(role, MODEL_ROLES[role]), "needs_images", False))
-    if role == "planner" and name.startswith(("http://", "https://", "answers:")):
+    if role == "planner" and name.startswith(tuple(PLANNERS_AT)):
         return False
     return bool(getattr(_find(role, name), "needs_images", False))
 
@@ -155,7 +164,7 @@ def is_plugin(role: str, given: object, *, providers: Path | str | None = None) 
     bare = name.partition(",")[0].strip()
     if bare in installed(group_of(role)):
         return True
-    ours = role == "planner" and name.startswith(("http://", "https://", "answers:"))
+    ours = role == "planner" and name.startswith(tuple(PLANNERS_AT))
     return ":" in name and not ours and not (role in MODEL_ROLES and _is_model(bare, providers))
 
 
@@ -183,14 +192,11 @@ class FunctionRole:
 def _construct(role: str, name: str, options: Mapping[str, Any], models: Models | None) -> Any:
     if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name, _providers(models)):
         return _make(_load(role, MODEL_ROLES[role]), role, name, {"model": name, "models": models, **options})
-    if role == "planner" and name.startswith(("http://", "https://")):
-        from remac_agents.planners.http import HttpPlanner
-
-        return _make(HttpPlanner, role, name, {"url": name, **options})
-    if role == "planner" and name.startswith("answers:"):
-        from remac_agents.planners.answers import AnswersPlanner
-
-        return _make(AnswersPlanner, role, name, {"path": name.removeprefix("answers:"), **options})
+    begins = next((text for text in PLANNERS_AT if role == "planner" and name.startswith(text)), None)
+    if begins is not None:
+        address, argument = PLANNERS_AT[begins]
+        where = name if argument == "url" else name.removeprefix(begins)
+        return _make(_load(role, address), role, name, {argument: where, **options})
     found = _find(role, name)
     if inspect.isclass(found):
         return _make(found, role, name, options)
