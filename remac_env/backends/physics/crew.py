@@ -9,6 +9,7 @@ import numpy as np
 
 from remac_env.backends.physics import dispatch
 from remac_env.backends.physics.collision import Fence, Scratch
+from remac_env.backends.physics.litter import lying, pressed
 from remac_env.backends.physics.motion import Mover, StuckError
 from remac_env.backends.physics.navigate import parking
 from remac_env.backends.physics.paths import Planner
@@ -187,7 +188,7 @@ class Crew:
         """
         here, began = self.robots[robot], self._simulation.ticks
         here.planner.random = generator(self._start.seed, "search", now.number, subtask.text)
-        outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
+        outcome = yield from self._among_litter(robot, subtask, now)
         if here.scratch.fences and outcome.reason in ("blocked", "unreachable"):
             moved = self._simulation.ticks - began > _THOUGHT
             yield from self._turn(robot)
@@ -200,6 +201,24 @@ class Crew:
         if not outcome.success and outcome.reason != "door_closed":
             here.robot.q = here.robot.measured
             yield from self._bounded(robot, go_home(here), _RECOVERY_TIME)
+        return outcome
+
+    def _among_litter(self, robot: str, subtask: Subtask, now: Round) -> Attempt:
+        """Run a skill clear of what lies on the floor; try again once that has been pushed away, in the end over it."""
+        here = self.robots[robot]
+        for last in (False, False, True):
+            litter = lying(here)
+            if litter and not last:
+                here.begin(avoid=litter)
+                here.keep_off = litter if here.scratch.free(here.robot.q) else litter - pressed(here)
+            outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
+            here.keep_off = frozenset()
+            if last or not litter or outcome.reason not in ("blocked", "unreachable"):
+                break
+            here.robot.q = here.robot.measured
+            home = yield from self._bounded(robot, go_home(here), _RECOVERY_TIME)
+            if not home.success or now.achieved(robot, subtask):
+                break
         return outcome
 
     def _motion(self, robot: str, subtask: Subtask, now: Round) -> Steps:

@@ -69,6 +69,7 @@ class Surroundings:
     mover: Mover
     hand: Hand
     station: Station
+    keep_off: frozenset[str] = frozenset()
 
     def enter(self, station: Station) -> None:
         """Take ``station`` (world frame) for the robot's own; from now on all is told in the frame of its wall."""
@@ -111,11 +112,14 @@ class Surroundings:
     def begin(
         self, target: Iterable[int] = (), *, held_meets: bool = True, avoid: Collection[str] = ()
     ) -> None:
-        """Refresh the scratch world, with what the hand holds. avoid: things on the floor to keep off."""
+        """Refresh the scratch world, with what the hand holds.
+
+        avoid: things on the floor to keep off; by default those of `keep_off`.
+        """
         self.scratch.begin(target=target, held=self.hand.body, contents=self.hand.contents, held_meets=held_meets)
         for body in self.things:
             # What lies on the floor is pushed aside by the base, and must not keep the robot from moving.
-            if body != self.hand.body and body not in avoid and self.on_floor(body):
+            if body != self.hand.body and body not in (avoid or self.keep_off) and self.on_floor(body):
                 self.scratch.mark(self.simulation.geoms(body), IGNORED)
         self.scratch.fingers(self.robot.grip if self.hand.body is None else 0.5 * self.robot.opening)
 
