@@ -1,8 +1,8 @@
-"""Proves every make of fixture for every skill it offers: `python benchmarks/certify_modules.py`.
+"""Proves every variant of fixture for every skill it offers: `python benchmarks/certify_modules.py`.
 
 A make stands alone at a plain wall with worktops beside it; robots of both names do the trials of module_trials.toml
 there, every arrival off by up to 0.02 m and 0.03 rad, all links colliding. What came of it goes to
-kitchen/fixtures/certified.toml, beside the makes, and layouts take no others. `--check 5` proves a few again.
+kitchen/fixtures/certified.toml, beside the variants, and layouts take no others. `--check 5` proves a few again.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _HEAD = (
 
 
 def certificate(kind: str, make: str, found: Iterable[Found]) -> Certificate:
-    """The proof of a make from all that was found."""
+    """The certificate of a variant from all that was found."""
     layout, parts = any_layout(kind, make), defaultdict(list)
     for part in found:
         if part.skill:
@@ -62,7 +62,7 @@ def certificate(kind: str, make: str, found: Iterable[Found]) -> Certificate:
 
 @takes("certify_modules.only", "certify_modules.rounds", "certify_modules.check", "certify_modules.first_seed")
 def main(*, only: str, rounds: int, check: int, first_seed: int) -> None:
-    """Print a table of every make and skill, and every failure."""
+    """Print a table of every variant and skill, and every failure."""
     console = make_console()
     wanted = [name.strip() for name in only.split(",") if name.strip()]
     chosen = [(k, m) for k, m in makes() if not wanted or k in wanted or f"{k}.{m}" in wanted]

@@ -32,7 +32,7 @@ class _Only(TaskWorlds):
 
     @property
     def categories(self) -> Mapping[str, catalogue.Category]:
-        """The categories of the task's things."""
+        """The categories of the task's objects."""
         return {role.nouns[0]: catalogue.get(role.nouns[0]) for role in self.spec.roles}
 
 

@@ -2,7 +2,7 @@
 
 Runs the chains of skill_chains.toml and measures every step of 5 ms, from the first command to the last. A
 torque is all that a joint's motor gives, gravity compensation included; a force is the sum of what one body of a robot
-(a finger, the hand, a link) and one leaf of a door do to each other.
+(a finger, the hand, a link) and one door panel do to each other.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ class Probe:
                 found.over[key] += _STEP
 
     def _door_forces(self) -> dict[tuple[str, str], NDArray[np.float64]]:
-        """The force (3,) between each body of the robot and each leaf that it touches."""
+        """The force (3,) between each body of the robot and each door panel that it touches."""
         sums: dict[tuple[str, str], NDArray[np.float64]] = defaultdict(lambda: np.zeros(3))
         contact, wrench = self._data.contact, np.zeros(6)
         for number, pair in enumerate(self._model.geom_bodyid[contact.geom[: self._data.ncon]].tolist()):

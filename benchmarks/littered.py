@@ -1,6 +1,6 @@
-"""Robots among things on the floor: `python benchmarks/littered.py --trials 12`.
+"""Robots among objects on the floor: `python benchmarks/littered.py --trials 12`.
 
-Lays one to six things of a kitchen on the floor around a robot, between it and where it is to go, or between its base
+Lays one to six objects of a kitchen on the floor around a robot, between it and where it is to go, or between its base
 and the cupboards before which it stands; then every robot is told to go somewhere else, aside, and on. Prints how many
 of these drives arrive, whether any robot never gets away, and how deep anything is pressed into the floor, the
 furniture and the robots' bases, measured every 5 ms from its shape.
@@ -37,11 +37,11 @@ from remac_env.tasks.goals import Inside
 from remac_env.tasks.spec import Role, TaskSpec
 
 WAYS = ("ring", "row", "gap")
-"""How things lie: around a robot's base, in a row from it to where it goes, before the cupboards at which it stands."""
+"""How objects lie: around a robot's base, in a row from it to where it goes, before the cupboards where it stands."""
 
 _MOST = 6
 _BASE = ((-0.42, 0.15), (-0.24, 0.24))  # m: spans of a base along its heading and across, from the arm's axis
-_AIR = 0.03  # m between a base and the things around it
+_AIR = 0.03  # m between a base and the objects around it
 _DRIVES = 6
 _WHERE = ("the floor", "the floor at rest", "furniture", "a base")
 _DEEP = 0.005  # m from which on a line says what was so deep
@@ -49,7 +49,7 @@ _DEEP = 0.005  # m from which on a line says what was so deep
 
 @dataclass
 class Trial:
-    """One staged start: how things lay, how many, how many robots, what came of each drive, and what was measured."""
+    """One staged start: how objects lay, how many, how many robots, what came of each drive, and what was measured."""
 
     seed: int
     way: str
@@ -62,7 +62,7 @@ class Trial:
 
 
 class Depths:
-    """How deep things are in the floor, furniture and robots (m); to be set as a backend's ``probe``."""
+    """How deep objects are in the floor, furniture and robots (m); to be set as a backend's ``probe``."""
 
     def __init__(self, backend: PhysicsBackend, things: Iterator[str] | list[str], trial: Trial) -> None:
         self._model, self._data, self._trial = backend.model, backend.data, trial
@@ -143,7 +143,7 @@ def _lay(
     backend: PhysicsBackend, worlds: TaskWorlds, start: Start, things: list[str], way: str, layout: Layout, robot: str,
     target: str,
 ) -> None:
-    """Put things on the floor: a start that no reset has, staged in the simulator's own state."""
+    """Put objects on the floor: a start that no reset has, staged in the simulator's own state."""
     model, data, chance = backend.model, backend.data, generator(start.seed, "littered", way)
     x, y, yaw = _pose(backend, robot)
     turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
@@ -182,7 +182,7 @@ def _around(angle: float, reach: float) -> NDArray[np.float64]:
 
 
 def _in_base(pose: NDArray[np.float64], place: NDArray[np.float64], reach: float) -> bool:
-    """Whether a thing that reaches so far would lie in the base of a robot with this pose (3,)."""
+    """Whether an object that reaches so far would lie in the base of a robot with this pose (3,)."""
     c, s = math.cos(pose[2]), math.sin(pose[2])
     x, y = np.array([[c, s], [-s, c]]) @ (place - pose[:2])
     return all(low - reach < value < high + reach for value, (low, high) in zip((x, y), _BASE, strict=True))
@@ -210,7 +210,7 @@ _SPEC = TaskSpec(
 
 @takes("littered.trials", "script.first_seed", "script.processes")
 def main(*, trials: int, first_seed: int, processes: int) -> None:
-    """Print how robots get away from things on the floor, and how deep those are pressed into what."""
+    """Print how robots get away from objects on the floor, and how deep those are pressed into what."""
     jobs = [(seed, robots) for robots in (1, 2) for seed in range(first_seed, first_seed + trials)]
     console = make_console()
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:

@@ -56,7 +56,7 @@ class Recorder:
                     self.touched[self._targets[int(other)]].append(len(self.grips) - 1)
 
     def touches(self, middle: float, *, last: bool) -> Iterator[Touch]:
-        """What was so at the first touch of each target, or the last; stances from `middle`, x of the make's."""
+        """What was so at the first touch of each target, or the last; stances from `middle`, x of the variant's."""
         for ticks in self.touched.values():
             tick = ticks[-1] if last else ticks[0]
             x, y, yaw = (float(value) for value in self.stands[tick])

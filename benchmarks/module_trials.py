@@ -36,7 +36,7 @@ STATION, REST = "module", "rest"
 Side = Literal["left", "right"]
 SIDES: tuple[Side, ...] = ("left", "right")
 _Y = -0.85  # m, of both stations
-_BESIDE, _FAR, _REST = STANCE_HALF, 4.0, 1.9  # m from the station: the wall beside it, the other one, the things' place
+_BESIDE, _FAR, _REST = STANCE_HALF, 4.0, 1.9  # m from the station: the wall beside it, the other one, the objects'
 
 _FRAME = """
 version = 1
@@ -61,7 +61,7 @@ slots = [{slots}]
 
 @dataclass(frozen=True)
 class Trial:
-    """One run: the make, where a wall is near, the slot of a worktop, what is done, by whom, from which seed."""
+    """One run: the variant, where a wall is near, the slot of a worktop, what is done, by whom, from which seed."""
 
     kind: str
     make: str
@@ -78,8 +78,8 @@ class Trial:
 class Found:
     """What one step came to: its skill, what went wrong if anything, its touches, and where a wall was near.
 
-    skill: empty for a failure on the way there, which is none of the make's.
-    floor: low and high corner (x, y), m, of what the base took, from the make's middle and the line of fronts.
+    skill: empty for a failure on the way there, which is none of the variant's.
+    floor: low and high corner (x, y), m, of what the base took, from the variant's middle and the line of fronts.
     """
 
     skill: str
@@ -98,7 +98,7 @@ class _Never(Released):
 
 
 class _Module(TaskWorlds):
-    """The kitchen of one make; each noun is its own category: the fish is no salmon."""
+    """The kitchen of one variant; each noun is its own category: the fish is no salmon."""
 
     def __init__(self, spec: TaskSpec, layout: Layout) -> None:
         super().__init__(spec)
@@ -106,7 +106,7 @@ class _Module(TaskWorlds):
 
     @property
     def categories(self) -> Mapping[str, Category]:
-        """The categories of the trial's things."""
+        """The categories of the trial's objects."""
         return {role.nouns[0]: catalogue.get(role.nouns[0]) for role in self.spec.roles}
 
     def layout(self, name: str, style: str) -> Layout:
@@ -151,7 +151,7 @@ def module_layout(kind: str, make: str, beside: Side, slot: tuple[float, float] 
 
 
 def colliders_hash(kind: str, make: str) -> str:
-    """A fingerprint of what robots touch on a make: bodies, colliders and joints, to 1e-6."""
+    """A fingerprint of what robots touch on a variant: bodies, colliders and joints, to 1e-6."""
     model = build_model(any_layout(kind, make), robots=(), objects={})
     values: list[object] = []
     for body in (model.body(index) for index in range(model.nbody)):
@@ -170,7 +170,7 @@ def colliders_hash(kind: str, make: str) -> str:
 
 
 def trials(kind: str, make: str, first_seed: int, rounds: int = 1) -> list[Trial]:
-    """All runs that prove a make, robots of both names in turn; as many rounds of them, each from seeds of its own."""
+    """All runs that certify a variant, both robots in turn; as many rounds of them, each with other seeds."""
     if rounds > 1:
         return [trial for number in range(rounds) for trial in trials(kind, make, first_seed + 100 * number)]
     table, found = tables()[kind], []
@@ -181,7 +181,7 @@ def trials(kind: str, make: str, first_seed: int, rounds: int = 1) -> list[Trial
                 things = {name.format(thing=thing): at for name, at in named.items()}
                 steps = tuple(step.format(thing=thing) for step in entry["steps"])
                 for robot in ROBOTS:
-                    # Each thing with a wall on either side, and either robot as often on either.
+                    # Each object with a wall on either side, and each robot equally often on each.
                     beside = SIDES[(len(found) + len(found) // 2) % 2]
                     door, seed = entry.get("door", 0.0), first_seed + len(found)
                     found.append(Trial(kind, make, beside, slot, things, door, steps, robot, seed))
@@ -217,18 +217,18 @@ def run(trial: Trial) -> list[Found]:
 
 
 def origin(kind: str, make: str) -> float:
-    """x, m, from which a proof is told in the make's kitchens: its middle, but of worktops the station."""
+    """x, m, from which a certificate is expressed in the variant's kitchens: its middle; of worktops the station."""
     return 0.0 if "slots" in tables()[kind] else certificates.anchor(any_layout(kind, make).fixtures[kind])
 
 
 def any_layout(kind: str, make: str) -> Layout:
-    """One of a make's kitchens: what is said of the make alone is the same in each."""
+    """One of a variant's kitchens: what is said of the variant alone is the same in each."""
     slots = tables()[kind].get("slots")
     return module_layout(kind, make, SIDES[0], tuple(slots[0]) if slots else None)
 
 
 def _arranged(start: Start, trial: Trial) -> Start:
-    """The start with the door and the things where the trial has them."""
+    """The start with the door and the objects where the trial has them."""
     world = start.world
     for noun, at in trial.things.items():
         if "." in at:

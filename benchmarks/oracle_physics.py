@@ -1,6 +1,6 @@
 """How often the shortest plan works in physics: `python benchmarks/oracle_physics.py --seeds 0:50`.
 
-Each episode runs the oracle's plan; after a failed round the oracle plans again from where things are, at most
+Each episode runs the oracle's plan; after a failed round the oracle plans again from where objects are, at most
 `--replans` times. "first try" counts episodes without a failed subtask.
 """
 

@@ -66,7 +66,7 @@ def _swapped(steps: list[Subtask], at: int) -> list[Subtask]:
 
 
 def _elsewhere(steps: list[Subtask], at: int) -> list[Subtask]:
-    """The things are put back onto the counter."""
+    """The objects are put back onto the counter."""
     counter = Subtask("place to", "counter")
     return [counter if step.skill == "place to" else step for step in steps]
 
@@ -109,7 +109,7 @@ def failures(
 
 
 def planted_in_physics(kind: str, seeds: range) -> list[Record]:
-    """The same in physics, of two tasks; skills fail because controllers see things 4 cm off."""
+    """The same in physics, of two tasks; skills fail because controllers see objects 4 cm off."""
     physics: dict[str, Any] = {"backend": "physics"}
     tasks = ("OpenCabinetPnP", "HeatOnStove")
     if kind == "planner":

@@ -1,7 +1,7 @@
 """How often each skill succeeds at its first try in physics: `python benchmarks/skills.py --trials 100`.
 
-Runs the chains of skill_chains.toml over seeds. Things on worktops stand up to 0.10 m from the middle of their slots,
-at any yaw (handles within starts.HANDLE_YAW of the robot); things behind doors anywhere where a start may put them.
+Runs the chains of skill_chains.toml over seeds. Objects on worktops stand up to 0.10 m from the middle of their slots,
+at any yaw (handles within starts.HANDLE_YAW of the robot); objects behind doors anywhere where a start may put them.
 With several values of --perception-noise it prints how success falls with it.
 """
 
@@ -41,10 +41,10 @@ from remac_env.tasks.goals import Released
 from remac_env.tasks.spec import Role, TaskSpec
 
 SPREAD = 0.10
-"""m, how far things on worktops may stand from the middle of their slots, along and across."""
+"""m, how far objects on worktops may stand from the middle of their slots, along and across."""
 
-_APART = 0.05  # m of air that stays between two things, room for a hand
-_DRAWS = 1000  # of the places of all things, until none overlap
+_APART = 0.05  # m of air that stays between two objects, room for a hand
+_DRAWS = 1000  # of the places of all objects, until none overlap
 
 _VERBS = ("pick up", "place", "open", "close", "turn on", "turn off", "season")
 CHAINS = Path(__file__).with_name("skill_chains.toml")
@@ -142,7 +142,7 @@ def _play(job: _Job) -> list[Trial]:
 
 
 def _spec(chain: Mapping[str, Any]) -> TaskSpec:
-    """A task with the chain's things and a goal that never ends it."""
+    """A task with the chain's objects and a goal that never ends it."""
     nouns = list(chain["things"])
     roles = tuple(Role(noun, (noun,), at=fixture) for noun, fixture in chain["things"].items())
     goal = Released(nouns[0])
@@ -151,7 +151,7 @@ def _spec(chain: Mapping[str, Any]) -> TaskSpec:
 
 
 def _spread(start: Start, worlds: TaskWorlds) -> Start:
-    """The start with things on worktops anywhere within SPREAD of the middle of their slots, none too near another.
+    """The start with objects on worktops anywhere within SPREAD of the middle of their slots, none too near another.
 
     In a kitchen so full that they find no such places, within half or a quarter of it.
     """
@@ -182,7 +182,7 @@ def _can_be_tried(scene: Rules, world: WorldState, subtask: Subtask) -> bool:
 
 
 def _label(scene: Rules, world: WorldState, subtask: Subtask) -> str:
-    """The skill, with the thing and the place that make it easy or hard."""
+    """The skill, with the object and the place that make it easy or hard."""
     if subtask.skill == "pick up":
         place = base_place(world, subtask.target)
         return f"{subtask.text} from {scene.slots[place.where].fixture}"
@@ -205,7 +205,7 @@ def _table(trials: list[Trial]) -> Table:
 
 
 def _curve(curve: Mapping[float, list[Trial]]) -> Table:
-    """First tries of each sort of skill that succeed, and of all that touch things, a row a noise."""
+    """First tries of each sort of skill that succeed, and of all that touch objects, a row a noise."""
     table = Table("noise, m", *_VERBS, "all of these", "95% interval", title="Skills under perception noise")
     for noise, trials in curve.items():
         tried = [(t.label, t.outcome.success) for t in trials if t.outcome is not None]

@@ -1,4 +1,4 @@
-"""How deep solid things reach into one another: `python benchmarks/solids.py --trials 5`.
+"""How deep solid objects reach into one another: `python benchmarks/solids.py --trials 5`.
 
 Staged: dishes and cups fall onto the worktop's edge and onto the spout of the faucet, and every door is pushed open as
 far as it goes, in every layout. In play: the chains of skill_chains.toml, measured at every step of 5 ms. The depth of
@@ -51,7 +51,7 @@ _PUSH, _PUSHED = 1.0, 700  # N m with which a door is pushed open, and for how m
 
 
 class Solids:
-    """Measures a model's colliders, all of which meet here: things, furniture, and leaves of doors."""
+    """Measures a model's colliders, all of which meet here: objects, furniture, and door panels."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
         self.model = copy.copy(model)
@@ -92,7 +92,7 @@ class Solids:
         return rose
 
     def _pair(self, one: int, other: int) -> tuple[str, str] | None:
-        """The bodies of two geoms, a thing or leaf first; None for two parts of one fixture."""
+        """The bodies of two geoms, an object or door panel first; None for two parts of one fixture."""
         bodies = sorted((int(self.model.geom_bodyid[geom]) for geom in (one, other)), key=self._rank)
         first, second = (self.names[body] for body in bodies)
         same = first.partition("/")[0] == second.partition("/")[0]
@@ -131,7 +131,7 @@ def fall(layout: Layout, category: str, *, onto: str) -> tuple[Depths, Depths]:
 
 
 def swing(layout: Layout) -> tuple[Depths, float]:
-    """Push every leaf of every door open, one at a time: the depths, and the least angle (rad) to which one comes."""
+    """Push every door panel open, one at a time: the depths, and the least angle (rad) to which one comes."""
     model = build_model(layout, robots=(), objects={})
     solids, data, deepest, angles = Solids(model), mujoco.MjData(model), Depths(), []
     for leaf in (leaf for fixture in layout.fixtures.values() for leaf in fixture.leaves):

@@ -1,10 +1,10 @@
 """Do the two backends tell the same story? `python benchmarks/twin.py --seeds 70000:70040`.
 
-In physics, robots do what was done least so far: of all (skill, reason) that the table foretells for some command, the
+In physics, robots do what was done least so far: of all (skill, reason) that the table predicts for some command, the
 rarest is chosen, half of the time among those that succeed. Where a pair needs a preparation (a full hand before a
 closed door), one robot's shortest way there is searched for and gone, half of the rounds. Each round is foretold by the
 table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where in physics a
-thing slips out of a hand and in the table it does not, the round is listed apart; anything else is a disagreement,
+object slips out of a hand and in the table it does not, the round is listed apart; anything else is a disagreement,
 printed with what differs. Refusals, which both backends read from one function, and what robots never try as a rule
 (remac_env/backends/physics/room.py: `forbidden`) are counted apart too: that they agree is no finding.
 """
@@ -46,7 +46,7 @@ SLIPS = ("slipped", "dropped")
 """Reasons that physics alone may give: the table does not know them."""
 
 Stratum = tuple[str, str]
-"""A skill and the reason that the table foretells, "success" where there is none."""
+"""A skill and the reason that the table predicts, "success" where there is none."""
 
 STRATA: tuple[Stratum, ...] = tuple(
     (skill.name, reason)
@@ -142,7 +142,7 @@ def _forbidden(env: KitchenParallelEnv, before: WorldState, robot: str, target: 
 
 
 def _fell(foretold: WorldState, happened: WorldState) -> bool:
-    """Whether a thing that should be in a hand lies on the floor."""
+    """Whether an object that should be in a hand lies on the floor."""
     return any(
         item.place.relation == "held" and happened.objects[name].place.relation == "floor"
         for name, item in foretold.objects.items()
@@ -184,7 +184,7 @@ class _Errands:
 
 
 def foretell(scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> str:
-    """What the table foretells for one robot's command while the others stand still: a reason or "success"."""
+    """What the table predicts for one robot's command while the others stand still: a reason or "success"."""
     _, outcomes = transition(scene, world, {robot: subtask})
     return outcomes[robot].reason or "success"
 
@@ -204,7 +204,7 @@ def _choose(
 
 
 def _about_few(env: KitchenParallelEnv, commands: Sequence[Subtask]) -> list[Subtask]:
-    """The commands about fixtures, the goal's things and one more, so that searches stay small."""
+    """The commands about fixtures, the goal's objects and one more, so that searches stay small."""
     scene, named = env.start.scene, env.goal.names()
     others = [name for name, facts in scene.objects.items() if name not in named and facts.small]
     few = {*scene.fixtures, *named, *others[:1], *(name for name, facts in scene.objects.items() if facts.seasons), ""}

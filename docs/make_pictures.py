@@ -30,11 +30,11 @@ CHECKER_SIZE = 512
 """Side of the pictures that checkers look at, pixels."""
 INSIDE_TILE = (240, 240)
 OBJECT_TILE = (128, 128)
-"""The size at which every thing must be recognisable, pixels."""
+"""The size at which every object must be recognisable, pixels."""
 
 
 def main() -> None:
-    """Write kitchen.png (two robots at work) and sheets of all styles, layouts, side views and things."""
+    """Write kitchen.png (two robots at work) and sheets of all styles, layouts, side views and objects."""
     FOLDER.mkdir(exist_ok=True)
     _write("kitchen.png", at_work(**EPISODE))
     _write("styles.jpg", sheet({name: closer(kitchen(name, LAYOUT)) for name in style.names()}, columns=3))
@@ -100,7 +100,7 @@ def objects() -> NDArray[np.uint8]:
 
 
 def thing(category: str, size: tuple[int, int] = OBJECT_TILE) -> NDArray[np.uint8]:
-    """One thing on a pale table, filling the picture."""
+    """One object on a pale table, filling the picture."""
     facts = catalogue.get(category)
     low, high = facts.body.bounds
     middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]

@@ -128,7 +128,7 @@ class EpisodeReport:
     """One episode of an agent.
 
     Attributes:
-        method, iteration, success: which method, the how-manieth episode on this start, and how it ended.
+        method, iteration, success: which method, the number of the episode on this start, and how it ended.
         initial_plan: the first plan, robot -> commands.
         final_plan: the plan in force at the end: steps executed, retries not counted, plus those that remain.
         initial_plan_length, final_plan_length: in rounds; the former None for a method that plans step by step.

@@ -22,8 +22,8 @@ _ROBOTS = 2  # blocks: the robot itself, then the other one (zeros where there i
 class _Things:
     """What all robots see alike of one state of the objects and fixtures.
 
-    values: (size,). held: for each held thing the place of "held by oneself", and who holds it. at_station: for each
-    station the positions of the things that are used from it.
+    values: (size,). held: for each held object the place of "held by oneself", and who holds it. at_station: for each
+    station the positions of the objects that are used from it.
     """
 
     scene: Rules
@@ -34,7 +34,7 @@ class _Things:
     at_station: dict[str, list[int]]
 
     def are(self, scene: Rules, world: WorldState) -> bool:
-        """Whether this is the very state of the things in that world: equal ones are not looked for."""
+        """Whether this is the very state of the objects in that world: equal ones are not looked for."""
         return self.scene is scene and self.objects is world.objects and self.fixtures is world.fixtures
 
 
@@ -69,7 +69,7 @@ class Facts:
         """The world as each of `robots` sees it; what they see alike is worked out once."""
         things = self._things
         if things is None or not things.are(scene, world):
-            # Most rounds move robots alone: what was seen of the things last time is then seen again.
+            # Most rounds move robots alone: what was seen of the objects last time is then seen again.
             things = self._things = self._see_things(scene, world)
         blocks = {name: self._robot(scene, world, name, things) for name in scene.robots}
         told: dict[str, NDArray[np.float32]] = {}

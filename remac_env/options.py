@@ -13,7 +13,7 @@ STARTS = ("paper", "mixed")
 TEXTS = ("plain", "states")
 FEEDBACKS = ("status", "reason")
 NAMINGS = ("role", "category")
-"""What things are called that play a task's role: by the role's noun ("vegetable"), or as what they are ("carrot")."""
+"""What objects are called that play a task's role: by the role's noun ("vegetable"), or as what they are ("carrot")."""
 
 WORDINGS = (1, 2, 3)
 """1: word order follows the subtasks; 2: it does not; 3: the simplest sentence (paper, appendix)."""

@@ -124,7 +124,7 @@ class Pictures:
         self._shown = self._window = self._posed = None
 
     def _stage(self, moment: Moment) -> Stage:
-        """The stage of this kitchen, posed like the moment; kept while episodes have the same things in them."""
+        """The stage of this kitchen, posed like the moment; kept while episodes have the same objects in them."""
         load_mujoco()
         from remac_env.rendering.stage import Stage, stage_key
 

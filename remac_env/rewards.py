@@ -34,7 +34,7 @@ class Progress:
     """What has been reached for the first time: the rise of the largest fraction of the goal's parts that ever held.
 
     Scaled so that the rewards of every episode that succeeds add up to 1. No round is worth less than 0: what must be
-    undone for a while (a door that is to be shut in the end, a thing that is taken out to be washed) costs nothing, and
+    undone for a while (a door that is to be shut in the end, an object taken out to be washed) costs nothing, and
     doing it again brings nothing.
     """
 

@@ -121,7 +121,7 @@ def inside(scene: Rules, world: WorldState, name: str, container: str) -> bool:
 
 
 def base_place(world: WorldState, name: str) -> Place:
-    """The place of the lowest thing under object `name`: a slot, a robot's hand or the floor."""
+    """The place of the lowest object under object `name`: a slot, a robot's hand or the floor."""
     place = world.objects[name].place
     while place.relation == "vessel":
         place = world.objects[place.where].place

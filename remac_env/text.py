@@ -30,7 +30,7 @@ def describe_use(scene: PublicScene) -> str:
 
 
 def _rounds(scene: PublicScene) -> tuple[str, ...]:
-    """What a round is, and the commands that are about no thing."""
+    """What a round is, and the commands that are about no object."""
     aside = "`navigate aside` takes the robot out of the way, where it can use nothing."
     if len(scene.robots) == 1:
         done = "`done` says that the robot has finished, and the episode ends."
@@ -58,7 +58,7 @@ def _places(scene: PublicScene) -> list[str]:
 
 
 def describe_room(scene: PublicScene) -> list[str]:
-    """How many things the fixtures take that have one place in front of them, as a sentence; none where all have more.
+    """How many objects the fixtures take that have one place in front of them, as a sentence; none where all have more.
 
     A fixture along which there are several places, such as a counter, has room for many.
     """

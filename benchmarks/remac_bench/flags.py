@@ -140,7 +140,7 @@ FROZEN = (
 
 
 def takes(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """A command with these flags, which it gets as keywords, and with its own arguments; errors are told in one line.
+    """A command with these flags, which it gets as keywords, and its own arguments; errors are reported in one line.
 
     Raises:
         TypeError: if it has a keyword that is none of them.

@@ -41,7 +41,7 @@ class Row:
         progress: mean fraction of the goal's parts that hold at the end, over all scored episodes.
         seconds, ipl, fpl, rounds: means over successes: simulated seconds, lengths of the first and the final plan,
             rounds played.
-        optimum: rounds played over those of the shortest plan for as many robots, mean over successes; a thing that
+        optimum: rounds played over those of the shortest plan for as many robots, mean over successes; an object that
             was let fall counts as LITTER_ROUNDS more. Episodes whose shortest plan is not known do not count.
         speedup: rounds of the shortest plan for one robot over rounds played, mean over the successes of a team.
         best_speedup: the same for the team's own shortest plan.

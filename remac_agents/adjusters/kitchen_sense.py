@@ -1,4 +1,4 @@
-"""What repairs have in common: where to put a thing down, how to fetch it again, what stands where.
+"""What repairs have in common: where to put an object down, how to fetch it again, what stands where.
 
 Everything that is not a static fact is asked of the checker.
 """
@@ -75,7 +75,7 @@ class KitchenSense:
         return None
 
     def put_down(self, *, avoid: Sequence[str] = ()) -> tuple[Subtask, ...] | None:
-        """Steps that empty the hand; () if it is empty, None if there is nowhere to put the thing."""
+        """Steps that empty the hand; () if it is empty, None if there is nowhere to put the object."""
         if self.held is None:
             return ()
         surface = self.open_surface(self.held, avoid=avoid)
@@ -100,7 +100,7 @@ class KitchenSense:
         return len(self.request.view.scene.stations_of(fixture)) == 1
 
     def with_empty_hand(self, work: Sequence[Subtask]) -> tuple[Subtask, ...] | None:
-        """Put down what is held, do `work`, fetch the thing if it is needed, come back to the target."""
+        """Put down what is held, do `work`, fetch the object if it is needed, come back to the target."""
         down = self.put_down(avoid=(self.target,))
         if down is None:
             return None
@@ -133,7 +133,7 @@ class KitchenSense:
         return [name for name in self.objects if name != self.held and self.true("inside", name, container)]
 
     def lowest(self, names: Sequence[str]) -> str | None:
-        """Of things at one place, one that lies on none of the others."""
+        """Of objects at one place, one that lies on none of the others."""
         vessels = [name for name in names if self.objects[name].holds]
         for name in names:
             if not any(self.true("directly_on", name, vessel) for vessel in vessels if vessel != name):

@@ -111,7 +111,7 @@ def _loaded(sense: KitchenSense) -> Advice | None:
 def _vessel_needed(sense: KitchenSense) -> Advice | None:
     kind = sense.kind(sense.target)
     if sense.held is None or getattr(kind, "kind", "") not in sense.objects[sense.held].needs_vessel_in:
-        return None  # no thing in hand needs one there: the checker errs
+        return None  # no object in hand needs one there: the checker errs
     vessels = [
         n
         for n, facts in sense.objects.items()

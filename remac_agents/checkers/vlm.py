@@ -1,5 +1,5 @@
 """The checker that is a model with eyes. What a robot feels in its gripper nobody is asked about; what can be seen is
-judged by pictures; what is right or possible is asked as a question of knowledge, and what has happened to things is
+judged by pictures; what is right or possible is asked as a question of knowledge, and what has happened to objects is
 judged by the commands that were run."""
 
 from __future__ import annotations

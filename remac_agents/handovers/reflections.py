@@ -40,10 +40,10 @@ def _prerequisites_first(request: HandoverRequest) -> Plan | None:
 
 
 def main_object(request: HandoverRequest) -> str | None:
-    """The thing that the plan is about.
+    """The object that the plan is about.
 
-    Lessons say before the taking up of which thing something had to be done: the last such thing that no
-    lesson itself brought in. Without lessons, the last thing taken up that the goal names, else the last one.
+    Lessons say before the taking up of which object something had to be done: the last such object that no
+    lesson itself brought in. Without lessons, the last object taken up that the goal names, else the last one.
     """
     taken = [step.target for step in request.plan if step.row.takes]
     commands = Commands(request.commands)

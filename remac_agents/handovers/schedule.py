@@ -15,7 +15,7 @@ def schedule(lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Sub
     """The shortest of the schedules in which the leading robot starts at once or later, steps in order.
 
     The helper steps aside at the end. The leading robot goes only to places that the helper has left for
-    good, and touches only things that the helper no longer will; both follow from the plans' own words.
+    good, and touches only objects that the helper no longer will; both follow from the plans' own words.
     """
     row = (*work, STEP_ASIDE)
     plans = (_try(lead, main, helper, row, facts, delay) for delay in range(len(row) + 1))

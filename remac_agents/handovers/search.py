@@ -75,7 +75,7 @@ def _result(scene: Rules, world: WorldState) -> _Result:
 
 
 def _rounds_at_least(now: _Result, wanted: _Result, robots: int) -> int:
-    """A lower bound: a thing out of place is still to be taken up and placed, a fixture to be worked once."""
+    """A lower bound: an object out of place is still to be taken up and placed, a fixture to be worked once."""
     steps = [1 if place[0] == "held" else 2 for name, place in now[0].items() if place != wanted[0][name]]
     steps += [1 for name, state in now[1].items() if state != wanted[1][name]]
     return max(max(steps, default=0), math.ceil(sum(steps) / robots))

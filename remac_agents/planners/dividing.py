@@ -12,7 +12,7 @@ from remac_env.rules.subtasks import STEP_ASIDE, Subtask
 
 
 def decomposed(steps: Sequence[Subtask], request: PlanRequest) -> dict[str, Any]:
-    """Groups of steps that have no thing and no fixture in common; each frees its place in the end."""
+    """Groups of steps that have no object and no fixture in common; each frees its place in the end."""
     groups = independent(parts_of(steps, fine=True), request.facts)
     listed = []
     for number, group in enumerate(groups, 1):

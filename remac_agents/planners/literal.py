@@ -35,7 +35,7 @@ class LiteralPlanner:
         """A row for the leading robot; empty when the sentence names nothing that can be done.
 
         Where several robots are to be planned for, what is independent by its words is shared out between them: the
-        leading one keeps the chain around its thing, another one works a switch. Told that steps failed, and why, it
+        leading one keeps the chain around its object, another one works a switch. Told that steps failed, and why, it
         goes on from there by the rules of `mending`. SMART-LLM's questions are answered by the rules of `dividing`.
         """
         if request.question == "allocate":

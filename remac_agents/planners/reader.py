@@ -34,7 +34,7 @@ class ReaderPlanner:
 
 
 def _in_vessels(steps: Sequence[Subtask], goal: str, commands: Commands) -> list[Subtask]:
-    """Where common sense wants a vessel and the sentence names none, it is fetched first, for the thing to go into."""
+    """Where common sense wants a vessel and the sentence names none, it is fetched first, for the object to go into."""
     done: list[Subtask] = list(steps)
     for verb, place, vessel in _common_sense():
         onto, fetch = Subtask("place to", place), Subtask("pick up", vessel)

@@ -60,9 +60,9 @@ def carried_out(run: Run, commands: Commands, facts: Rules, planned: Steps) -> S
 
 
 def without_detours(steps: Sequence[Subtask], facts: Rules, planned: Steps) -> Steps:
-    """The steps without idle ways, and without things that were put down on a plain surface and taken up again.
+    """The steps without idle ways, and without objects that were put down on a plain surface and taken up again.
 
-    Where other work was done between, the thing was fetched too early; that holds only if the plan itself had the
+    Where other work was done between, the object was fetched too early; that holds only if the plan itself had the
     fetch before that work. One that came in later may have been what made the work possible.
     """
     old: list[Subtask] = []
@@ -96,7 +96,7 @@ def _without_one_rest(steps: list[Subtask], facts: Rules, planned: Steps) -> lis
 
 
 def _is_plain(target: str, facts: Rules) -> bool:
-    """Whether putting a thing there does nothing else to it."""
+    """Whether putting an object there does nothing else to it."""
     fixture = facts.fixtures.get(target)
     basins = {basin for _, under in facts.taps for basin in under}
     return fixture is not None and not fixture.door and not fixture.switches and target not in basins

@@ -56,7 +56,7 @@ def _leave_out(steps: Steps, lesson: LeaveOut) -> Steps:
 
 
 def tidy(steps: Sequence[Subtask], facts: PublicScene) -> Steps:
-    """The plan without steps that change nothing: idle ways, things taken up twice, work done twice."""
+    """The plan without steps that change nothing: idle ways, objects taken up twice, work done twice."""
     old: Steps = []
     new = list(steps)
     while new != old:

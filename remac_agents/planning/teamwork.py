@@ -1,6 +1,6 @@
 """One row of steps shared out between robots: who does which part of it, and when.
 
-All that is known comes from the row's own words. Its order is kept wherever two steps touch the same thing or fixture;
+All that is known comes from the row's own words. Its order is kept wherever two steps touch the same object or fixture;
 no two robots stand at one place at the end of a round, and nobody goes where they would only wait.
 """
 
@@ -40,7 +40,7 @@ def parts_of(steps: Sequence[Subtask], *, fine: bool = False) -> list[Part]:
 
 
 def independent(parts: Sequence[Part], facts: PublicScene) -> list[list[Part]]:
-    """The parts in groups that have no thing and no fixture in common, in their order."""
+    """The parts in groups that have no object and no fixture in common, in their order."""
     steps = [step for part in parts for step in part]
     names = iter([_touched(step, held, facts) for step, held in zip(steps, hands(steps), strict=True)])
     groups: list[tuple[list[int], frozenset[str]]] = []
@@ -114,7 +114,7 @@ def _analyse(parts: Sequence[Part], facts: PublicScene, *, places: bool) -> list
 
 
 def _touched(step: Subtask, held: str | None, facts: PublicScene) -> frozenset[str]:
-    """What a step works on. Things are put side by side on a surface that is used from several places."""
+    """What a step works on. Objects are put side by side on a surface that is used from several places."""
     if step.moves or not step.target:
         return frozenset()
     wide = step.target in facts.fixtures and len(facts.stations_of(step.target)) > 1

@@ -1,6 +1,6 @@
-"""Where robots and things are as far as a plan itself says: labels that are equal for one and the same place.
+"""Where robots and objects are as far as a plan itself says: labels that are equal for one and the same place.
 
-A fixture used from one station has that station as its label. A thing that no step has moved yet has a label
+A fixture used from one station has that station as its label. An object that no step has moved yet has a label
 of its own: where it stands is not told. From which of several stations a fixture will be used is not told either; each
 visit that was made there has a label of its own.
 """

@@ -102,7 +102,7 @@ class ModelRole:
             text = self.say(messages, about=about, images=images, form=form)
             if isinstance(text, BadAnswer):
                 problem = text
-                break  # the client has asked as often as helps
+                break  # the client has asked as often as is useful
             answer = read(text)
             if not isinstance(answer, BadAnswer):
                 self.models.keep(question, text)

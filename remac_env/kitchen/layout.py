@@ -32,7 +32,7 @@ def names() -> tuple[str, ...]:
 
 
 Models = Mapping[str, str]
-"""Kind of fixture -> the make that a style has of it; the default make where a kind is missing."""
+"""Kind of fixture -> the variant that a style has of it; the default variant where a kind is missing."""
 
 NO_MODELS: Models = FrozenMap({})
 

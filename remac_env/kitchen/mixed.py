@@ -96,7 +96,7 @@ def _add(draft: Draft, place: Place, wanted: tuple[str, ...], rng: np.random.Gen
     scene, world = draft.scene, draft.world
     slot = place.where if place.relation == "slot" else base_place(world, place.where).where
     fixture = scene.fixtures[scene.slots[slot].fixture]
-    # Behind doors and in basins hands take hold of fruit and vegetables as surely as of a task's own things, but not of
+    # Behind doors and in basins hands take hold of fruit and vegetables as surely as of the task's objects, but not of
     # all that is flat or soft.
     sure = place.relation == "vessel" and not fixture.door
     loose = [n for n, state in world.objects.items() if _is_loose(scene, n, state) and n not in wanted]
@@ -121,7 +121,7 @@ def _switch_on(draft: Draft, goal: SwitchedOn) -> None:
 
 
 def _hide(draft: Draft, goal: Goal, noun: str, rng: np.random.Generator) -> None:
-    """A thing stands behind a door that the goal does not speak of."""
+    """An object stands behind a door that the goal does not speak of."""
     scene, world = draft.scene, draft.world
     spots = [
         slot

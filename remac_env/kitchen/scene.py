@@ -1,4 +1,4 @@
-"""From a layout and a choice of things to the Rules that planners, checks and both backends share."""
+"""From a layout and a choice of objects to the Rules that planners, checks and both backends share."""
 
 from __future__ import annotations
 

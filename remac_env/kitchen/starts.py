@@ -30,13 +30,13 @@ HANDLE_YAW = 0.6
 """How far a handle is turned at most from pointing at the robot, rad."""
 
 INWARD_YAW = 0.4
-"""How far a long thing behind a door is turned at most from pointing inwards, rad; across, no hand gets at it."""
+"""How far a long object behind a door is turned at most from pointing inwards, rad; across, no hand gets at it."""
 
 HAND_ROOM = 0.14
-"""How far from the sides of a cavity things stand that a hand reaching in must straddle, m."""
+"""How far from the sides of a cavity objects stand that a hand reaching in must straddle, m."""
 
 EDGE = 0.02
-"""Room kept between a thing and the edge of its slot, m, so that neighbours leave space for a hand."""
+"""Room kept between an object and the edge of its slot, m, so that neighbours leave space for a hand."""
 
 VESSELS = 3
 """How many vessels a kitchen has, those of the task among them, so that commands do not tell which of them it needs."""
@@ -62,7 +62,7 @@ def sample(
     """Draw the start of an episode. It is the same for both namings, but for the names.
 
     Returns:
-        (start, names): the start, and for each role of the task what its thing is called.
+        (start, names): the start, and for each role of the task what its object is called.
 
     Raises:
         UnknownNameError: for an unknown kind of start.
@@ -106,7 +106,7 @@ def sample(
 def _choose_things(
     spec: TaskSpec, categories: Mapping[str, Category], naming: str, rng: np.random.Generator
 ) -> tuple[dict[str, str], dict[str, Category]]:
-    """What the thing of each role is called, and the categories of the things by what they are called."""
+    """What the object of each role is called, and the categories of the objects by what they are called."""
     names: dict[str, str] = {}
     things: dict[str, Category] = {}
     for role in spec.roles:
@@ -217,9 +217,9 @@ def _role_slot(
 
 
 def _offset(world: WorldState, layout: Layout, noun: str, category: Category, rng: np.random.Generator) -> Offset:
-    """A pose within the slot: as far from its middle as the thing's size allows, at any yaw its grasp allows.
+    """A pose within the slot: as far from its middle as the object's size allows, at any yaw its grasp allows.
 
-    Behind a door things stand in the nearest part of their slot and look inwards, also on a plate there, so that a hand
+    Behind a door objects stand in the nearest part of their slot and point inwards, also on a plate, so that a hand
     gets at them.
     """
     yaw_range = HANDLE_YAW if category.grasp.mode == "handle" else np.pi

@@ -54,10 +54,10 @@ class Finish:
 
 @dataclass(frozen=True, eq=False)
 class Style:
-    """A look: a finish for every role, the colour of the lamps (red, green, blue in 0..1), and the make of the fronts.
+    """A look: a finish for every role, the colour of the lamps (red, green, blue in 0..1), the variant of the fronts.
 
     panel: a name of PANELS, how doors and drawers are made; pull: a name of PULLS, how they are drawn open. models:
-    kind of fixture -> its make, a name of fixtures/models.toml; the default make where a kind is missing.
+    kind of fixture -> its variant, a name in fixtures/models.toml; the default one where a kind is missing.
     """
 
     name: str

@@ -28,7 +28,7 @@ class Worlds:
         return catalogue.load()
 
     def layout(self, name: str, style: str) -> Layout:
-        """A layout with the makes of fixtures that a style has; raises UnknownNameError."""
+        """A layout with the variants of fixtures that a style has; raises UnknownNameError."""
         return layouts.load(name, styles.load(style).models)
 
 
@@ -57,7 +57,7 @@ class TaskWorlds(Worlds):
         return {**catalogue.load(), **own}
 
     def layout(self, name: str, style: str) -> Layout:
-        """A layout of the package or of the task, with the makes of fixtures that a style has."""
+        """A layout of the package or of the task, with the variants of fixtures that a style has."""
         if name in self.spec.layout_files:
             return layouts.read(Path(self.spec.layout_files[name]), styles.load(style).models)
         return super().layout(name, style)
@@ -80,7 +80,7 @@ class TaskWorlds(Worlds):
         perception_noise: float,
         naming: str = "role",
     ) -> tuple[Start, dict[str, str]]:
-        """The start of the episode with this seed, and what the thing of each role is called."""
+        """The start of the episode with this seed, and what the object of each role is called."""
         self.check_cell(style, layout)
         cell = generator(seed, "cell", self.spec.name)
         picks = [str(cell.choice(names)) for names in (self.spec.styles, self.spec.layouts)]

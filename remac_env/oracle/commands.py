@@ -17,7 +17,7 @@ from remac_env.tasks.goals import Goal, Marked
 def relevant_commands(scene: Rules, world: WorldState, goal: Goal) -> list[Subtask]:
     """The commands that can matter: about what the goal names, what is around or in its way, and where to put down.
 
-    Things are put down on open surfaces, and in any vessel: an empty plate may be nearer than a free place.
+    Objects are put down on open surfaces, and in any vessel: an empty plate may be nearer than a free place.
     """
     objects, fixtures = relevant_nouns(scene, world, goal)
     surfaces = [name for name, facts in scene.fixtures.items() if facts.slots and not facts.door and not facts.switches]
@@ -64,7 +64,7 @@ def relevant_nouns(scene: Rules, world: WorldState, goal: Goal) -> tuple[list[st
         if facts.slots and (len(standing) == len(facts.slots) or facts.switch_per_slot):
             objects += standing  # it takes the only room, or decides which switch is turned
     for name in objects:
-        # The list grows while it is read: what lies in a thing that is in the way is in the way too.
+        # The list grows while it is read: what lies in an object that is in the way is in the way too.
         fresh = [other for other in contents(world, name) if other not in objects]
         fresh += [other for other in supports(scene, world, name) if other in scene.objects and other not in objects]
         objects += fresh

@@ -19,7 +19,7 @@ MOST_KEPT = 200_000
 
 
 class Distances:
-    """Exact distances in rounds (a thing that falls counts as LITTER_ROUNDS more), remembered over episodes.
+    """Exact distances in rounds (an object that falls counts as LITTER_ROUNDS more), remembered over episodes.
 
     Every plan that is found gives the distance of each world on its way. Where the search gives up (two robots, far
     from the goal), the least that is proven counts.

@@ -14,7 +14,7 @@ from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.state import WorldState
 
 LITTER_ROUNDS = 4
-"""What letting a thing fall costs, in rounds: one more than to carry it to a free place, put it down and come back, so
+"""What letting an object fall costs, in rounds: one more than to carry it to a free place, put it down and return, so
 that no plan is the better for littering."""
 
 Joint = dict[str, Subtask]
@@ -22,7 +22,7 @@ Joint = dict[str, Subtask]
 
 @dataclass(frozen=True, slots=True)
 class _Move:
-    """One robot's part of a round: the world with its effect alone, where it ends, and whether it let a thing fall."""
+    """One robot's part of a round: the world with its effect alone, where it ends, and whether it dropped an object."""
 
     subtask: Subtask
     after: WorldState
@@ -71,6 +71,6 @@ def _moves(scene: Rules, world: WorldState, robot: str, commands: Sequence[Subta
         if outcome.success:
             moves.append(_Move(subtask, after, station))
         elif after is not world and not dropped:
-            dropped = True  # however it comes about, the thing lies on the floor
+            dropped = True  # however it comes about, the object lies on the floor
             moves.append(_Move(subtask, after, station, drops=True))
     return moves

@@ -1,4 +1,4 @@
-"""Which starts are one problem: those that differ only in looks, in names, and in where on a worktop things stand."""
+"""Which starts are one problem: those that differ only in looks, in names, and in where on a worktop objects stand."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def problem_id(scene: Rules, world: WorldState, goal: Goal) -> str:
 
     Looked at are the goal and whatever can matter for it (`relevant_nouns`): the fixture on or in which each object
     stands, whether its slot is switched on, what it is to the rules there, its marks, doors, switches, and what robots
-    hold. Not looked at are names, kinds of things, styles, floor plans, and everything else in the room.
+    hold. Not looked at are names, kinds of objects, styles, floor plans, and everything else in the room.
     """
     objects, fixtures = relevant_nouns(scene, world, goal)
     kinds = {scene.fixtures[name].kind for name in fixtures}

@@ -24,7 +24,7 @@ MAX_STATES = 200_000
 class OraclePlan:
     """A plan: `rounds` of joint subtasks, one entry a robot; `expanded` states were looked at.
 
-    `cost` is the number of rounds, and LITTER_ROUNDS for each thing that it lets fall.
+    `cost` is the number of rounds, and LITTER_ROUNDS for each object that it lets fall.
     """
 
     rounds: tuple[Mapping[str, Subtask], ...]

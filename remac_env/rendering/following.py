@@ -36,7 +36,7 @@ _ABOVE = (0.0, 0.0, 0.03)  # m over a floor, where something lies on it
 _FRAMED = 0.80  # of the picture's width and height is what must be seen
 _NEAREST = 0.25  # m from the camera to the nearest point of it
 _GAP = 0.12  # m from the camera to walls
-_INNER = 0.6  # of a thing's box: its corners are looked for there, since round things do not fill theirs
+_INNER = 0.6  # of an object's box: its corners are looked for there, since round objects do not fill theirs
 _TOUCH, _BESIDE = 0.01, 0.12  # m: what is so near a point of what is held, or over a place, does not hide it
 _DRAWN = np.array([group in (DRAWN_GROUP, COARSE_GROUP) for group in range(mujoco.mjNGROUP)], dtype=np.uint8)
 _CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)

@@ -27,7 +27,7 @@ def pose(
     start: Start,
     world: WorldState,
 ) -> None:
-    """Set positions in `data` to what `world` says: robots at their stations with folded arms, things in the middle of
+    """Set positions in `data` to what `world` says: robots at their stations with folded arms, objects in the middle of
     their places but for the start's offsets. Nothing is simulated."""
     mujoco.mj_resetData(model, data)
     for name, fixture in layout.fixtures.items():

@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 _NO_COLOR = np.array([0.5, 0.5, 0.5, 1.0], dtype=np.float32)  # MuJoCo's default, overruled by a material
 _HIDDEN_GROUP = mujoco.mjNGROUP - 1
 _OPAQUE = 0.99
-_PASSES = 3  # an opaque thing behind two panes of glass or water is still seen
+_PASSES = 3  # an opaque object behind two panes of glass or water is still seen
 _AMBIENT, _FACING = 0.42, 0.20
 _LIGHTS = (((-0.35, -0.75, 0.56), 0.42), ((0.70, -0.50, 0.45), 0.12))  # direction towards the light, strength
 

@@ -195,7 +195,7 @@ class _GlPainter:
         gl.activate(platform)
         self._model, self._size = model, (width, height)
         self._finer = max(1, min(quality.finer, _LARGEST // max(width, height)))
-        self._culls = not quality.shadows and not quality.mirrors  # which may come from things out of view
+        self._culls = not quality.shadows and not quality.mirrors  # which may come from objects out of view
         with _buffers(model, width * self._finer, height * self._finer, quality):
             self._renderer: Any = mujoco.Renderer(
                 model, height * self._finer, width * self._finer, max_geom=2 * model.ngeom + 200

@@ -1,4 +1,4 @@
-"""Which things of a model a camera cannot see because they are beside or behind it."""
+"""Which objects of a model a camera cannot see because they are beside or behind it."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ Shot = tuple[str, int, int, Quality]
 
 
 class Stage:
-    """Draws episodes of one kitchen: the same layout, style and things.
+    """Draws episodes of one kitchen: the same layout, style and objects.
 
     The pose comes either from physics (`show_positions`) or from a WorldState (`show_world`).
     """

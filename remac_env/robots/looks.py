@@ -1,6 +1,6 @@
 """Draws a mobile Panda (meshes in geom group 1, never colliding, massless).
 
-White shells over dark joints, as the maker's arm. The accent colour tells robots apart from all sides: a band
+White shells over dark joints, as the manufacturer's arm. The accent colour tells robots apart from all sides: a band
 around the base and a panel on its deck, the column, rings on upper arm and forearm, and a band around the hand.
 All but the last are 4 cm wide or more, about a pixel of a picture of 128 by 128 of a whole kitchen.
 """

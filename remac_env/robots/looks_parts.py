@@ -1,7 +1,7 @@
 """The shapes of a drawn mobile Panda, one mesh for each body and material. Pure numpy.
 
 Arm links are bent tubes: each runs from the flange of the joint before it to a drum beside the next joint's
-axis, as on the maker's arm, and fills about the capsule that stands for it in collisions. Lengths in m, frames
+axis, as on the manufacturer's arm, and fills about the capsule that stands for it in collisions. Lengths in m, frames
 of the bodies.
 """
 
@@ -160,7 +160,7 @@ def _link6() -> Parts:
 
 
 def _link7() -> Parts:
-    """The flange with the maker's knob beside it, between dark rings."""
+    """The flange with the manufacturer's knob beside it, between dark rings."""
     knob = _bend([(0, 0, 0.078), (0.022, 0.022, 0.079), (0.044, 0.044, 0.080)], [0.030, 0.029, 0.026])
     return {
         SHELL: merge(_drum("z", (0, 0, 0), (0.056, 0.100), 0.049), knob),

@@ -28,7 +28,7 @@ PAD: Mapping[str, object] = MappingProxyType({
     "friction": [PAD_FRICTION, 0.01, 0.001], "condim": 4, "priority": 1, "solref": [0.01, 1.0],
     "solimp": [0.97, 0.99, 0.001, 0.5, 2.0],
 })  # fmt: skip
-"""How the pads of the fingers touch things.
+"""How the pads of the fingers touch objects.
 
 Sliding: dry rubber on steel, glass and food is told to grip with 0.5 to 1.1 (0.8 to 1.0 in most tables for rubber on
 steel); 1.0. Torsional, m: a patch of a pad's half width of 9.5 mm that presses evenly resists a turn with two thirds of

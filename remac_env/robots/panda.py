@@ -1,6 +1,6 @@
 """The robot as data: a Franka Panda on a lifting holonomic base. Importable without MuJoCo.
 
-Joint limits and the Denavit-Hartenberg offsets are the maker's published ones; link masses are those of the
+Joint limits and the Denavit-Hartenberg offsets are the manufacturer's published ones; link masses are those of the
 identified model of Gaz et al. (RA-L 2019). Lengths in m, angles in rad, masses in kg, forces in N or N m.
 A configuration ``q`` is a vector of 11: base x, base y, base yaw, torso lift, arm joints 1 to 7. The base
 turns about the vertical axis of the arm's first link, so ``q[:2]`` is where that axis stands.
@@ -42,9 +42,9 @@ SPEED = np.array([0.5, 0.5, 0.8, 0.2, *[1.6] * 7])
 # Position servos: stiffness, damping, largest force.
 ARM_STIFFNESS = (4500.0, 4500.0, 3500.0, 3500.0, 2000.0, 2000.0, 2000.0)
 ARM_DAMPING = (450.0, 450.0, 350.0, 350.0, 200.0, 200.0, 200.0)
-# N m, the maker's largest torques (Franka Emika, Panda datasheet and FCI documentation), gravity compensation included.
+# N m, the manufacturer's largest torques (Franka Emika, Panda datasheet and FCI documentation), gravity included.
 ARM_FORCE = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
-# N, of each finger: what the hand's maker allows continuously (70 N; up to 140 N for a moment).
+# N, of each finger: what the hand's manufacturer allows continuously (70 N; up to 140 N for a moment).
 FINGER_FORCE = 70.0
 FINGER_STIFFNESS = 4000.0  # N/m
 # N along each axis: together no more than wheels with a friction of 0.5 give the robot's 105 kg on a floor.

@@ -41,7 +41,7 @@ class Condition:
         """The answer of the gripper, for the kind `felt`; None for other kinds, and where nothing is felt of the robot.
 
         Args:
-            holding: robot -> the thing in its gripper, None for an empty one.
+            holding: robot -> the object in its gripper, None for an empty one.
         """
         row = PREDICATES.get(self.predicate)
         if row is None or row.feel is None or self.args[0] not in holding:

@@ -13,7 +13,7 @@ ASIDE = "aside"
 
 @dataclass(frozen=True, slots=True)
 class SlotFacts:
-    """A place on a surface that can hold one thing."""
+    """A place on a surface that can hold one object."""
 
     name: str
     fixture: str
@@ -22,7 +22,7 @@ class SlotFacts:
 
 @dataclass(frozen=True, slots=True)
 class FixtureFacts:
-    """A thing that stays where it is. `switches` are what `turn on` and `turn off` act on.
+    """Something that stays where it is. `switches` are what `turn on` and `turn off` act on.
 
     A fixture that has one switch per slot (a stove) lists its slots. `shut_to_run`: it can only be switched on with its
     door closed. `wets`: where its water runs.
@@ -45,11 +45,11 @@ class FixtureFacts:
 
 @dataclass(frozen=True, slots=True)
 class ObjectFacts:
-    """A thing that can be carried.
+    """An object that can be carried.
 
     `needs_vessel_in`, `vessel_in`, `too_big_for`, `too_deep_in` name fixture kinds: meat needs a vessel in a sink, a
     bowl is one, a plate leaves no room for a hand in a microwave, and no hand reaches into a bowl in a cabinet.
-    `holds`: how many things fit on or in it; `seasons`: a shaker; `small`: it fits into a vessel; `washable`: water
+    `holds`: how many objects fit on or in it; `seasons`: a shaker; `small`: it fits into a vessel; `washable`: water
     leaves it washed.
     """
 

@@ -1,4 +1,4 @@
-"""What happens to things and cannot be seen from where they are."""
+"""What happens to objects and cannot be seen from where they are."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from remac_env.rules.facts import Rules
 from remac_env.state import WorldState, supports
 
 WASHED = "washed"
-"""The mark of a thing on which water has run."""
+"""The mark of an object on which water has run."""
 
 SEASONED = "seasoned"
-"""The mark of a thing over which a shaker was shaken."""
+"""The mark of an object over which a shaker was shaken."""
 
 
 def washed(rules: Rules, world: WorldState) -> WorldState:
-    """The world with the mark `washed` on whatever washable thing stands under running water."""
+    """The world with the mark `washed` on whatever washable object stands under running water."""
     for tap, basins in rules.taps:
         if not world.fixtures[tap].on:
             continue

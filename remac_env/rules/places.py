@@ -1,4 +1,4 @@
-"""Where things can be used, go and land in a kitchen, and which switch a command means."""
+"""Where objects can be used, go and land in a kitchen, and which switch a command means."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def switch_for(rules: Rules, world: WorldState, fixture: str) -> str:
 
 
 def kind_around(rules: Rules, world: WorldState, target: str) -> str:
-    """The kind of a fixture, or of that in or on which a thing stands; "" for what is held or on the floor."""
+    """The kind of a fixture, or of that in or on which an object stands; "" for what is held or on the floor."""
     if target in rules.fixtures:
         return rules.fixtures[target].kind
     place = base_place(world, target)

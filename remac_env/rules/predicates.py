@@ -26,7 +26,7 @@ Feel = Callable[..., bool]
 
 ArgumentKind = NameKind | Literal["mark"]
 ABOUT: tuple[str, ...] = (*NAME_KINDS, "mark")
-"""What an argument can be: a kind of name, or what has happened to a thing."""
+"""What an argument can be: a kind of name, or what has happened to an object."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +41,7 @@ class Predicate:
         kind: what an answer comes from: pictures ("seen"), a robot's own gripper ("felt"), knowledge of a rule
             ("known"; no picture shows what is right or possible), or what was run ("ran"; nothing is left to see).
         feel: of the kind "felt", whose first argument is a robot: the answer from (shakers, what the robot holds,
-            *other arguments), where shakers are the names of things that season.
+            *other arguments), where shakers are the names of objects that season.
         repair: what makes it true again, by its name in `remac_agents.adjusters.rule.REPAIRS`; "achieve" is any skill
             that achieves it; None where no rule helps.
         settled: it hangs on where the other robots go in the same round, so that the round itself decides it.

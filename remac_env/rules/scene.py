@@ -1,6 +1,6 @@
 """What anybody may know of a kitchen: names, and what can be said to them. The commands and the text say no more.
 
-Three kinds of facts are told apart. `PublicScene`: which robots, fixtures, things and stations there are. `Rules`: what
+Three kinds of facts are told apart. `PublicScene`: which robots, fixtures, objects and stations exist. `Rules`: what
 the skill table enforces or advises about them (what needs a vessel, what has to be shut to run, what is too big).
 `WorldState`: what is true now.
 """
@@ -21,9 +21,9 @@ NAME_KINDS: tuple[NameKind, ...] = NameKind.__args__  # type: ignore[attr-define
 
 @dataclass(frozen=True, slots=True)
 class PublicFixture:
-    """A thing that stays where it is: where robots stand to use it, and whether it can be opened or switched.
+    """Something that stays where it is: where robots stand to use it, and whether it can be opened or switched.
 
-    `room`: how many things it takes side by side, what they carry not counted; 0 for one that takes none.
+    `room`: how many objects it takes side by side, what they carry not counted; 0 for one that takes none.
     """
 
     name: str
@@ -35,7 +35,7 @@ class PublicFixture:
 
 @dataclass(frozen=True, slots=True)
 class PublicObject:
-    """A thing that can be carried. `vessel`: other things can be placed on or in it; `seasons`: it is a shaker."""
+    """An object that can be carried. `vessel`: other objects can be placed on or in it; `seasons`: it is a shaker."""
 
     name: str
     vessel: bool = False
@@ -110,7 +110,7 @@ def public_scene(rules: Rules) -> PublicScene:
             }
         ),
         objects=FrozenMap(
-            # In the order of their names: in the order of the draw the task's own things would come first.
+            # In the order of their names: in the order of the draw the task's own objects would come first.
             {n: PublicObject(n, facts.holds > 0, facts.seasons) for n, facts in sorted(rules.objects.items())}
         ),
         conflicts=rules.conflicts,

@@ -73,7 +73,7 @@ def _forms() -> Forms:
 
 @lru_cache(maxsize=4)
 def _shapes(forms: Forms) -> tuple[tuple[str, re.Pattern[str]], ...]:
-    """Sentences as patterns, the most words of their own first: "holds something" is no name of a thing."""
+    """Sentences as patterns, the most words of their own first: "holds something" is no name of an object."""
     rows = sorted(forms, key=lambda row: -len(re.sub(r"\{\d\}", "", row[2])))
     return tuple((name, re.compile(re.sub(r"\\\{\d\\\}", "(.+?)", re.escape(form)))) for name, _, form in rows)
 

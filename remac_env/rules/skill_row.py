@@ -77,7 +77,7 @@ class Skill:
         leaves: the mark that it leaves on its target; it matters only for goals that want that mark.
         tool: the objects of which one must be in hand; they matter wherever the skill does.
         relevant: for which nouns the search for shortest plans tries it: "never", those of the goal and around it
-            ("nouns"), or spare vessels too, in which things can be put out of the way ("vessels").
+            ("nouns"), or spare vessels too, in which objects can be put out of the way ("vessels").
     """
 
     name: str

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Role:
-    """A thing the task needs. One of `nouns` is drawn; its category plays the noun's role in the catalogue.
+    """An object the task needs. One of `nouns` is drawn; its category plays the noun's role in the catalogue.
 
     `at` names the fixture in whose slots it stands at the start. `needs` are attributes that its category must have
     (`catalogue.Attribute`).
@@ -41,15 +41,15 @@ class TaskSpec:
         name: CamelCase id, part of the Gymnasium id.
         wordings: the goal sentence in three wordings, with `{role}` fields.
         goal: the terminal goal, with `{role}` fields.
-        roles: the things it needs.
+        roles: the objects it needs.
         fixtures: names of the fixtures it needs.
-        verbs: goal verb -> commands that the verb itself implies once the thing is in place ("heat": the burner).
+        verbs: goal verb -> commands that the verb itself implies once the object is in place ("heat": the burner).
             Public data: planners are told.
         styles, layouts: the task's rows of the style table.
         in_table: whether it belongs to the suite's table of 27 task styles.
         phases: (name, goal) in order, for tasks that are scored by phases: one counts once its goal has held after the
             one before it.
-        distractors: how many other things stand about, (least, most), as far as there is room: one slot in the open
+        distractors: how many other objects stand about, (least, most), as far as there is room: one slot in the open
             stays free.
         nouns: words that the built-in vocabulary lacks.
         categories: further object categories, in the form of the catalogue's tables.

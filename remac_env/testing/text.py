@@ -1,4 +1,4 @@
-"""check_text: plain text names things and commands, and gives no states away."""
+"""check_text: plain text names objects and commands, and gives no states away."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ STATE_WORDS = re.compile(
 def check_text(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1, 2), rounds: int = 8) -> None:
     """For environments with text="plain" and feedback="status": search `infos[robot]["text"]` for states.
 
-    No word of STATE_WORDS stands outside the commands, the names of things and the goal sentence; and the text is the
-    same for all worlds of the same things, but for whether the last subtask succeeded.
+    No word of STATE_WORDS stands outside the commands, the names of objects and the goal sentence; and the text is the
+    same for all worlds of the same objects, but for whether the last subtask succeeded.
 
     Raises:
         ContractError: with the word, or the two texts that differ.

@@ -12,8 +12,8 @@ from remac_env.testing.play import expect
 def check_world(scene: Rules, world: WorldState, *, where: str = "check_world") -> None:
     """Look whether a world is whole.
 
-    Every robot, object and fixture of the scene is there, and nothing else; each thing is in one place that exists, no
-    two in one slot, vessels hold no more than they can; hands and held things agree; no two robots use conflicting
+    Every robot, object and fixture of the scene is there, and nothing else; each object is in one place that exists, no
+    two in one slot, vessels hold no more than they can; hands and held objects agree; no two robots use conflicting
     stations; doors and switches are ones that the fixtures have; equal worlds hash equal.
 
     Args:

@@ -56,7 +56,7 @@ CHEST = FixtureFacts("chest", "chest", "chest", door=True, slots=("chest.0",))
 
 
 def washings(**changes: object) -> MadeUpKitchen:
-    """Two things are washed in one basin and put away behind two doors; 11 rounds at least (searched once)."""
+    """Two objects are washed in one basin and put away behind two doors; 11 rounds at least (searched once)."""
     settings: dict[str, object] = {
         "name": "WashTwo",
         "sentence": "wash the plum in the basin, place it into the locker, wash the pear in the basin and place it "

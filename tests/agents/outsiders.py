@@ -1,4 +1,4 @@
-"""Tasks by someone who has not read the rules: other nouns, other fixtures, other things that nobody says."""
+"""Tasks by someone who has not read the rules: other nouns, other fixtures, other objects that nobody says."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def _on_ledge(name: str, noun: str) -> Role:
     return Role(name, (noun,), at="ledge")
 
 
-FETCH = _task(  # hidden: the thing to fetch stands behind a closed door
+FETCH = _task(  # hidden: the object to fetch stands behind a closed door
     "FetchSponge",
     (
         "open the larder door, pick up the {thing} from the larder and place it into the basin",

@@ -1,4 +1,4 @@
-"""Chains of commands in physics for tests: which things stand where, what is run, and what came of it."""
+"""Chains of commands in physics for tests: which objects stand where, what is run, and what came of it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def kitchen(
     things: Mapping[str, str], seed: int, *, noise: float = 0.0, layout: str = "one_wall_large",
     style: str = "modern_1", robots: tuple[str, ...] = (ROBOT,),
 ) -> tuple[PhysicsBackend, Start, TaskWorlds]:
-    """A kitchen with these things (noun -> fixture where it starts), at its start."""
+    """A kitchen with these objects (noun -> fixture where it starts), at its start."""
     roles = tuple(Role(noun, (noun,), at=at) for noun, at in things.items())
     first = next(iter(things))
     spec = TaskSpec("Chain", ("", "", ""), Inside(f"{{{first}}}", "fridge"), roles, (), distractors=(0, 0))

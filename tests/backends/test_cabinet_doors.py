@@ -1,4 +1,4 @@
-"""Doors of cabinets in physics: of two leaves the nearer goes first, and hands let go of a door that is shut."""
+"""Doors of cabinets in physics: of two door panels the nearer goes first, and hands let go of a door that is shut."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class OneCabinet(TaskWorlds):
 
 
 class Kitchen:
-    """A robot, a cabinet with two leaves and a plate in it, or what another task and other worlds have."""
+    """A robot, a cabinet with two door panels and a plate in it, or what another task and other worlds have."""
 
     def __init__(
         self, seed: int, angle: float = 0.0, spec: TaskSpec = SPEC, worlds: type[TaskWorlds] = OneCabinet
@@ -125,7 +125,7 @@ class OneLeaf(OneCabinet):
 
 
 def force_of_shutting() -> float:
-    """The largest sum of forces (N) between robot and cabinet while one leaf is closed."""
+    """The largest sum of forces (N) between robot and cabinet while one panel is closed."""
     kitchen, forces = Kitchen(46000, angle=1.45, worlds=OneLeaf), [0.0]
     model, data, force = kitchen.backend.model, kitchen.backend.data, np.zeros(6)
 

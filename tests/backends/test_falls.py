@@ -28,7 +28,7 @@ def scene() -> Rules:
 
 
 def world(scene: Rules, **places: Place) -> WorldState:
-    """Robots aside and things in these places; what a place says is held is held."""
+    """Robots aside and objects in these places; what a place says is held is held."""
     objects = {"carrot": Place("slot", "counter.1"), "bowl": Place("slot", "counter.2"), "mug": Place("slot", "sink.0")}
     objects.update(places)
     held = {place.where: name for name, place in objects.items() if place.relation == "held"}

@@ -14,10 +14,10 @@ from remac_env.backends.physics import doors, leaf
 from remac_env.robots import model, panda
 
 TORQUES = np.array([87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0])
-"""N m, the maker's; written down here once more, so that a limit that is raised in the model is seen."""
+"""N m, the manufacturer's; written down here once more, so that a limit that is raised in the model is seen."""
 
 FINGER, DOOR = 70.0, 200.0
-"""N: the maker's continuous force of a finger, and what a part of the robot may do to a door."""
+"""N: the manufacturer's continuous force of a finger, and what a part of the robot may do to a door."""
 
 DOORS = (
     "navigate to microwave", "open microwave door", "close microwave door", "navigate to cabinet", "open cabinet door",
@@ -49,7 +49,7 @@ def within_torques(found: Measured) -> bool:
 
 
 def strongest(found: Measured) -> float:
-    """N, the largest force of any part of the robot on any leaf."""
+    """N, the largest force of any part of the robot on any door panel."""
     return max(found.doors.values())
 
 

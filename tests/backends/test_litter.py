@@ -23,7 +23,7 @@ _BASE, _HALF = np.array([-0.135, 0.0]), np.array([0.285, 0.24])  # m, middle and
 
 
 def lay(backend: PhysicsBackend, name: str, spot: Place, height: float = 0.002) -> None:
-    """Put a thing on the floor, upright, at a spot (m) in the frame of the robot's base."""
+    """Put an object on the floor, upright, at a spot (m) in the frame of the robot's base."""
     x, y, yaw = (float(backend.data.joint(f"{ROBOT}/base_{part}").qpos[0]) for part in ("x", "y", "yaw"))
     c, s = math.cos(yaw), math.sin(yaw)
     address = int(backend.model.joint(name).qposadr[0])
@@ -33,7 +33,7 @@ def lay(backend: PhysicsBackend, name: str, spot: Place, height: float = 0.002) 
 
 
 class Immovable:
-    """A bumper for which things are too heavy, all of them; ``stops``: where they stopped the base, x and y (m)."""
+    """A bumper for which objects are too heavy, all of them; ``stops``: where they stopped the base, x and y (m)."""
 
     def __init__(self, backend: PhysicsBackend, stops: list[Place]) -> None:
         self._backend, self._stops = backend, stops
@@ -54,7 +54,7 @@ def place(backend: PhysicsBackend) -> Place:
 
 
 class Deepest:
-    """How deep any shape of the things has been in the floor (m), and which were under the base, in steps of 5 ms."""
+    """How deep any shape of the objects has been in the floor (m), and which were under the base, in steps of 5 ms."""
 
     def __init__(self, backend: PhysicsBackend) -> None:
         self._model, self._data, self.depth = backend.model, backend.data, 0.0
@@ -88,14 +88,14 @@ def test_out_of_a_ring_around_litter_and_nothing_is_pressed_into_the_floor(monke
     assert deepest.depth < 0.005
     assert not deepest.under
 
-    # One thing on the straight way, in the open: the robot goes around it, and it stays where it is.
+    # One object on the straight way, in the open: the robot goes around it, and it stays where it is.
     lay(backend, "steak", (0.8, 0.0), 0.014)
     lay(backend, "plate", (0.8, 0.3))
     before = backend.data.joint("steak").qpos[:2].copy()
     assert drive("navigate to sink") is None
     assert np.linalg.norm(backend.data.joint("steak").qpos[:2] - before) < 0.001
 
-    # What it cannot push stops it; it goes back, tries elsewhere, and gets away once things give way.
+    # What it cannot push stops it; it goes back, tries elsewhere, and gets away once objects give way.
     for name, spot in RING.items():
         lay(backend, name, spot, 0.016)
     stops: list[Place] = []

@@ -100,7 +100,7 @@ def test_a_thing_in_the_hand_is_misjudged_as_a_whole() -> None:
     assert isinstance(held, HeldError)
     for one, other in zip(seen.thing("mug", at, turned), before, strict=True):
         np.testing.assert_allclose(one, other)
-    # Wherever the hand turns it, what is seen stays in the same place of the thing.
+    # Wherever the hand turns it, what is seen stays in the same place of the object.
     turn = about_z(1.1) @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     position, rotation = seen.thing("mug", np.zeros(3), turn @ turned)
     np.testing.assert_allclose(position, turn @ (before[0] - at), atol=1e-12)

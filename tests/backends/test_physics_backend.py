@@ -26,7 +26,7 @@ def make_start(
     places: Mapping[str, tuple[str, Place]], *, robots: tuple[str, ...] = ("robot_0",), doors: Mapping[str, float] = {},
     seed: int = 3,
 ) -> Start:
-    """A start with things (noun -> category and place) and doors at angles."""
+    """A start with objects (noun -> category and place) and doors at angles."""
     layout = layouts.load("one_wall_large")
     things = {noun: catalogue.get(category) for noun, (category, _) in places.items()}
     scene = build_scene(layout, things, robots)

@@ -1,4 +1,4 @@
-"""Into and out of cabinets and microwaves: how things are held there, bowls, and what no hand reaches in them."""
+"""Into and out of cabinets and microwaves: how objects are held there, bowls, and what no hand reaches in them."""
 
 from __future__ import annotations
 

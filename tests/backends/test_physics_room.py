@@ -122,7 +122,7 @@ def test_slots_are_free_or_taken_as_they_seem() -> None:
     away = np.array([0.0, 0.0, 1.0])
     here.simulation.perception.things["mug"] = Error(away, 0.0, np.zeros(3))
     assert _seen_on_slots(here) == {places["bowl"]: ["bowl"]}
-    # Where the fixture seems to be off by as much, the thing still seems to stand on it.
+    # Where the fixture seems to be off by as much, the object still seems to stand on it.
     for name in ("mug", "bowl"):
         here.simulation.perception.things[name] = Error(away, 0.0, np.zeros(3))
     for name in here.layout.fixtures:

@@ -1,4 +1,4 @@
-"""What is solid stays out of what is solid: walls of dishes, leaves of doors, what a hand carries past furniture."""
+"""What is solid stays out of what is solid: walls of dishes, door panels, what a hand carries past furniture."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ def test_which_vessel_a_task_needs_changes_no_command() -> None:
 
 @pytest.mark.parametrize("task", TASKS)
 def test_names_are_listed_in_an_order_that_tells_nothing(task: str) -> None:
-    """In the order of the draw, the task's own things would come first."""
+    """In the order of the draw, the task's own objects would come first."""
     env = remac_env.parallel_env(task, backend="symbolic", text="states")
     for seed in range(5):
         _, infos = env.reset(seed=seed)

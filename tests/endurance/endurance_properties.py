@@ -68,7 +68,7 @@ def _joints(env: Any, model: Any, data: Any) -> list[Joint]:
 
 
 def objects_are_conserved(seen: Seen) -> None:
-    """The same robots, things and fixtures; each thing in one place; hands and held things agree; equal hashes."""
+    """The same robots, objects and fixtures; each object in one place; hands and held objects agree; equal hashes."""
     for part in ("robots", "objects", "fixtures"):
         names = set(getattr(seen.before, part)) ^ set(getattr(seen.after, part))
         expect(not names, f"{part} came or went: {sorted(names)}")
@@ -76,7 +76,7 @@ def objects_are_conserved(seen: Seen) -> None:
 
 
 def marks_stay(seen: Seen) -> None:
-    """What has happened to a thing is never forgotten."""
+    """What has happened to an object is never forgotten."""
     for name, item in seen.before.objects.items():
         expect(item.marks <= seen.after.objects[name].marks, f"the {name} lost marks {sorted(item.marks)}")
 

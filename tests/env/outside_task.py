@@ -1,4 +1,4 @@
-"""A task from outside, with a kitchen, fixtures and things that the suite does not know."""
+"""A task from outside, with a kitchen, fixtures and objects that the suite does not know."""
 
 from __future__ import annotations
 

@@ -151,7 +151,7 @@ def doors(env: Any) -> list[Any]:
 
 
 def slots_of_the_goal(env: Any) -> tuple[str, ...]:
-    """The slots of the fixture in which the goal wants things."""
+    """The slots of the fixture in which the goal wants objects."""
     fixtures = env.start.scene.fixtures
     return next(fixtures[at].slots for a in env.goal.atoms() if (at := getattr(a, "container", None)) in fixtures)
 
@@ -187,7 +187,7 @@ def kinds(env: Any) -> set[str]:
 
 
 def looks_inwards(env: Any, noun: str) -> bool:
-    """Whether a hand that comes in through a door finds a thing lengthwise before it, if it is behind one."""
+    """Whether a hand that comes in through a door finds an object lengthwise before it, if it is behind one."""
     fixture = env.start.scene.slots[base_place(env.world, noun).where].fixture
     grasp = catalogue.get(env.start.categories[noun]).grasp
     yaw = abs(env.start.offsets[noun].yaw)
@@ -287,7 +287,7 @@ def test_slots_hold_one_thing() -> None:
 @every_task
 @pytest.mark.parametrize("starts", ["paper", "mixed"])
 def test_three_to_eight_distractors_stand_about(task: str, starts: str) -> None:
-    """As many as are drawn, each number as often, and one slot in the open stays free to put things down."""
+    """As many as are drawn, each number equally likely, and one slot in the open stays free to put objects down."""
     env = make(task, starts=starts)
     counts: Counter[int] = Counter()
     for seed in range(150):
@@ -329,7 +329,7 @@ def test_small_kitchens_have_fewer_distractors() -> None:
 
 @every_task
 def test_namings_are_one_start_in_other_words(task: str) -> None:
-    """By category a thing goes by what it is; the sentence keeps the noun, and the goal knows the thing."""
+    """By category an object goes by what it is; the sentence keeps the noun, and the goal knows the object."""
     plain, named = make(task, robots=1), make(task, robots=1, naming="category")
     for seed in range(8):
         _, told = plain.reset(seed=seed)

@@ -48,7 +48,7 @@ def played(env: Any, steps: int = 5) -> np.ndarray:
 
 
 def stand(env: Any, world: Any) -> None:
-    """Pose things and fixtures as a world has them. Robots stay where they are."""
+    """Pose objects and fixtures as a world has them. Robots stay where they are."""
     from remac_env.backends.physics.stage import pose_start
 
     start = env.episode.start
@@ -91,7 +91,7 @@ def test_a_start_is_the_one_of_the_same_seed_elsewhere(task: str) -> None:
 
 
 def test_the_physics_is_ours() -> None:
-    """But for the step, which robosuite chooses; and things weigh what they weigh, which depends on groups there."""
+    """But for the step, which robosuite chooses; and objects weigh what they weigh, which depends on groups there."""
     env = make("WashPnPHeat", seed=2, looks=True)
     env.reset()
     episode, theirs = env.episode, env.sim.model._model

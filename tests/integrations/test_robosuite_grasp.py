@@ -1,4 +1,4 @@
-"""Hands of robosuite lift our things, by friction, and our snapshot says so."""
+"""Hands of robosuite lift our objects, by friction, and our snapshot says so."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from remac_env.state import Place
 pytest.importorskip("robosuite", reason="robosuite is not installed: docs/robosuite.md says how")
 
 LIFTED = 0.2  # m
-AHEAD = 0.6  # m before the arm's axis that things are within reach of a hand that looks down
+AHEAD = 0.6  # m before the arm's axis that objects are within reach of a hand that looks down
 LAYOUT = "one_wall_large"
 ROUND = ("beetroot", "onion", "tomato")  # which a hand takes that does not turn
 

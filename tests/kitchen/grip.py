@@ -1,4 +1,4 @@
-"""A floating two-finger hand for tests: grasps one thing on a table as the catalogue says, lifts and shakes it."""
+"""A floating two-finger hand for tests: grasps one object on a table as the catalogue says, lifts and shakes it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Trial:
 
 
 def grasp_and_shake(category: Category, *, grasp: Grasp | None = None) -> Trial:
-    """Let the thing come to rest, grasp it, lift it by LIFT and shake it; all in about 5 s of simulated time."""
+    """Let the object come to rest, grasp it, lift it by LIFT and shake it; all in about 5 s of simulated time."""
     grasp = grasp or category.grasp
     position, rotation = hand_pose(grasp, grasp.lean[0])
     approach = rotation[:, 2]
@@ -46,7 +46,7 @@ def grasp_and_shake(category: Category, *, grasp: Grasp | None = None) -> Trial:
 
 
 def hand_pose(grasp: Grasp, lean: float) -> tuple[np.ndarray, np.ndarray]:
-    """Where the fingertips meet (3,) and the hand's axes (3, 3) in the thing's frame: x opening, z approach."""
+    """Where the fingertips meet (3,) and the hand's axes (3, 3) in the object's frame: x opening, z approach."""
     down = np.array([0.0, 0.0, -1.0])
     if grasp.mode == "side":
         at, fingers = np.array([0.0, 0.0, grasp.height]), np.array([0.0, 1.0, 0.0])

@@ -15,7 +15,7 @@ ENV = Path(__file__).resolve().parents[2] / "remac_env"
 FIXTURES = "remac_env.kitchen.fixtures"
 
 ALLOWED = {
-    # The default of a public keyword: where a thing of a task lies if the task does not say.
+    # The default of a public keyword: where an object of a task lies if the task does not say.
     "tasks/spec.py": {"counter"},
     # A sink hangs in a worktop, and is drawn like the cabinets beside it.
     "kitchen/fixtures/sink.py": {f"{FIXTURES}.counter"},

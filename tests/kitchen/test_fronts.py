@@ -1,4 +1,4 @@
-"""Fronts of every make can be drawn however narrow or low they are."""
+"""Fronts of every variant can be drawn however narrow or low they are."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def test_slots_belong_to_their_fixtures_and_stations(layout: layouts.Layout) -> 
 
 @pytest.mark.parametrize("name", layouts.names())
 def test_the_counter_has_room_for_all_that_a_task_may_put_on_it(name: str) -> None:
-    """Eight distractors, two things of the task and a free slot, over four stations; nothing else is a counter."""
+    """Eight distractors, two objects of the task and a free slot, over four stations; nothing else is a counter."""
     layout = layouts.load(name)
     scene = build_scene(layout, {}, ())
     slots = scene.fixtures["counter"].slots

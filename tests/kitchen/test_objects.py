@@ -29,7 +29,7 @@ FOOD = [name for name, category in CATEGORIES.items() if category.small]
 
 
 def model_of(*things: tuple[str, str], looks: bool = False) -> mujoco.MjModel:
-    """A table with things (noun, category) on it, at the origin."""
+    """A table with objects (noun, category) on it, at the origin."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.option.timestep, spec.option.impratio, spec.option.ls_iterations = 0.005, 10, 50

@@ -1,4 +1,4 @@
-"""Pale things on pale worktops stand out in side pictures."""
+"""Pale objects on pale worktops stand out in side pictures."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from remac_env.rendering.renderer import CLOSE, Renderer
 
 SIZE = 256
 LEAST_CONTRAST = 30.0
-"""Mean distance (red, green, blue, 0..255) of a thing's pixels from the mean colour around it."""
+"""Mean distance (red, green, blue, 0..255) of an object's pixels from the mean colour around it."""
 
 PALEST = ("garlic", "plate", "ramekin", "glass")
 """Of all categories those that stand out least from marble and pale granite."""
 
 
 def contrast(picture: np.ndarray, mask: np.ndarray) -> float:
-    """How far the pixels of a thing, but for its outline, are from what lies around it."""
+    """How far the pixels of an object, but for its outline, are from what lies around it."""
     bits, near, far = mask.astype(np.uint8), np.ones((3, 3)), np.ones((9, 9))
     ring = (cv2.dilate(bits, far) > 0) & (cv2.dilate(bits, near) == 0)
     return float(np.linalg.norm(picture[cv2.erode(bits, near) > 0] - picture[ring].mean(axis=0), axis=1).mean())

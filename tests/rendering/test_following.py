@@ -44,7 +44,7 @@ def shown(model: mujoco.MjModel, data: mujoco.MjData, camera: str, size: int = S
 
 
 def seen_whole(stage: Stage, camera: str, noun: str) -> bool:
-    """Whether a thing is large enough in a camera's picture and nowhere at its edge."""
+    """Whether an object is large enough in a camera's picture and nowhere at its edge."""
     model = stage._model
     geoms = shown(model, stage._data, camera)
     mask = (model.geom_bodyid[geoms] == model.body(noun).id) & (geoms >= 0)

@@ -104,7 +104,7 @@ def test_small_pictures_have_few_triangles_and_look_alike(env: remac_env.Kitchen
     fine, coarse = (stage._render(camera, (SIZE, SIZE), quality) for quality in (CLOSE, OBSERVATION))
     assert differs(fine, coarse).mean() < 0.04
     twins = model.geom_group == COARSE_GROUP
-    model.geom_group[twins] = FINE_GROUP  # now nothing but sheets and things is left for small pictures
+    model.geom_group[twins] = FINE_GROUP  # now nothing but sheets and objects is left for small pictures
     stage._drawn.clear()
     try:
         assert differs(fine, stage._render(camera, (SIZE, SIZE), OBSERVATION)).mean() > 0.15

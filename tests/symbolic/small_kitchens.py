@@ -14,7 +14,7 @@ from remac_env.state import FLOOR, FixtureState, FrozenMap, ObjectState, Place, 
 from remac_env.tasks.goals import All, DoorIs, Goal, Inside, Marked, Released, SwitchedOn
 
 LITTER = 4
-"""Rounds that a thing on the floor costs; written down again here on purpose."""
+"""Rounds that an object on the floor costs; written down again here on purpose."""
 
 FIXTURES = {
     "counter": FixtureFacts("counter", "counter", "mid", slots=("counter.0", "counter.1", "counter.2")),

@@ -42,7 +42,7 @@ def test_arriving_where_another_leaves(kitchen: TableKitchen) -> None:
 
 
 def test_leaving_refused_means_arriving_refused(kitchen: TableKitchen) -> None:
-    """B cannot leave for a thing that A holds, so its station does not fall free."""
+    """B cannot leave for an object that A holds, so its station does not fall free."""
     kitchen.stand(A, "stove").hold(A, "fish").stand(B, "sink")
     kitchen.run(robot_0="navigate to sink", robot_1="navigate to fish")
     assert (kitchen.reason(A), kitchen.reason(B)) == ("station_occupied", "unreachable")

@@ -12,7 +12,7 @@ from remac_env.robots.rotation import Array
 
 
 class Standing(Protocol):
-    """A robot as far as the state of the kitchen goes: where its base is, and which bodies it holds things with."""
+    """A robot as far as the state of the kitchen goes: where its base is, and which bodies it holds objects with."""
 
     name: str
     fingers: tuple[str, ...]

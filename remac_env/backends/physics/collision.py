@@ -1,7 +1,7 @@
 """Collision checks on a scratch copy of the world, for one robot at a time.
 
 The scratch model differs from the simulated one only in what meets what: pairs without the planning robot (or the
-thing in its hand) are switched off, and margins are added around the robot. The simulation is never touched.
+object in its hand) are switched off, and margins are added around the robot. The simulation is never touched.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _FORBIDDEN = _forbidden()
 
 @dataclass(frozen=True)
 class Attached:
-    """A thing in the hand: its body, qpos address, and its pose in the grip frame."""
+    """An object in the hand: its body, qpos address, and its pose in the grip frame."""
 
     body: str
     address: int
@@ -66,7 +66,7 @@ class Fence:
 
 
 class Scratch:
-    """Answers whether a configuration of one robot, told in the robot's frame, is free of forbidden contact."""
+    """Answers whether a configuration of one robot, expressed in the robot's frame, is free of forbidden contact."""
 
     def __init__(self, simulation: View, robot: RobotHandle, kinematics: Kinematics) -> None:
         self.simulation, self.robot, self.kinematics = simulation, robot, kinematics
@@ -94,7 +94,7 @@ class Scratch:
         self.model.opt.enableflags = 0
         self.classes = self._classes.copy()
         self.held: Attached | None = None
-        self.fences: tuple[Fence, ...] = ()  # robot and held thing must stay on this side of them
+        self.fences: tuple[Fence, ...] = ()  # robot and held object must stay on this side of them
         self._spans = _geom_spans(model)
         self._radii = np.linalg.norm(self._spans[:, :3], axis=1) + self._spans[:, 3]
         self._fenced = np.flatnonzero(own[of])
@@ -113,7 +113,7 @@ class Scratch:
     ) -> None:
         """Copy the present world. The gripper and what it holds may touch the geoms ``target``.
 
-        ``contents`` ride in a held vessel and are ignored. ``held_meets=False`` ignores the held thing's contacts.
+        ``contents`` ride in a held vessel and are ignored. ``held_meets=False`` ignores the held object's contacts.
         """
         self.release()
         self.data.qpos[:] = self.simulation.data.qpos
@@ -179,7 +179,7 @@ class Scratch:
 
     @contextmanager
     def clearance(self, margin: float, *, gripper: bool = True) -> Iterator[None]:
-        """Keep what is held, and the gripper, ``margin`` (m) away from things within this context."""
+        """Keep what is held, and the gripper, ``margin`` (m) away from objects within this context."""
         held = self.simulation.geoms(self.held.body) if self.held else []
         geoms = np.array([*held, *(self._own_grip if gripper else ())], int)
         before = self.model.geom_margin[geoms]
@@ -233,7 +233,7 @@ class Scratch:
         mujoco.mj_kinematics(self.model, data)
 
     def extent(self) -> tuple[Array, Array]:
-        """Low and high corners (n, 3), in the world, around the geoms of robot and held thing, as last checked."""
+        """Low and high corners (n, 3), in the world, around the geoms of robot and held object, as last checked."""
         ids = self._fenced
         turns = np.abs(self._geom_xmat[ids])
         reach = np.einsum("nij,nj->ni", turns, self._spans[ids, :3]) + self._spans[ids, 3:]

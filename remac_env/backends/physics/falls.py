@@ -12,10 +12,10 @@ from remac_env.state import WorldState, base_place
 def fallen(
     scene: Rules, before: WorldState, after: WorldState, subtasks: Mapping[str, Subtask]
 ) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Each thing that ended on the floor, or out of the vessel in or on which it lay, with the robots that answer.
+    """Each object that ended on the floor, or out of the vessel in or on which it lay, with the robots that answer.
 
     Those are the robot in whose hand it was or came to be, by itself or in a vessel; where there is none, the robots at
-    the thing's station; where there is none, all that moved. What a robot took out of its vessel has not fallen.
+    the object's station; where there is none, all that moved. What a robot took out of its vessel has not fallen.
     """
     taken = {subtask.target for subtask in subtasks.values() if subtask.row.takes}
     for name, item in before.objects.items():

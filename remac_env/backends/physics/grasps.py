@@ -1,4 +1,4 @@
-"""How each thing is grasped: candidates for the pose of the hand, from the catalogue's facts about the thing."""
+"""How each object is grasped: candidates for the pose of the hand, from the catalogue's facts about the object."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from remac_env.robots.model import PAD_FRICTION
 from remac_env.robots.rotation import Array, about_z, grip_frame
 
 OPENINGS = {"side": 0.04, "rim": 0.016, "handle": 0.03}
-"""Travel of each finger (m) while the hand approaches, by grasp mode: no wider than needed among other things."""
+"""Travel of each finger (m) while the hand approaches, by grasp mode: no wider than needed among other objects."""
 
 
 @dataclass(frozen=True)
@@ -27,14 +27,14 @@ class Grasp:
     before: Array
 
 
-_GENTLE = 7.0  # N a finger: tapered things, which are light, creep out of a harder grip
-_SURE = 8.0  # times the force with which a heavy thing would just not slide
+_GENTLE = 7.0  # N a finger: tapered objects, which are light, creep out of a harder grip
+_SURE = 8.0  # times the force with which a heavy object would just not slide
 _GRAVITY = 9.81  # m/s2
 
 DOWN = np.array([0.0, 0.0, -1.0])
 _UP = np.array([0.0, 0.0, 1.0])
 _STAND_OFF, _HANDLE_STAND_OFF = 0.12, 0.10
-# Taken with the hand leaning along it, a long thing lies nearly level in a hand that reaches forward into a cavity.
+# Taken with the hand leaning along it, a long object lies nearly level in a hand that reaches forward into a cavity.
 _LYING_LEANS = (0.45, 0.35, 0.0, 0.7)
 _ASKEW, _AWAY = (0.0, 0.2, -0.2, 0.35, -0.35), (-0.3, -0.5)  # rad
 _FITS = 0.074  # m between fingers that open to 0.08 m, with a little air
@@ -42,14 +42,14 @@ _ANY_YAW = (0.0, 0.25 * math.pi, 0.5 * math.pi, -0.25 * math.pi)
 
 
 def squeeze(thing: Category) -> float | None:
-    """With what force (N a finger) a thing is held once the hand has closed; None: as hard as it can."""
+    """With what force (N a finger) an object is held once the hand has closed; None: as hard as it can."""
     if thing.grasp.mode != "side":
         return None
     return max(_GENTLE, _SURE * thing.mass * _GRAVITY / (2.0 * PAD_FRICTION))
 
 
 def candidates(thing: Category, position: Array, rotation: Array) -> list[Grasp]:
-    """Grasps of a thing whose frame is at ``position`` (3,) and ``rotation`` (3, 3), best first."""
+    """Grasps of an object whose frame is at ``position`` (3,) and ``rotation`` (3, 3), best first."""
     makers = {"side": _sides, "rim": _rims, "handle": _handles}
     return list(makers[thing.grasp.mode](thing, position, rotation))
 
@@ -60,7 +60,7 @@ def _sides(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]
 
 
 def awkward(thing: Category, position: Array, rotation: Array) -> list[Grasp]:
-    """Further grasps of a long thing, askew or leaning the other way, for where a hand square to it has no room."""
+    """Further grasps of a long object, askew or leaning the other way, for where a hand square to it has no room."""
     if thing.grasp.mode != "side" or thing.grasp.any_yaw:
         return []
     turns = [turn for turn in _ASKEW if _width(thing, turn) <= _FITS]
@@ -69,7 +69,7 @@ def awkward(thing: Category, position: Array, rotation: Array) -> list[Grasp]:
 
 
 def _along(rotation: Array) -> float:
-    """The direction of a thing's long axis (rad); of one that came to stand on end, that of its other axis."""
+    """The direction of an object's long axis (rad); of one that came to stand on end, that of its other axis."""
     axis = rotation[:, 0] if abs(rotation[2, 0]) < 0.8 else rotation[:, 1]
     return math.atan2(axis[1], axis[0])
 
@@ -80,7 +80,7 @@ def _leans(thing: Category, rotation: Array) -> tuple[float, ...]:
 
 
 def _side(thing: Category, position: Array, yaw: float, lean: float) -> Iterator[Grasp]:
-    """Hands over a thing, the fingers to either side of the direction ``yaw``, leaning from the vertical."""
+    """Hands over an object, the fingers to either side of the direction ``yaw``, leaning from the vertical."""
     for side in (0.5 * math.pi, -0.5 * math.pi):
         finger = about_z(yaw + side)[:, 0]
         # Lean about the finger axis only, so that both fingertips stay level.
@@ -94,7 +94,7 @@ def _side(thing: Category, position: Array, yaw: float, lean: float) -> Iterator
 
 
 def _width(thing: Category, turn: float) -> float:
-    """How far (m) the fingers open for a long thing that they take askew."""
+    """How far (m) the fingers open for a long object that they take askew."""
     return max(thing.grasp.width, 2.0 * math.hypot(thing.size[1] * math.cos(turn), thing.size[0] * math.sin(turn)))
 
 

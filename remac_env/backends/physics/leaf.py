@@ -1,4 +1,4 @@
-"""The geometry of one leaf of a door, as a hand that swings it needs it."""
+"""The geometry of one door panel, as a hand that swings it needs it."""
 
 from __future__ import annotations
 

@@ -19,17 +19,17 @@ PUSH = 150.0
 _PATIENCE = 3  # control periods of it
 _SLOWER = 2  # times as long as usual takes a drive that pushes
 _RETREAT = 16  # control periods by which a drive that was stopped goes back
-_NEAR = 0.03  # m between things, or a thing and a base, that press on one another
+_NEAR = 0.03  # m between objects, or an object and a base, that press on one another
 _BASE_MIDDLE, _BASE_HALF = np.array([-0.135, 0.0]), np.array([0.285, 0.24])  # m, see remac_env.robots.model
 
 
 def lying(here: Surroundings) -> frozenset[str]:
-    """The things on the floor, as the robot sees them."""
+    """The objects on the floor, as the robot sees them."""
     return frozenset(body for body in here.things if body != here.hand.body and here.on_floor(body))
 
 
 def blocks(here: Surroundings, bodies: Collection[str]) -> tuple[Block, ...]:
-    """The floor, world frame, that things take."""
+    """The floor, world frame, that objects take."""
     return tuple(_block(here, body) for body in sorted(bodies))
 
 
@@ -39,12 +39,12 @@ def _block(here: Surroundings, body: str) -> Block:
 
 
 def _reach(here: Surroundings, body: str) -> float:
-    """How far a thing reaches from its frame at most, in whatever way it lies (m)."""
+    """How far an object reaches from its frame at most, in whatever way it lies (m)."""
     return float(np.linalg.norm(here.things[body].size))
 
 
 def pressed(here: Surroundings) -> frozenset[str]:
-    """The things on the floor that are at the base of a robot, and those at them."""
+    """The objects on the floor that are at the base of a robot, and those at them."""
     places = {body: here.simulation.in_world(body)[0][:2] for body in lying(here)}
     x, y, yaw = here.robot.standing
     turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])

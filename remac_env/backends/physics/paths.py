@@ -57,7 +57,7 @@ class Planner:
         return True
 
     def path(self, a: Array, b: Array, *, via: bool = True, tree: bool = True) -> Path | None:
-        """Way points after ``a`` up to ``b`` with the base still, clear of things; where that is impossible, tight."""
+        """Way points after ``a`` up to ``b`` with the base still, clear of objects; where that is impossible, tight."""
         with self.scratch.clearance(TRANSIT_MARGIN):
             found = self._path(a, b, via, tree) if self.scratch.free(a) and self.scratch.free(b) else None
         return found if found is not None else self._path(a, b, via, tree)

@@ -1,7 +1,7 @@
-"""Poses as one robot sees them: of things and of fixtures, each off by an error that is drawn once a round.
+"""Poses as one robot sees them: of objects and of fixtures, each off by an error that is drawn once a round.
 
-Everything that is not the robot itself is misjudged: things, fixtures with their handles, switches and slots, and so
-the world in which paths are checked. A thing is misjudged as a whole, and a fixture too: moved in all three directions
+Everything that is not the robot itself is misjudged: objects, fixtures with their handles, switches and slots, and so
+the world in which paths are checked. Each object is misjudged as a whole, and each fixture: moved in three directions
 and turned about the vertical. What a hand holds stays as misjudged as it was when the hand took it.
 
 Not misjudged: the robot itself, other robots (which tell where they are), how far a door or switch stands open or is
@@ -40,7 +40,7 @@ class Error:
 
 @dataclass(frozen=True)
 class HeldError:
-    """The same of a thing in a hand, told in the thing's own frame: shift (3,), m, and rotation (3, 3)."""
+    """The same of an object in a hand, expressed in the object's own frame: shift (3,), m, and rotation (3, 3)."""
 
     shift: Array
     rotation: Array
@@ -57,7 +57,7 @@ class Perception:
         self, chance: np.random.Generator, noise: float, layout: Layout, things: Mapping[str, Category],
         held: str | None,
     ) -> None:
-        """Draw all errors anew, but for a thing that the hand holds; ``noise``: standard deviation, m."""
+        """Draw all errors anew, but for an object that the hand holds; ``noise``: standard deviation, m."""
         in_hand = self.things.get(held) if held else None
         drawn: dict[str, Error | HeldError] = {
             name: _error(chance, noise, np.zeros(3), max(things[name].size[:2])) for name in sorted(things)
@@ -71,7 +71,7 @@ class Perception:
             self.fixtures[name] = _error(chance, noise, np.array(layout.frame(name).space(middle)), half)
 
     def thing(self, name: str, position: Array, rotation: Array) -> tuple[Array, Array]:
-        """How a thing at ``position`` (3,) and ``rotation`` (3, 3), world frame, is seen."""
+        """How an object at ``position`` (3,) and ``rotation`` (3, 3), world frame, is seen."""
         error = self.things.get(name)
         if error is None:
             return position, rotation
@@ -80,7 +80,7 @@ class Perception:
         return position + error.shift, about_z(error.turn) @ rotation
 
     def hold(self, name: str, rotation: Array) -> None:
-        """From now on a thing with ``rotation`` (3, 3) in the world keeps its error as it turns with the hand."""
+        """From now on an object with ``rotation`` (3, 3) in the world keeps its error as it turns with the hand."""
         error = self.things.get(name)
         if isinstance(error, Error):
             self.things[name] = HeldError(rotation.T @ error.shift, rotation.T @ about_z(error.turn) @ rotation)

@@ -69,7 +69,7 @@ def pick_up(
 
 
 def _lift(here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float, lifts: Lifts) -> Path | None:
-    """Off the surface unchecked for the thing itself, then up, or slanting out from under something."""
+    """Off the surface unchecked for the object itself, then up, or slanting out from under something."""
     scratch, planner = here.scratch, here.planner
     at = planner.kinematics.forward(goal)
     pose = here.simulation.pose(body)
@@ -89,7 +89,7 @@ def _lift(here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float,
 
 
 def draw_in(here: Surroundings) -> Steps:
-    """Bring a thing that must stay level to the carry posture: near the body, the hand's orientation kept."""
+    """Bring an object that must stay level to the carry posture: near the body, the hand's orientation kept."""
     here.begin()
     robot, planner = here.robot, here.planner
     position, rotation = planner.kinematics.forward(robot.q)

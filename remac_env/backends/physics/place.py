@@ -14,8 +14,8 @@ from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array, about_x, about_z, from_rotation_vector, rotation_vector
 
 _RELEASE = 0.008  # m above the surface at which the hand opens
-# Leaning back brings wrist and forearm out from under a wall cabinet; in a basin a hand that took a thing leaning has
-# to be set upright, or its forearm would meet the front edge: the thing slides off it into place.
+# Leaning back brings wrist and forearm out from under a wall cabinet; in a basin a hand that took an object leaning has
+# to be set upright, or its forearm would meet the front edge: the object slides off it into place.
 _LEANS = ((0.0, 0.35, 0.6), (0.0, -0.35, -0.6, 0.35, 0.6))
 _TURNS = (0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2)
 _LEVEL_TURNS = (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.8, -0.8, 1.0, -1.0, 1.4, -1.4, 2.0, -2.0)
@@ -29,9 +29,9 @@ _FROM_ABOVE = 0.10  # m above its place from where the hand comes straight; over
 
 
 def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None = None) -> Steps:
-    """Set the held thing down with its lowest point at ``point`` (3,), then come home empty-handed.
+    """Set the held object down with its lowest point at ``point`` (3,), then come home empty-handed.
 
-    ``kind``: of the slot in which the point lies. ``vessel``: hand and thing may touch this body.
+    ``kind``: of the slot in which the point lies. ``vessel``: hand and object may touch this body.
     """
     body = here.hand.body
     if body is None:
@@ -70,7 +70,7 @@ def release(here: Surroundings, periods: int = 6) -> Steps:
 
 
 def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
-    """Poses of the hand that set the held thing upright on ``point``; its turn about the vertical is free."""
+    """Poses of the hand that set the held object upright on ``point``; its turn about the vertical is free."""
     body = here.hand.body
     if body is None:
         return []
@@ -79,7 +79,7 @@ def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
     inward = grip[1].T
     offset, turned = inward @ (pose[0] - grip[0]), inward @ pose[1]
     # A vessel droops in the fingers, the more the longer it is carried: the hand sets it level again, or partly where
-    # it would touch the worktop itself. Other things stood as they were found.
+    # it would touch the worktop itself. Other objects stood as they were found.
     level = about_z(math.atan2(pose[1][1, 0], pose[1][0, 0]))
     droop = rotation_vector(pose[1] @ level.T)
     stood = [from_rotation_vector(part * droop) @ level for part in _DROOPS] if thing.vessel else [here.hand.upright]
@@ -102,7 +102,7 @@ def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
 
 
 def _turns(thing: Category, kind: str) -> tuple[float, ...]:
-    """Turns of a thing about the vertical worth trying, best first."""
+    """Turns of an object about the vertical worth trying, best first."""
     if thing.vessel:
         return _BASIN_TURNS if kind == "basin" else _LEVEL_TURNS
     return tuple(turn + flip for turn in _TURNS for flip in (0.0, math.pi))

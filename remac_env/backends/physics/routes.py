@@ -40,7 +40,7 @@ class Course:
 class Departure:
     """From where a robot drives: the layout, its place there and its configuration (11,).
 
-    obstacles: floor to keep off; litter: the same, of things on it. standing: where other robots stand, poses (3,) or
+    obstacles: floor to keep off; litter: the same, of objects on it. standing: where other robots stand, poses (3,) or
     configurations (11,).
     """
 

@@ -50,7 +50,7 @@ def season(here: Surroundings, food: str, *, inside: str | None = None) -> Steps
 
 
 def _held(here: Surroundings) -> tuple[Array, Array]:
-    """Offset (3,) and rotation (3, 3) of the held thing in the grip frame."""
+    """Offset (3,) and rotation (3, 3) of the held object in the grip frame."""
     grip, pose = here.robot.grip_pose(), here.simulation.pose(str(here.hand.body))
     inward = grip[1].T
     return inward @ (pose[0] - grip[0]), inward @ pose[1]

@@ -143,7 +143,7 @@ class Simulation(Bodies):
 
 
 class View:
-    """The simulation as one robot sees it: poses are told in the robot's frame and as ``perception`` misjudges them."""
+    """The simulation as one robot sees it: poses are expressed in its frame and as ``perception`` misjudges them."""
 
     def __init__(self, simulation: Simulation, robot: RobotHandle) -> None:
         self._simulation, self._robot, self.perception = simulation, robot, Perception()
@@ -159,7 +159,7 @@ class View:
         return self.perception.thing(body, *self._simulation.pose(body))
 
     def hold(self, body: str) -> None:
-        """Note that the robot's hand has taken a thing, which it goes on misjudging as it does now."""
+        """Note that the robot's hand has taken an object, which it goes on misjudging as it does now."""
         self.perception.hold(body, self._simulation.pose(body)[1])
 
     def located(self, part: str, point: Array) -> Array:

@@ -33,7 +33,7 @@ _MEMORY = "64M"  # of a model's arena; robosuite's limits of contacts are no lon
 
 
 class KitchenArena(Arena):  # type: ignore[misc]
-    """An episode's kitchen with its things; colliders only without `looks`."""
+    """An episode's kitchen with its objects; colliders only without `looks`."""
 
     def __init__(self, episode: Episode, *, looks: bool) -> None:
         root = ET.fromstring(_description(episode, looks=looks))

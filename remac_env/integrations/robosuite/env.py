@@ -48,7 +48,7 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
             `set_seed` changes it. A start is the one that `remac_env.parallel_env(task).reset(seed=seed)` has.
         style, layout, starts, naming: as for `remac_env.parallel_env`.
         looks: whether kitchens are drawn; without, a step is quicker and pictures show the robots alone.
-        use_object_obs: whether things and fixtures are observed.
+        use_object_obs: whether objects and fixtures are observed.
         reward_shaping: the fraction of the goal's parts that hold, instead of 1 once the goal holds.
         reward_scale: factor on the reward.
         options: robosuite's, such as controller_configs, camera_names, horizon, hard_reset.
@@ -117,7 +117,7 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
             self._put_together(episode)
         if missing(self.edit_model_xml(xml_string)):
             KitchenArena(self.episode, looks=True)  # writes its textures
-        self.hard_reset = True  # what is observed are the things of this episode
+        self.hard_reset = True  # what is observed are the objects of this episode
         try:
             super().reset_from_xml_string(xml_string)
         finally:

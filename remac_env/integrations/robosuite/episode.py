@@ -30,7 +30,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Episode:
-    """A start with its layout, its things (name -> category), the name of each role's thing, goal and sentence."""
+    """A start with its layout, its objects (name -> category), the name of each role's object, goal and sentence."""
 
     cell: Cell
     start: Start

@@ -20,7 +20,7 @@ class Robot:
     """A robot of robosuite's, under one of our names."""
 
     def __init__(self, name: str, robot: Any, sim: Any) -> None:
-        """Raises OptionError for a robot that does not hold things between two pads of one hand."""
+        """Raises OptionError for a robot that does not hold objects between two pads of one hand."""
         self.name, self._sim = name, sim
         self.fingers = fingers(robot, sim.model)
         self._base = sim.model.body_name2id(_base_body(robot))

@@ -1,4 +1,4 @@
-"""What is observed of a task beside robots and cameras: things and fixtures, by the same names in every kitchen."""
+"""What is observed of a task beside robots and cameras: objects and fixtures, by the same names in every kitchen."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def task_sensors(
 ) -> Iterator[tuple[str, Sensor]]:
     """Names and sensors, of modality "object"; world frame, m and rad, quaternions (x, y, z, w).
 
-    Of each role's thing `<role>_pos` (3,), `<role>_quat` (4,) and, of each robot, `robot<i>_to_<role>_pos` (3,), from
-    its hand. Of each fixture that the task needs `<fixture>_pos` (3,), the middle of where things lie in it;
-    `<fixture>_door` (2,) where it has a door, the angles of its least and its most open leaf, and
+    Of each role's object `<role>_pos` (3,), `<role>_quat` (4,) and, of each robot, `robot<i>_to_<role>_pos` (3,), from
+    its hand. Of each fixture that the task needs `<fixture>_pos` (3,), the middle of where objects lie in it;
+    `<fixture>_door` (2,) where it has a door, the angles of its least and its most open panel, and
     `<fixture>_handle_pos` (3,) of the least open one; `<fixture>_on` (n,) of its switches, 1 where on.
     """
     for role, thing in episode.roles.items():

@@ -1,4 +1,4 @@
-"""The things a kitchen holds: what they are, what they collide with and what they look like."""
+"""The objects a kitchen holds: what they are, what they collide with and what they look like."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 def add_object(
     spec: mujoco.MjSpec, worldbody: mujoco.MjsBody, noun: str, category: str | Category, *, looks: bool
 ) -> mujoco.MjsBody:
-    """Add a thing as a body with a free joint, both named by the noun, and return the body.
+    """Add an object as a body with a free joint, both named by the noun, and return the body.
 
     Its colliders, which carry all its mass, are there with and without looks; drawn shapes only with. Raises
     UnknownNameError for a category that is not in the catalogue.

@@ -1,4 +1,4 @@
-"""The catalogue of things as facts: what they are, weigh and measure and how a hand takes them. No simulator needed."""
+"""The catalogue of objects as facts: what they are, weigh and measure and how hands grasp them. No simulator needed."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ _FURTHER = (
 )  # fmt: skip
 _GRASP_KEYS = ("mode", "height", "width", "reach", "lean", "any_yaw")
 GROUPS_AS_NOUNS = ("vegetable", "fish", "meat")
-"""Groups whose name is a noun that any thing of the group may go by."""
+"""Groups whose name is a noun that any object of the group may go by."""
 
 EDIBLE = ("vegetable", "fruit", "fish", "meat", "bread", "dairy")
-"""Groups of things that lie in a dish, as far as they are low enough."""
+"""Groups of objects that lie in a dish, as far as they are low enough."""
 
 DISH_ROOM = (0.085, 0.085, 0.0375)
 """Half extents up to which food lies in a bowl or pan without standing out of it, m."""
 
-_HAND_OPENING = 0.08  # m, maker's data of the Panda hand
+_HAND_OPENING = 0.08  # m, manufacturer's data of the Panda hand
 
 
 @dataclass(frozen=True)
 class Grasp:
-    """How a two-finger hand takes a thing. Lengths m in the thing's frame, angles rad.
+    """How a two-finger hand takes an object. Lengths m in the object's frame, angles rad.
 
     mode: "side": the fingers close along the frame's y axis, the hand coming from above. "rim": they close across the
     rim. "handle": across a handle that points to -y. height: of the grip over the frame. width: between the fingers
@@ -65,12 +65,12 @@ class Grasp:
 
 @dataclass(frozen=True)
 class Category:
-    """A kind of thing.
+    """A kind of object.
 
     mass: kg. friction: sliding, torsional (m), rolling (m). rest_height: height of the body's frame over the surface
     it rests on, m. roles: nouns that it may go by. needs_vessel_in, vessel_in: kinds of fixtures; too_big_for: those in
     which a hand has no room beside it, or no hold on it once it has toppled; too_deep_in: those in which no hand
-    reaches into it. holds: how many things it takes. inside_height: of its inner floor over its frame, m. look: name of
+    reaches into it. holds: how many it takes. inside_height: of its inner floor over its frame, m. look: name of
     the drawn shape, "" to draw the colliders in `color` (red, green, blue in 0..1).
     """
 
@@ -105,7 +105,7 @@ class Category:
 
     @property
     def vessel(self) -> bool:
-        """Whether things can be put in or on it."""
+        """Whether objects can be put in or on it."""
         return self.holds > 0
 
     @property
@@ -114,7 +114,7 @@ class Category:
         return self.group in EDIBLE and all(half <= room for half, room in zip(self.size, DISH_ROOM, strict=True))
 
     def height_inside(self, vessel: Category) -> float:
-        """Height of this thing's frame over the frame of a vessel in which it lies, m."""
+        """Height of this object's frame over the frame of a vessel in which it lies, m."""
         return vessel.inside_height + self.rest_height
 
 

@@ -1,4 +1,4 @@
-"""Collision shapes of things, made of primitives. They carry all the mass.
+"""Collision shapes of objects, made of primitives. They carry all the mass.
 
 Dishes and cups are hollow: a floor and a ring of tilted boxes. They stand on four small spheres at the bottom, and on
 eight around the top when they are upside down, because few point contacts stand still cheaply while a ring of boxes
@@ -16,7 +16,7 @@ import mujoco
 
 from remac_env.kitchen.objects.catalogue import Category
 
-# Who touches whom (contype, conaffinity): furniture 1/0, leaves of doors 1/1, objects 2/3, robots 4/7, feet 0/1.
+# Who touches whom (contype, conaffinity): furniture 1/0, door panels 1/1, objects 2/3, robots 4/7, feet 0/1.
 _WHOLE = {"contype": 2, "conaffinity": 3}
 _FOOT = {"contype": 0, "conaffinity": 1, "friction": [1.0, 0.005, 0.0001], "mass": 0.002}
 _STIFF = {"condim": 6, "solref": [0.01, 1.0]}

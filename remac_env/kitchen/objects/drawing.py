@@ -1,4 +1,4 @@
-"""Puts the drawn shapes of things into an MjSpec. Drawn geoms weigh nothing and touch nothing."""
+"""Puts the drawn shapes of objects into an MjSpec. Drawn geoms weigh nothing and touch nothing."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DRAWN: dict[str, Any] = {"contype": 0, "conaffinity": 0, "group": DRAWN_GROUP, 
 
 
 def draw(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Category) -> None:
-    """Draw a thing on its body; meshes, textures and materials are named "<noun>/<number>"."""
+    """Draw an object on its body; meshes, textures and materials are named "<noun>/<number>"."""
     if not category.look:
         _draw_colliders(spec, body, noun, category)
         return
@@ -45,7 +45,7 @@ def _draw_grains(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category:
 
 
 def show_seasoned(model: mujoco.MjModel, seasoned: Collection[str]) -> None:
-    """Make the grains on these things visible in a model with looks, and those on all others invisible."""
+    """Make the grains on these objects visible in a model with looks, and those on all others invisible."""
     for geom in range(model.ngeom):
         noun, mark, _ = model.geom(geom).name.partition(SEASONED_GEOM)
         if mark:
@@ -53,7 +53,7 @@ def show_seasoned(model: mujoco.MjModel, seasoned: Collection[str]) -> None:
 
 
 def _draw_colliders(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Category) -> None:
-    """For things without a shape of their own: their colliders once more, in the category's colour."""
+    """For objects without a shape of their own: their colliders once more, in the category's colour."""
     name = f"{noun}/0"
     add_material(spec, name, Finish(color=category.color), None)
     for collider in list(body.geoms):

@@ -37,7 +37,7 @@ OPTIONAL_MEASURES: Mapping[str, tuple[str, ...]] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Body:
-    """What a thing collides with: a form of `FORMS` and its measures, m."""
+    """What an object collides with: a form of `FORMS` and its measures, m."""
 
     form: str
     measures: Mapping[str, Any]

@@ -1,4 +1,4 @@
-"""Grains of seasoning on a thing: one drawn mesh, seen only while the thing has been seasoned."""
+"""Grains of seasoning on a thing: one drawn mesh, seen only while the object has been seasoned."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from remac_env.kitchen.style import Finish
 from remac_env.seeding import generator
 
 SEASONED_GEOM = "/seasoned"
-"""After a thing's name, in the name of the geom of its grains."""
+"""After an object's name, in the name of the geom of its grains."""
 
 _PEPPER = Finish(color=(0.10, 0.07, 0.05), specular=0.1, shininess=0.2)
 _SALT = Finish(color=(0.97, 0.95, 0.88), specular=0.1, shininess=0.2)
-_PALE = 0.35  # mean brightness of a thing, 0..1, from which on pepper stands out better than salt
+_PALE = 0.35  # mean brightness of an object, 0..1, from which on pepper stands out better than salt
 
 _COUNT = 110
-_SIZE = (0.0025, 0.0055)  # m, half a flake: large enough to be told in a picture of 128 pixels
+_SIZE = (0.0025, 0.0055)  # m, half a flake: large enough to be recognised in a picture of 128 pixels
 _CORNERS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3.0)
 _SIDES = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
 
 
 def finish(parts: Sequence[DrawnPart]) -> Finish:
-    """Pepper or salt, whichever stands out on a thing."""
+    """Pepper or salt, whichever stands out on an object."""
     means = [
         np.mean(part.finish.color) if part.picture is None else np.mean(part.picture) / 255.0 for part in parts
     ]
@@ -34,7 +34,7 @@ def finish(parts: Sequence[DrawnPart]) -> Finish:
 
 
 def grains(name: str, parts: Sequence[DrawnPart]) -> Mesh:
-    """Grains scattered over the surface of a thing (frame of its body); ``name`` seeds the draw.
+    """Grains scattered over the surface of an object (frame of its body); ``name`` seeds the draw.
 
     They lie on all sides, as nobody knows which side will be up.
     """

@@ -1,4 +1,4 @@
-"""Pictures on things, painted by lists of strokes: `["band", 0.2, 0.4, "#ffffff"]`. No simulator needed.
+"""Pictures on objects, painted by lists of strokes: `["band", 0.2, 0.4, "#ffffff"]`. No simulator needed.
 
 Places are shares of the picture: u to the right, v upwards, both 0..1. On a solid of revolution u goes around and v
 along the profile; on a box each side shows the whole picture.

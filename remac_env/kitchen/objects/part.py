@@ -1,4 +1,4 @@
-"""One coloured mesh of a drawn thing, and small helpers for its picture."""
+"""One coloured mesh of a drawn object, and small helpers for its picture."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PICTURE_SIZE = 128
 
 @dataclass(frozen=True, eq=False)
 class DrawnPart:
-    """A mesh in the frame of the thing's body, its finish, and a picture (rows, columns, 3) in place of its colour."""
+    """A mesh in the frame of the object's body, its finish, and a picture (rows, columns, 3) in place of its colour."""
 
     mesh: Mesh
     finish: Finish

@@ -1,4 +1,4 @@
-"""What things look like: each a few coloured meshes in the frame of its colliders. No simulator needed."""
+"""What objects look like: each a few coloured meshes in the frame of its colliders. No simulator needed."""
 
 from __future__ import annotations
 
