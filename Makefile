@@ -1,13 +1,15 @@
 # make demo       install, run the four tasks with four methods in physics, print the table, write records and videos
 # make test       install, lint, type-check and run the fast tests
 # make test-all   the same with the long tests, and robosuite's
+# make rl         install torch and libraries for learners apart, and run the tests and examples of learning there
 # make robosuite  install robosuite apart, run the tests of our kitchens in it and print how fast they are
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 ROBOSUITE := .venv-robosuite
+RL := .venv-rl
 
-.PHONY: demo test test-all robosuite robosuite-test tables tables-check lint install clean
+.PHONY: demo test test-all rl robosuite robosuite-test tables tables-check lint install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -53,5 +55,15 @@ robosuite-test: $(ROBOSUITE)/.installed
 robosuite: robosuite-test
 	$(ROBOSUITE)/bin/python benchmarks/speed.py --only robosuite
 
+# The extra first takes the torch that is there: where an index has builds for the CPU alone, they are small and enough.
+$(RL)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(RL)
+	$(RL)/bin/pip install --quiet --disable-pip-version-check torch==2.13.0
+	$(RL)/bin/pip install --quiet --disable-pip-version-check --editable ".[rl]" pytest pytest-xdist hypothesis
+	touch $@
+
+rl: $(RL)/.installed
+	$(RL)/bin/python -m pytest -n 2 tests/integrations/test_learning.py
+
 clean:
-	rm -rf $(VENV) $(ROBOSUITE) demo_output .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(ROBOSUITE) $(RL) demo_output .pytest_cache .mypy_cache .ruff_cache

@@ -15,6 +15,7 @@ ONLY_PARSED = {
     "pip ": "installs",
     "python benchmarks/model_costs.py": "counts for minutes and writes into the documents",
     "python benchmarks/": "measures for minutes",
+    "python examples/rl/": "learns for minutes; tests/integrations learns less",
     "python docs/": "draws for minutes",
     "remac bench accept": "plays a whole submission again; tests/bench plays small ones",
     "remac bench submit": "wants a suite played to its end; tests/bench submits small ones",
@@ -28,7 +29,7 @@ ONLY_PARSED = {
 LONG = ("docs/experiments.md",)
 """Pages whose commands take more than a few seconds even when they are made smaller."""
 
-APART = {"docs/robosuite.md": "robosuite"}
+APART = {"docs/robosuite.md": "robosuite", "docs/learning.md": "supersuit"}
 """Pages that want what is installed apart; tests/integrations carries them out there."""
 
 LINES = [(line, block.where) for page in PAGES for block in blocks(page) for line in block.lines]

@@ -64,6 +64,24 @@ def test_kitchens_that_end_at_different_times(kind: str, robots: int, mode: Auto
         assert set(ends) <= {"truncated", "", None}
 
 
+@pytest.mark.parametrize("kind", ["sync", "async"])
+def test_vectors_and_masks_of_learners_in_the_step_of_a_new_beginning(kind: str) -> None:
+    makers = [maker(2, rounds, obs_format="flat", masks="feasible", reward="distance") for rounds in ROUNDS]
+    env = KINDS[kind](makers, autoreset_mode=AutoresetMode.SAME_STEP)
+    seen, _ = env.reset(seed=[3, 4])
+    ends = 0
+    for number in range(1, 6):
+        assert seen in env.observation_space
+        masks = np.stack(env.call("action_masks"))
+        assert masks.shape == (2, 2 * int(env.single_action_space.nvec[0])) and masks.dtype == bool  # type: ignore[attr-defined]
+        seen, *_, infos = env.step(np.zeros((2, 2), np.int64))
+        for at in np.flatnonzero(infos.get("_final_obs", ())):
+            ends += 1
+            assert number % ROUNDS[at] == 0 and not np.array_equal(infos["final_obs"][at], seen[at])
+    assert ends == 3
+    env.close()
+
+
 def _ends(infos: Mapping[str, Any], robot: str) -> list[str]:
     """How episodes stood, in the infos and in those of episodes that ended in the same step."""
     found = []

@@ -1,0 +1,146 @@
+"""Libraries for learners take our environments as they are: Stable-Baselines3, sb3-contrib, SuperSuit; the examples."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from agent_kitchens import play, suite_kitchen
+from document_pages import blocks
+
+import remac_agents
+import remac_env
+from remac_agents.planners.policy_file import read_policy
+
+pytest.importorskip("torch", reason="torch is not installed: docs/learning.md says how")
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "rl"
+TASK = "OpenCabinetPnP"
+
+
+def single(**options: Any) -> gymnasium.Env[Any, Any]:
+    return gymnasium.make(f"RemacKitchen-{TASK}-v0", backend="symbolic", max_rounds=6, **options)
+
+
+@pytest.mark.parametrize("robots", [1, 2])
+def test_multi_input_policies_take_dicts_with_pictures_and_without(robots: int) -> None:
+    sb3 = pytest.importorskip("stable_baselines3")
+    for more in ({}, {"obs": "state+images", "image_size": 36}):
+        env = single(robots=robots, **more)
+        model = sb3.PPO("MultiInputPolicy", env, n_steps=8, batch_size=4, n_epochs=1, seed=0, device="cpu")
+        model.learn(8)
+        seen, _ = env.reset(seed=1)
+        action, _ = model.predict(seen)
+        assert env.action_space.contains(np.asarray(action) if robots == 2 else int(action))
+        env.close()
+
+
+def test_stable_baselines_own_check_finds_nothing() -> None:
+    pytest.importorskip("stable_baselines3")
+    from stable_baselines3.common.env_checker import check_env
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for form in ("dict", "flat"):
+            check_env(single(robots=2, obs_format=form).unwrapped, warn=True)
+
+
+@pytest.mark.parametrize("robots", [1, 2])
+def test_masks_reach_maskable_ppo_and_it_keeps_to_them(robots: int) -> None:
+    contrib = pytest.importorskip("sb3_contrib")
+    env = single(robots=robots, masks="feasible", obs_format="flat")
+    model = contrib.MaskablePPO("MlpPolicy", env, n_steps=8, batch_size=4, n_epochs=1, seed=0, device="cpu")
+    model.learn(8)
+    seen, _ = env.reset(seed=1)
+    for _ in range(6):
+        masks = env.unwrapped.action_masks()  # type: ignore[attr-defined]
+        action, _ = model.predict(seen, action_masks=masks)
+        tokens = np.atleast_1d(action)
+        assert all(masks.reshape(robots, -1)[number, token] for number, token in enumerate(tokens))
+        seen, _, terminated, truncated, _ = env.step(action if robots == 2 else int(action))
+        if terminated or truncated:
+            seen, _ = env.reset()
+    env.close()
+
+
+def test_supersuit_wraps_the_flat_form() -> None:
+    supersuit = pytest.importorskip("supersuit")
+    env = remac_env.parallel_env(TASK, robots=2, backend="symbolic", obs_format="flat", max_rounds=6)
+    size = env.observation_space("robot_0").shape[0]  # type: ignore[index]
+    for wrap, shape in (
+        (supersuit.flatten_v0, (size,)),
+        (lambda made: supersuit.frame_stack_v1(made, 3), (3 * size,)),
+        (supersuit.agent_indicator_v0, (size + 2,)),
+        (lambda made: supersuit.frame_stack_v1(supersuit.agent_indicator_v0(supersuit.flatten_v0(made)), 3),
+         (3 * (size + 2),)),
+    ):  # fmt: skip
+        wrapped = wrap(env)
+        seen, infos = wrapped.reset(seed=0)
+        while wrapped.agents:
+            for name in wrapped.agents:
+                assert seen[name].shape == shape and wrapped.observation_space(name).contains(seen[name])
+            chance = np.random.default_rng(0)
+            actions = {n: int(chance.choice(np.flatnonzero(infos[n]["action_mask"])[2:])) for n in wrapped.agents}
+            seen, _, _, _, infos = wrapped.step(actions)
+
+
+def test_the_python_of_the_page_runs() -> None:
+    for needed in ("supersuit", "stable_baselines3"):
+        pytest.importorskip(needed)
+    shown = [block for block in blocks("docs/learning.md") if block.language == "python"]
+    assert shown
+    for block in shown:
+        space: dict[str, Any] = {"__name__": "page"}
+        exec(compile(block.code, block.where, "exec"), space)  # noqa: S102
+        assert space["envs"].num_envs == 4 and space["model"].num_timesteps >= 32
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("example", "needs"), [("maskable_ppo", "sb3_contrib"), ("ppo_in_torch", "torch")])
+def test_an_example_learns_and_its_policy_plays(example: str, needs: str, tmp_path: Path) -> None:
+    pytest.importorskip(needs)
+    done = subprocess.run(
+        [sys.executable, str(EXAMPLES / f"{example}.py"), "--steps", "30000", "--out", "policy.npz"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    reached = {starts: int(n) for starts, n in re.findall(r"(\w+) starts: (\d+) of 100 unseen", done.stdout)}
+    assert reached["paper"] >= 90 and reached["mixed"] >= 70, done.stdout
+    planner = f"policy:{tmp_path / 'policy.npz'}"
+    reports = [
+        play(suite_kitchen(TASK, robots=1), remac_agents.make("BASE", planner=planner), seed=seed) for seed in range(10)
+    ]
+    assert sum(report.success for report in reports) >= 8
+
+
+def test_a_short_lesson_ends_in_a_file_that_says_what_the_network_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import torch
+
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    kitchens, loop = (importlib.import_module(name) for name in ("kitchens", "ppo_in_torch"))
+    monkeypatch.setattr(loop, "ROUNDS", 8)
+    tasks = (TASK, "HeatOnStove")
+    policy = loop.learn(tasks, 32)
+    kitchens.save_policy(tmp_path / "policy.npz", policy)
+    again = read_policy(tmp_path / "policy.npz")
+    assert again.tasks == tasks and again.masks == "feasible"
+    env = kitchens.Kitchens("HeatOnStove", tasks)
+    seen, _ = env.reset(seed=0, options={})
+    net = loop.network(len(seen), len(again.vocabulary))
+    with torch.no_grad():
+        for layer, (weights, bias) in zip([part for part in net if hasattr(part, "bias")], again.layers, strict=True):
+            layer.weight.copy_(torch.from_numpy(weights))
+            layer.bias.copy_(torch.from_numpy(bias))
+        scores = net(torch.from_numpy(seen)).numpy()
+    assert np.allclose(scores, again.scores(seen[:-2], "HeatOnStove"), atol=1e-4)
+    assert seen[-2:].tolist() == [0.0, 1.0]
+    assert 0 <= kitchens.successes(again, "HeatOnStove", "paper", range(2)) <= 2
