@@ -177,7 +177,7 @@ def as_toml(proofs: Iterable[Certificate]) -> Iterator[str]:
 
 def _shown(proofs: Iterable[Certificate]) -> Table:
     heads = ("make", "skill", "successes", "stance x", "stance y", "reach", "pitch", "approach")
-    table = Table(*heads, title="Certified makes, m and rad")
+    table = Table(*heads, title="Certified variants, m and rad")
     for proof in proofs:
         for name, skill in proof.skills.items():
             (left, near, _), (right, far, _) = skill.stances

@@ -83,7 +83,7 @@ def main(*, trials: int, first_seed: int, only: str) -> None:
             if problem := trial(name, seed):
                 failures[name].append(problem)
                 console.print(f"{name}: {problem}")
-    table = Table("category", "trials", "without a failure", title="Handling things in physics")
+    table = Table("category", "trials", "without a failure", title="Handling objects in physics")
     for name in names:
         table.add_row(name, str(trials), str(trials - len(failures[name])))
     console.print(table)

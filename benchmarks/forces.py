@@ -148,7 +148,7 @@ def _torques(found: Mapping[str, Measured]) -> Table:
     joints = (f"{number}: {limit:g}" for number, limit in enumerate(panda.ARM_FORCE, 1))
     table = Table(
         "command", "s", *joints, "finger, N", "base, N", "torso, N",
-        title="Largest torques of joints, N m, beside their limits; in brackets the share of steps at the limit",
+        title="Largest torques of joints, N m, with their limits; in brackets the share of steps at the limit",
     )  # fmt: skip
     for text, part in found.items():
         torques = (

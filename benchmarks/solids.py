@@ -196,7 +196,7 @@ def _falls() -> Table:
 
 
 def _doors() -> Table:
-    table = Table("layout", "doors open to, rad", "deepest, mm", "where", title="Doors pushed open, of every make")
+    table = Table("layout", "doors open to, rad", "deepest, mm", "where", title="Doors pushed open, of every variant")
     for name in layouts.names():
         deepest, least = Depths(), np.inf
         for make in models.names("cabinet"):
@@ -210,7 +210,7 @@ def _doors() -> Table:
 
 def _drawn() -> Table:
     """By kind of fixture, over all layouts and styles."""
-    table = Table("fixture", "part, by its material", "stands out, mm", title="Drawn, and not solid")
+    table = Table("fixture", "part, by its material", "stands out, mm", title="Visual parts without collision geometry")
     deepest = Depths()
     for number, style in enumerate(styles.names()):
         names = layouts.names()

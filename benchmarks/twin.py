@@ -112,7 +112,7 @@ def compare(
     changes = () if slipped else tuple(_differences(after, env.world))
     for name, subtask in joint.items():
         table, real = foretold[name].reason or "success", outcomes[name].reason or "success"
-        differs = [f"{table} was foretold, {real} happened: {outcomes[name].detail}"] if table != real else []
+        differs = [f"{table} was predicted, {real} happened: {outcomes[name].detail}"] if table != real else []
         differs += changes
         slip = slipped and (table == real or outcomes[name].reason in SLIPS)
         verdict = "slip" if slip else "disagree" if differs else "agree"
@@ -239,7 +239,7 @@ def _differences(one: WorldState, other: WorldState) -> Iterator[str]:
     for part in ("robots", "objects", "fixtures"):
         for name, state in getattr(one, part).items():
             if state != getattr(other, part)[name]:
-                yield f"{name}: {state} foretold, {getattr(other, part)[name]} happened"
+                yield f"{name}: {state} predicted, {getattr(other, part)[name]} happened"
 
 
 def _job(job: tuple[str, int, int, int]) -> list[Compared]:

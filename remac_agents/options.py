@@ -35,17 +35,17 @@ class ModelOptions:
         None, "Provider by which models are reached, or auto: the first route whose key is set.", group="reach"
     )
     cassette: Cassette | str | Path | None = option(
-        None, "File of exchanges: plays what it holds, asks for the rest and records it.", group="reach"
+        None, "File of exchanges: replays what it holds, requests the rest and records it.", group="reach"
     )
     replay: bool = option(
-        False, "Ask nobody: what the cassette does not hold ends an episode unscored.", Switch(),
+        False, "Send no requests: what the cassette does not hold ends an episode unscored.", Switch(),
         group="reach", flag="--replay",
     )  # fmt: skip
-    max_calls: int | None = option(None, "Requests of a job at most.", Whole(0, int(MOST_SPENT)), group="budget")
-    max_tokens: int | None = option(None, "Tokens of a job at most.", Whole(0, int(MOST_SPENT)), group="budget")
-    max_money: float | None = option(None, "US dollars of a job at most.", Real(0.0, MOST_SPENT), group="budget")
+    max_calls: int | None = option(None, "Maximum requests per job.", Whole(0, int(MOST_SPENT)), group="budget")
+    max_tokens: int | None = option(None, "Maximum tokens per job.", Whole(0, int(MOST_SPENT)), group="budget")
+    max_money: float | None = option(None, "Maximum US dollars per job.", Real(0.0, MOST_SPENT), group="budget")
     max_seconds: float | None = option(
-        None, "Seconds of a job in requests at most.", Real(0.0, MOST_SPENT), group="budget"
+        None, "Maximum seconds in requests per job.", Real(0.0, MOST_SPENT), group="budget"
     )
     limiter: Limiter | None = option(
         None, "How many requests may be under way, where several agents share an endpoint.", spoken=False
@@ -86,14 +86,14 @@ class AgentOptions(ModelOptions):
         "policy:FILE.npz; options as name,option=value.",
         group="role",
     )
-    conditions: Any = option(None, "Who says what should be true before and after a subtask.", group="role")
-    checker: Any = option(None, "Who judges it.", group="role")
-    adjuster: Any = option(None, "Who mends a plan.", group="role")
-    reflector: Any = option(None, "Who says what was learnt.", group="role")
-    handover: Any = option(None, "How a second robot is given work.", group="role")
-    summariser: Any = option(None, "Who tells what happened and why it failed (REFLECT).", group="role")
+    conditions: Any = option(None, "Says what should be true before and after a subtask.", group="role")
+    checker: Any = option(None, "Judges whether it is true.", group="role")
+    adjuster: Any = option(None, "Repairs a plan.", group="role")
+    reflector: Any = option(None, "Says what was learnt.", group="role")
+    handover: Any = option(None, "How work is handed to a second robot.", group="role")
+    summariser: Any = option(None, "Summarises what happened and why it failed (REFLECT).", group="role")
     retries: int = option(2, "How often a subtask whose post-conditions fail is tried again.", Whole(), group="bound")
-    max_adjustments: int = option(20, "How often a plan is changed at most.", Whole(), group="bound")
+    max_adjustments: int = option(20, "Maximum number of changes to a plan.", Whole(), group="bound")
     max_rounds: int = option(60, "Rounds after which a method stops by itself.", Whole(), group="bound")
     lead: str | None = option(
         None, "The robot that works alone or leads; by default the first by name.", group="robot"

@@ -34,35 +34,35 @@ class Options:
 
     robots: int = option(2, "1 or 2; they are called robot_0 and robot_1.", _ROBOTS)
     backend: str = option("physics", "physics (MuJoCo decides) or symbolic (the skill table).", Choice(BACKENDS))
-    style: str | None = option(None, "Name of a look; by default the seed picks.")
+    style: str | None = option(None, "Name of a style; by default the seed picks.")
     layout: str | None = option(None, "Name of a floor plan; by default the seed picks.")
     starts: str = option("paper", "paper (doors closed, all off) or mixed.", Choice(STARTS))
     obs: str = option(
-        "state", "state or state+images (front, wrist, side); jobs have images where a role looks at them.",
+        "state", "state or state+images (front, wrist, side); jobs have images if a role looks at them.",
         Choice(OBSERVATIONS),
     )  # fmt: skip
     text: str = option("plain", "What planners are told: plain (names) or states.", Choice(TEXTS))
-    feedback: str = option("status", "What planners hear of a failure: status or reason.", Choice(FEEDBACKS))
+    feedback: str = option("status", "What planners are told about a failure: status or reason.", Choice(FEEDBACKS))
     wording: int = option(3, "Goal sentence 1, 2 or 3 (the simplest).", _WORDING)
     naming: str = option(
-        "role", "What things that play a role are called: role (vegetable), or category (carrot); the goal sentence "
-        "always has the role's noun.", Choice(NAMINGS),
+        "role", "What objects in a role are called: role (vegetable) or category (carrot); the goal sentence "
+        "always uses the role's noun.", Choice(NAMINGS),
     )  # fmt: skip
     perception_noise: float = option(
-        0.0, "Standard deviation of the error of the poses that controllers see, m (physics).", Real(0.0, 0.1)
+        0.0, "Standard deviation of the error in the poses that controllers perceive, m (physics).", Real(0.0, 0.1)
     )
     image_size: int = option(
-        128, "Pixels of a side of observation images; jobs have 512 where a role looks at them.", Whole(16, 1024)
+        128, "Width and height of observation images, pixels; jobs use 512 if a role looks at them.", Whole(16, 1024)
     )
     render_mode: str | None = option(None, "human (watch the episodes) or rgb_array.", Choice(RENDER_MODES))
     max_rounds: int = option(30, "Rounds after which an episode is truncated.", Whole(1, 100_000))
     reward: str = option(
-        "sparse", "sparse (1 on success), progress (what part of the goal holds for the first time; 1 in all) or "
-        "distance (1 on success, and the rounds by which the goal has come nearer; searched for).", Choice(REWARDS),
+        "sparse", "sparse (1 on success), progress (newly reached parts of the goal; 1 in all) or "
+        "distance (1 on success, plus the rounds by which the goal has come closer, by search).", Choice(REWARDS),
     )  # fmt: skip
     masks: str = option(
-        "grammar", "grammar (what names something in this kitchen) or feasible (what the skill table would not refuse "
-        "now either; for learners).", Choice(MASKS), spoken=False,
+        "grammar", "grammar (what names something in this kitchen) or feasible (also only what the skill table "
+        "would not refuse now; for learners).", Choice(MASKS), spoken=False,
     )  # fmt: skip
     obs_format: str = option(
         "dict", "dict (observation, action_mask, pictures) or flat (the vector alone; masks in infos).",

@@ -56,11 +56,11 @@ def _problems(spec: TaskSpec) -> Iterator[str]:
         try:
             text.format(**example)
         except (KeyError, IndexError, ValueError) as error:
-            yield f"wording {text!r} has a field that is no role ({error}); valid: {', '.join(names)}"
+            yield f"wording {text!r} has a field that is not a role ({error}); valid: {', '.join(names)}"
     try:
         spec.goal.bind(example)
     except (KeyError, IndexError, ValueError) as error:
-        yield f"the goal has a field that is no role ({error}); valid: {', '.join(names)}"
+        yield f"the goal has a field that is not a role ({error}); valid: {', '.join(names)}"
 
 
 def _check_places(spec: TaskSpec) -> None:

@@ -12,19 +12,19 @@ MOST = 10_000
 
 _SEED, _COUNT = Whole(0, SEED_MAX), Whole(1)
 _KITCHEN = rows(Options)
-_KEPT = "File of JSON lines for plans as they come; what it holds is not asked again."
+_KEPT = "File of JSON lines for plans as they arrive; what it holds is not asked for again."
 _JSON = Row(help="As JSON.", default=False, values=Switch(), flag="--json")
 
 ROWS: dict[str, Row] = {
-    "remac.version": Row(help="Say the version and end.", default=False, values=Switch(), flag="--version"),
+    "remac.version": Row(help="Print the version and exit.", default=False, values=Switch(), flag="--version"),
     "run.out": Row(
         help="Folder for records and videos; what it holds is not run again. Default: results/SUITE.", group="run"
     ),
     "run.tasks": Row(
-        help="Names with commas between them; may be repeated. By default all.", values=Texts(), group="run"
+        help="Comma-separated names; may be repeated. By default all.", values=Texts(), group="run"
     ),
     "run.methods": Row(
-        help="Names with commas between them; may be repeated.", default=("BASE,CC,RE,REMAC",), values=Texts(),
+        help="Comma-separated names; may be repeated.", default=("BASE,CC,RE,REMAC",), values=Texts(),
         group="run",
     ),
     "run.seeds": Row(
@@ -34,21 +34,21 @@ ROWS: dict[str, Row] = {
     "episode.task": Row(help="Name of a task.", default=NEEDED),
     "episode.robots": _KITCHEN["robots"].but(default=1, help="1 or 2."),
     "episode.seed": Row(help="The episode's seed.", default=0, values=_SEED),
-    "oracle.max_rounds": _KITCHEN["max_rounds"].but(help="Where the search gives up."),
+    "oracle.max_rounds": _KITCHEN["max_rounds"].but(help="Rounds after which the search gives up."),
     "plan.taught": Row(
         help="Tell it a first iteration's plan and reflections.", default=False, values=Switch(), flag="--reflections"
     ),
     "plan.by": Row(
-        help="own: the planner's own first iteration; rule: the rules'.", default="rule", flag="--reflections-by"
+        help="own: the planner's own first iteration; rule: a rule-based one.", default="rule", flag="--reflections-by"
     ),
     "plan.out": Row(help=_KEPT, values=File()),
     "experiment.planner": Row(
         help="As for `remac plan`; may be repeated. By default all offline.", values=Texts(), flag="--planner"
     ),
     "experiment.tasks": Row(
-        help="Names with commas between them; may be repeated. By default the table's.", values=Texts()
+        help="Comma-separated names; may be repeated. By default the table's.", values=Texts()
     ),
-    "experiment.count": Row(help="Starts a task: seeds 0, 1, ...", default=20, values=Whole(1, MOST), flag="--n"),
+    "experiment.count": Row(help="Starts per task: seeds 0, 1, ...", default=20, values=Whole(1, MOST), flag="--n"),
     "experiment.robots": Row(help="1, 2 or 1,2; by default 1.", values=Texts()),
     "experiment.starts": Row(help="paper, mixed or paper,mixed; by default paper.", values=Texts()),
     "experiment.reflections": Row(
@@ -60,8 +60,8 @@ ROWS: dict[str, Row] = {
     "experiment.out": Row(help=_KEPT, values=File()),
     "demo.out": Row(help="Folder for records and videos.", default="demo_output"),
     "demo.seeds": Row(help="0:10 (0 to 9), 3, or 0,4,7; may be repeated.", default=("0:3",), values=Texts()),
-    "demo.video": Row(help="One video of a REMAC episode a task.", default=True, values=Switch()),
-    "demo.resume": Row(help="Go on with an earlier demo instead of starting anew.", default=False, values=Switch()),
+    "demo.video": Row(help="One video of a REMAC episode per task.", default=True, values=Switch()),
+    "demo.resume": Row(help="Resume an earlier demo instead of starting over.", default=False, values=Switch()),
     "doctor.models": Row(
         help="provider:model to ask one tiny question; may be repeated.", values=Texts(), flag="--model"
     ),
@@ -71,24 +71,24 @@ ROWS: dict[str, Row] = {
     "verify.seed": Row(help="Which sample.", default=0, values=_SEED),
     "records.as_markdown": Row(help="As Markdown.", default=False, values=Switch(), flag="--markdown"),
     "report.everything": Row(
-        help="Every table with every column, not the main ones alone.", default=False, values=Switch(), flag="--all"
+        help="Every table with every column, not only the main ones.", default=False, values=Switch(), flag="--all"
     ),
     "report.csv": Row(help="Write FILE.csv with the results, or every table into a folder."),
     "report.pages": Row(
-        help="Also write FOLDER/leaderboard.html with a page an episode.", default=True, values=Switch()
+        help="Also write FOLDER/leaderboard.html with one page per episode.", default=True, values=Switch()
     ),
     "blame.rescue": Row(
-        help="Also try whether the oracle's steps from the bad round on reach the goal.", default=True, values=Switch()
+        help="Also test whether the oracle's steps from the bad round on reach the goal.", default=True, values=Switch()
     ),
     "submit.out": Row(help="A new folder for the submission.", default=NEEDED),
-    "submit.name": Row(help="Under which name it stands on boards.", default=NEEDED),
-    "submit.contact": Row(help="Where to ask.", default=""),
-    "submit.kind": Row(help="standard, or custom: with roles or code of one's own.", default="standard"),
+    "submit.name": Row(help="The name under which it is listed on boards.", default=NEEDED),
+    "submit.contact": Row(help="Whom to contact.", default=""),
+    "submit.kind": Row(help="standard, or custom: with your own roles or code.", default="standard"),
     "accept.reask": Row(help="Jobs whose models are asked again, with your keys.", default=0, values=Whole()),
     "accept.seed": Row(help="Which jobs are asked again.", default=0, values=_SEED),
     "board.out": Row(help="A new folder for the pages.", default=NEEDED),
     "memory.task": Row(help="Only this task."),
-    "memory.most": Row(help="Lessons at most.", default=MAX_LESSONS, values=_COUNT),
-    "memory.characters": Row(help="Characters of lessons at most.", default=MAX_CHARACTERS, values=_COUNT),
-    "memory.keep": Row(help="Newest runs a task that stay.", default=NEEDED, values=Whole()),
+    "memory.most": Row(help="Maximum number of lessons.", default=MAX_LESSONS, values=_COUNT),
+    "memory.characters": Row(help="Maximum characters of lessons.", default=MAX_CHARACTERS, values=_COUNT),
+    "memory.keep": Row(help="Number of newest runs to keep per task.", default=NEEDED, values=Whole()),
 }  # fmt: skip

@@ -151,7 +151,7 @@ def takes(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
         own, hints = [], get_type_hints(command, include_extras=True)
         for name, each in inspect.signature(command).parameters.items():
             if each.kind is each.KEYWORD_ONLY and name not in flags:
-                raise TypeError(f"{command.__name__}: {name!r} is no flag that it takes; valid: {', '.join(flags)}")
+                raise TypeError(f"{command.__name__}: {name!r} is not a flag that it takes; valid: {', '.join(flags)}")
             if each.kind is each.POSITIONAL_OR_KEYWORD:
                 own.append(each.replace(annotation=hints[name]))
         made = clean_errors(command)

@@ -43,7 +43,7 @@ def _sign(handle: int, path: Path) -> None:
         os.ftruncate(handle, 0)
         os.write(handle, json.dumps({"pid": os.getpid(), "host": socket.gethostname()}).encode())
     except OSError as error:
-        raise StorageError(f"{path}: {error.strerror or error}; make room, and the same command goes on") from error
+        raise StorageError(f"{path}: {error.strerror or error}; make room, and the same command resumes") from error
 
 
 def _acquire(path: Path) -> int:

@@ -6,8 +6,8 @@ from remac_env.option_rows import File, Real, Row, Switch, Whole, rows
 from remac_env.options import Options
 
 _COUNT = Whole(1)
-_ALL = Row(help="Names with commas between them; by default all.")
-_SEEDS = Row(help="0:50 (0 to 49), 3 or 0,4,7: starts a task.", default="0:50")
+_ALL = Row(help="Comma-separated names; by default all.")
+_SEEDS = Row(help="0:50 (0 to 49), 3 or 0,4,7: starts per task.", default="0:50")
 _ONLY = Row(help="Only those whose name contains this.", default="")
 _PHYSICS = Row(help="In physics, which takes minutes.", default=False, values=Switch(), flag="--physics")
 _FIRST = Row(help="Seeds are first_seed, first_seed + 1, ...", default=0, values=Whole())
@@ -21,42 +21,42 @@ ROWS: dict[str, Row] = {
     "script.processes": Row(help="Worker processes.", default=2, values=_COUNT),
     "script.physics": _PHYSICS,
     "script.file": Row(help="Also write every figure to this file.", values=File(), flag="--json"),
-    "calls.calls": Row(help="At the same time.", default=32, values=_COUNT),
-    "calls.waves": Row(help="How many times so many.", default=3, values=_COUNT),
-    "calls.latency": Row(help="Of the server, seconds.", default=2.0, values=Real()),
-    "certify_modules.only": Row(help="Prove these again, kinds or kind.make, by commas; empty for all.", default=""),
+    "calls.calls": Row(help="Concurrent calls.", default=32, values=_COUNT),
+    "calls.waves": Row(help="How many waves of calls.", default=3, values=_COUNT),
+    "calls.latency": Row(help="Latency of the server, seconds.", default=2.0, values=Real()),
+    "certify_modules.only": Row(help="Certify these again, kinds or kind.variant; empty for all.", default=""),
     "certify_modules.rounds": Row(help="Runs of each trial, each from another seed.", default=2, values=_COUNT),
     "certify_modules.check": Row(
-        help="Prove so many trials again and compare; writes nothing.", default=0, values=Whole()
+        help="Run this many trials again and compare; writes nothing.", default=0, values=Whole()
     ),
-    "certify_modules.first_seed": _FIRST.but(help="Of a make's first trial and --check's choice.", default=44000),
+    "certify_modules.first_seed": _FIRST.but(help="Of a variant's first trial and --check's choice.", default=44000),
     "certify_objects.trials": Row(help="Seeds of each category.", default=3, values=_COUNT),
     "certify_objects.only": Row(help="Categories, separated by commas; empty for all.", default=""),
     "fit_memorised.seeds": _SEEDS.but(help="Starts to fit on.", default="40000:40200"),
     "forces.trials": Row(help="Runs of each chain.", default=5, values=_COUNT),
     "littered.trials": Row(help="Staged starts with each number of robots.", default=18, values=_COUNT),
     "model_costs.seeds": _SEEDS.but(default="0:5"),
-    "model_costs.write": Row(help="Write model_costs.toml anew.", default=False, values=Switch(), flag="--write"),
+    "model_costs.write": Row(help="Rewrite model_costs.toml.", default=False, values=Switch(), flag="--write"),
     "model_costs.show": Row(
         help="Measure nothing: show the table as it is.", default=False, values=Switch(), flag="--show"
     ),
     "model_costs.into": Row(help="A document: puts the Markdown between its marks.", values=File()),
-    "offline_tables.seeds": Row(help="Starts a task; 50, of outsiders 20.", values=_COUNT),
-    "oracle_physics.layouts": Row(help="Names with commas between them, each with every seed; by default drawn."),
+    "offline_tables.seeds": Row(help="Starts per task; 50, for outsiders 20.", values=_COUNT),
+    "oracle_physics.layouts": Row(help="Comma-separated names, each with every seed; by default drawn at random."),
     "oracle_physics.by": Row(help="A row for each task, layout or style, and number of robots.", default="task"),
     "oracle_physics.replans": Row(
-        help="Plans anew after a failed round, at most this often.", default=2, values=Whole()
+        help="Maximum number of replans after failed rounds.", default=2, values=Whole()
     ),
     "planted_failures.seeds": Row(help="How many seeds.", default=20, values=_COUNT),
     "skills.trials": Row(help="Runs of each chain.", default=100, values=_COUNT),
     "skills.perception_noise": Row(
-        help="m, of the poses that controllers see; several with commas between them.", default="0"
+        help="m, of the poses that controllers perceive; several separated by commas.", default="0"
     ),
     "solids.trials": Row(help="Runs of each chain; 0: staged measurements only.", default=5, values=Whole()),
     "solids.staged": Row(help="Whether to measure the staged falls and doors.", default=True, values=Switch()),
-    "teams.methods": Row(help="Names with commas between them.", default="SMART-LLM,BASE,CC,RE,REMAC"),
-    "teams.starts": Row(help="paper, mixed, or both with a comma between them.", default="paper,mixed"),
-    "teams.errors": Row(help="Rates of false alarms and misses: REMAC alone, by rate.", default=""),
+    "teams.methods": Row(help="Comma-separated names.", default="SMART-LLM,BASE,CC,RE,REMAC"),
+    "teams.starts": Row(help="paper, mixed, or both separated by a comma.", default="paper,mixed"),
+    "teams.errors": Row(help="Rates of false alarms and misses: only REMAC, by rate.", default=""),
     "twin.seeds": _SEEDS.but(default="70000:70020"),
-    "twin.rounds": rows(Options)["max_rounds"].but(help="Rounds of an episode at most."),
+    "twin.rounds": rows(Options)["max_rounds"].but(help="Maximum rounds of an episode."),
 }

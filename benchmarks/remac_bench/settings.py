@@ -26,16 +26,16 @@ class Settings:
         "none", "none, failed, all, or first: the first seed's scored episode.", Choice(VIDEO_CHOICES)
     )
     engine: str = option(
-        "auto", "auto (threads where models are asked, else processes), processes, threads or ray.", Choice(ENGINES)
+        "auto", "auto (threads if models are asked, else processes), processes, threads or ray.", Choice(ENGINES)
     )
     address: str | None = option(None, "Of a Ray cluster; by default one on this machine.")
     workers: int | None = option(
-        1, "Jobs at the same time; 0: one by one, here. Default: one a core, 16 threads.",
+        1, "Jobs at the same time; 0: one by one, in this process. Default: one per core, 16 threads.",
         Whole(valid="a whole number, 0 (in this process) or more"), flag="--jobs -j", open=True,
     )  # fmt: skip
     job_seconds: float | None = option(
         None,
-        "Wall time of a job at most; then it has failed. Default: 3600, or 86400 where models or people are asked.",
+        "Maximum wall time of a job; then it fails. Default: 3600, or 86400 if models or people are asked.",
         Real(0.001, 1e9),
     )
     optimum: bool = option(False, "Also search each episode's shortest plan.", Switch())

@@ -48,7 +48,7 @@ class Store:
             with suppress(OSError):  # what cannot be taken back, the next run repairs
                 os.truncate(self.path, before)
             why = error.strerror or str(error)
-            raise StorageError(f"{self.path}: {why}; make room, and the same command goes on") from error
+            raise StorageError(f"{self.path}: {why}; make room, and the same command resumes") from error
         if fresh:
             _sync_folder(self.folder)
 

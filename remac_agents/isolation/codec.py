@@ -65,7 +65,7 @@ def loads(line: bytes, call: Call | None = None) -> Any:
     try:
         return decode(json.loads(line), call)
     except (TypeError, KeyError, AttributeError, RecursionError) as error:
-        raise ValueError(f"a line that is no value: {type(error).__name__}") from error
+        raise ValueError(f"a line that is not a value: {type(error).__name__}") from error
 
 
 def encode(value: Any, depth: int = 0) -> Any:

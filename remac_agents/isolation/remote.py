@@ -160,7 +160,7 @@ class Host:
             raise
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             self.end()
-            raise RoleDiedError(f"the process of the roles sent what is no answer ({type(error).__name__})") from error
+            raise RoleDiedError(f"the process of the roles sent no answer ({type(error).__name__})") from error
         if "raised" in told:
             raise _raised(told["raised"])
         return dict(told)

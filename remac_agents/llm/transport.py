@@ -168,7 +168,7 @@ def _refused(response: httpx.Response, body: bytes, wall: float) -> ChatError:
         try:
             target = urlsplit(response.headers.get("location", "")).netloc.rpartition("@")[2] or "the same host"
         except ValueError:
-            target = "an address that is none"
+            target = "an invalid address"
         return ChatError("redirected", f"to {target}", response.status_code)
     return refusal(response.status_code, error_text(body), asked_wait(response.headers, wall))
 

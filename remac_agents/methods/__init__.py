@@ -107,7 +107,7 @@ def register_method(name: str, **facts: Any) -> Callable[[Run], Run]:
     if not name or not set(name) <= _LETTERS:
         raise OptionError(f"method name {name!r} is not valid; valid: letters, figures, and -, _, + or .")
     if name in METHODS:
-        raise OptionError(f"method {name!r} exists already; valid: a name beside {', '.join(METHODS)}")
+        raise OptionError(f"method {name!r} exists already; valid: a name other than {', '.join(METHODS)}")
     known = [each.name for each in fields(Method) if each.name not in ("name", "run")]
     for fact in facts:
         check_choice("fact of a method", fact, known)

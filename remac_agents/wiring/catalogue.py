@@ -201,7 +201,7 @@ def _construct(role: str, name: str, options: Mapping[str, Any], models: Models 
     if inspect.isclass(found):
         return _make(found, role, name, options)
     if options:
-        raise OptionError(f"{role} {name!r} takes no options {dict(options)!r}: it is no class")
+        raise OptionError(f"{role} {name!r} takes no options {dict(options)!r}: it is not a class")
     return found
 
 

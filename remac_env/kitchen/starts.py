@@ -189,7 +189,7 @@ def _place(
     free = [slot for slot in slots if Place("slot", slot) not in places.values()]
     rest = [noun for noun in scene.objects if noun not in places]
     if len(free) < len(rest):
-        raise SamplingError(f"{spec.name}: {len(rest)} more things than the {len(free)} free slots can hold")
+        raise SamplingError(f"{spec.name}: {len(rest)} more objects than the {len(free)} free slots can hold")
     for noun, index in zip(rest, rng.permutation(len(free)), strict=False):
         places[noun] = Place("slot", free[index])
     objects = {noun: ObjectState(places[noun]) for noun in scene.objects}

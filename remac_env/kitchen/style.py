@@ -113,7 +113,7 @@ def _models(path: Path, given: object) -> Mapping[str, str]:
         raise KitchenFileError(path, "models", f"expected a table, got {given!r}", models.kinds())
     for kind, name in given.items():
         if kind not in models.kinds():
-            raise KitchenFileError(path, f"models.{kind}", "is no kind of fixture with several makes", models.kinds())
+            raise KitchenFileError(path, f"models.{kind}", "is no kind of fixture with variants", models.kinds())
         if name not in models.names(kind):
             raise KitchenFileError(path, f"models.{kind}", f"got {name!r}", models.names(kind))
     return FrozenMap({str(kind): str(name) for kind, name in given.items()})

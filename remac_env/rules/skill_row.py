@@ -107,7 +107,7 @@ class Skill:
         if not self.seconds >= 0.0:
             raise OptionError(f"{where}: seconds {self.seconds!r} is not valid; valid: 0 or more")
         if self.still and (self.goes or self.effect or self.leaves):
-            raise OptionError(f"{where}: it is still, and goes, has an effect or leaves a mark; valid: one of both")
+            raise OptionError(f"{where}: it is still, and goes, has an effect or leaves a mark; valid: one of the two")
         if not self.still and self.goes is None and self.effect is None:
             raise OptionError(f"{where}: nothing says what it changes; valid: an effect, goes, or still=True")
         target = "" if self.target == "none" else "target"

@@ -29,7 +29,7 @@ def check_lifecycle(env_fn: EnvMaker, *, seed: int = 0) -> None:
         untouched = not any(info["outcome"] for info in infos.values())
         expect(untouched, "check_lifecycle: outcomes of the old episode are told after reset")
         _, _, terminations, _, _ = env.step(done)
-        expect(all(terminations.values()), "check_lifecycle: the episode goes on though every robot has said `done`")
+        expect(all(terminations.values()), "check_lifecycle: the episode continues though every robot has said `done`")
         expect(not env.agents, f"check_lifecycle: robots {env.agents} are alive after the end")
         _must_raise(lambda: env.step(wait), "step() after the end of the episode")
         _must_raise(lambda: env.step({}), "step({}) after the end of the episode")

@@ -45,7 +45,7 @@ def _check_places(scene: Rules, world: WorldState, where: str) -> None:
         expect(relation in known, f"{where}: the {name} is in relation {relation!r}; valid: {', '.join(known)}")
         expect(target in known[relation], f"{where}: the {name} is in an unknown {relation} {target!r}")
         filled.setdefault((relation, target), []).append(name)
-        expect(isinstance(item.marks, frozenset), f"{where}: marks of the {name} are no frozenset")
+        expect(isinstance(item.marks, frozenset), f"{where}: marks of the {name} are not a frozenset")
         _check_chain(world, name, where)
     for (kind, target), names in filled.items():
         room = {"slot": 1, "held": 1, "floor": len(names)}

@@ -148,7 +148,7 @@ def test_ctrl_c_does_not_wait_for_answers(tmp_path: Path) -> None:
         runner.send_signal(signal.SIGINT)
         _, told = runner.communicate(timeout=60)
     assert runner.returncode == 130, told
-    assert "stopped: 0 of 16 jobs are recorded; the same command goes on" in told
+    assert "stopped: 0 of 16 jobs are recorded; the same command resumes" in told
     assert "Traceback" not in told
 
 

@@ -79,7 +79,7 @@ def test_ctrl_c_and_termination_stop_cleanly(tmp_path: Path, whole: Path, number
     runner.send_signal(number)
     _, told = runner.communicate(timeout=60)
     assert runner.returncode == 130, told
-    assert "jobs are recorded; the same command goes on" in told
+    assert "jobs are recorded; the same command resumes" in told
     assert "Traceback" not in told
     assert not (tmp_path / "runner.lock").exists()
     for worker in workers:
@@ -99,7 +99,7 @@ def test_a_full_disk_stops_a_run_and_the_same_command_goes_on(tmp_path: Path, wh
     runner = start(*ARGUMENTS, "--out", str(tmp_path), preexec_fn=fill)
     _, told = runner.communicate(timeout=120)
     assert runner.returncode == 1, told
-    assert "File too large; make room, and the same command goes on" in told
+    assert "File too large; make room, and the same command resumes" in told
     assert "Traceback" not in told
     kept = read(tmp_path)
     assert len(kept) < EPISODES

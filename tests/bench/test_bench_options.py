@@ -69,7 +69,7 @@ def test_a_flag_declared_elsewhere_would_be_found_out() -> None:
     code = "def f(*, seeds: int, tries: int) -> None: ..."
     space: dict[str, Any] = {}
     exec(code, space)  # noqa: S102
-    with pytest.raises(TypeError, match="'tries' is no flag that it takes"):
+    with pytest.raises(TypeError, match="'tries' is not a flag that it takes"):
         takes("run.seeds")(space["f"])
 
 

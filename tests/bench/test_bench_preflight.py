@@ -111,7 +111,7 @@ def test_what_may_pass_is_a_warning(server: ChaosServer, act: Act) -> None:
     preflight = ask(client(server.url))
     assert not preflight.fatal
     (warning,) = preflight.warnings
-    assert warning.check == "answer" and warning.told.endswith("goes on") and server.url in warning.told
+    assert warning.check == "answer" and warning.told.endswith("continues") and server.url in warning.told
     assert len(server.asked) <= 3
 
 
@@ -119,7 +119,7 @@ def test_a_model_that_thinks_is_not_waited_for(server: ChaosServer) -> None:
     server.plays(hangs(5))
     preflight = ask(client(server.url), seconds=0.3)
     (probe,) = preflight.probes
-    assert probe.ok is None and not preflight.fatal and "goes on" in probe.told and len(server.asked) == 1
+    assert probe.ok is None and not preflight.fatal and "continues" in probe.told and len(server.asked) == 1
 
 
 def test_a_refused_picture_is_named(server: ChaosServer) -> None:

@@ -225,7 +225,7 @@ def test_what_does_not_fit_is_refused() -> None:
     from robosuite_kitchen import QUICK
 
     for robot in ("Baxter", "SpotWithArm", "PandaDexRH"):
-        with pytest.raises(OptionError, match=f"'{robot}' does not hold things between .* 'PandaOmron'"):
+        with pytest.raises(OptionError, match=f"'{robot}' does not hold objects between .* 'PandaOmron'"):
             robosuite.make("RemacKitchenOpenCabinetPnP", robots=robot, **QUICK)
     env = robosuite.make("RemacKitchenOpenCabinetPnP", robots="PandaOmron", seed=1, **QUICK)
     env.reset()

@@ -139,6 +139,6 @@ def _collected(made: Iterator[Result], book: Book) -> list[Result]:
     try:
         return list(made)
     except KeyboardInterrupt:
-        kept = f"{book.path} holds {len(book)} findings; the same command goes on" if book.path else "nothing is kept"
+        kept = f"{book.path} holds {len(book)} findings; the same command resumes" if book.path else "nothing is kept"
         typer.echo(f"stopped: {kept}", err=True)
         raise typer.Exit(INTERRUPTED) from None

@@ -42,7 +42,7 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
         bar.stop()
         left = len(pending(jobs, folder))
         how = "the same command with --resume" if settings.fresh else "the same command"
-        typer.echo(f"stopped: {len(jobs) - left} of {len(jobs)} jobs are recorded; {how} goes on", err=True)
+        typer.echo(f"stopped: {len(jobs) - left} of {len(jobs)} jobs are recorded; {how} resumes", err=True)
         raise typer.Exit(INTERRUPTED) from None
     finally:
         bar.stop()

@@ -38,7 +38,7 @@ class Book:
         entries = self._file.entries()
         if not entries:
             if path.exists() and path.stat().st_size:
-                raise UsageError(f"{path} is no file of findings; give another")
+                raise UsageError(f"{path} is not a file of findings; give another")
             self._file.append({SETTINGS: told})
         else:
             _check_settings(path, entries[0].get(SETTINGS), told)
@@ -70,7 +70,7 @@ class Book:
 
 def _check_settings(path: Path, held: object, told: Mapping[str, Any]) -> None:
     if not isinstance(held, dict):
-        raise UsageError(f"{path} is no file of findings; give another")
+        raise UsageError(f"{path} is not a file of findings; give another")
     other = [name for name in dict.fromkeys([*held, *told]) if held.get(name) != told.get(name)]
     if other:
         differ = "; ".join(f"{name} {held.get(name)!r}, not {told.get(name)!r}" for name in other)

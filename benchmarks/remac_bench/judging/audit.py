@@ -21,7 +21,7 @@ BUDGETS = ("max_calls", "max_tokens", "max_money", "max_seconds")
 AUDIT_COLUMNS = (
     Column(key="agent", title="Method", numeric=False),
     Column(key="kind", title="Checks", numeric=False, help="before a subtask, after it, or asked by the adjuster"),
-    Column(key="verdicts", title="Verdicts", help="with the truth beside them"),
+    Column(key="verdicts", title="Verdicts", help="with the truth known"),
     Column(key="false", title="False", help="conditions that were false"),
     Column(key="precision", title="Precision", help="of the conditions called false, those that were"),
     Column(key="recall", title="Recall", help="of the false conditions, those called false"),
@@ -30,7 +30,7 @@ AUDIT_COLUMNS = (
     Column(key="each", title="an alarm", help="rounds lost for each false alarm"),
     Column(key="tokens", title="Tokens lost", help="tokens an episode in rounds spent on false alarms"),
     Column(key="cannot_tell", title="Cannot tell", help="conditions without a verdict; they are in no rate"),
-    Column(key="unknown", title="Unknown", help="verdicts beside which no truth stands"),
+    Column(key="unknown", title="Unknown", help="verdicts for which no truth is known"),
     Column(key="unmatched", title="Unmatched", help="of the last two: in a model's own words, which no predicate says"),
 )
 KIND_COLUMNS = (
@@ -88,7 +88,7 @@ def _audit(where: str, records: Sequence[Record], *, key: str, folder: str) -> S
         key=key,
         title=f"Audit of the checkers: {where}",
         caption=(
-            "Every verdict of every iteration beside the truth, with Wilson's intervals; what a checker cannot tell is "
+            "Every verdict of every iteration and the truth, with Wilson's intervals; what a checker cannot tell is "
             "counted apart. Rounds lost, at least: from a "
             "false alarm until the robot runs the subtask after all, and subtasks run again though they were done."
         ),
@@ -190,7 +190,7 @@ def _doses(where: str, records: Sequence[Record], *, key: str, folder: str) -> l
         Sheet(
             key=key,
             title=f"Checkers that err, and what comes of it: {where}",
-            caption="Agents that differ in their checker alone, by the errors that it was seen to make.",
+            caption="Agents that differ only in their checker, by its observed errors.",
             command=f"remac bench report {folder} --all",
             columns=DOSE_COLUMNS,
             rows=tuple(cells for cells, _ in rows),

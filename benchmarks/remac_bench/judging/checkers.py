@@ -13,7 +13,7 @@ from remac_bench.sight import checked_by
 DEFAULT = "truth"
 """What `remac_agents.make` fills the role with: it need not be named where nobody else checks."""
 
-COLUMN = Column(key="checker", title="Checked by", numeric=False, help="who judged conditions; - where nobody is asked")
+COLUMN = Column(key="checker", title="Checked by", numeric=False, help="who judged conditions; - if nobody is asked")
 
 
 def checkers_of(records: Iterable[Record]) -> dict[str, str]:

@@ -164,7 +164,7 @@ RANK_COLUMNS = (
     Column(key="agent", title="Method", numeric=False),
     Column(key="rank", title="Rank", help="1 + number of entries that are significantly better"),
     Column(key="n", title="n", help="scored episodes"),
-    Column(key="problems", title="Problems", help="distinct problems: starts equal but for looks and names"),
+    Column(key="problems", title="Problems", help="distinct problems: starts alike but for looks and names"),
     Column(key="tsr", title="TSR", help="over all tasks, with Wilson's 95% interval"),
     Column(key="better", title="Better", help="how many entries are significantly better; the note names them"),
 )
@@ -172,7 +172,7 @@ PAIR_COLUMNS = (
     Column(key="first", title="Entry", numeric=False),
     Column(key="second", title="against", numeric=False),
     Column(key="n", title="n", help="shared episodes"),
-    Column(key="problems", title="Problems", help="distinct problems: starts equal but for looks and names"),
+    Column(key="problems", title="Problems", help="distinct problems: starts alike but for looks and names"),
     Column(key="alone", title="alone", help="episodes that only one of the two solved: the first's, the second's"),
     Column(key="difference", title="Diff.", help="difference of the rates, percentage points"),
     Column(key="interval", title="95%", help="its interval, by a bootstrap that draws whole problems"),

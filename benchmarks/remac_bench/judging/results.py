@@ -13,7 +13,7 @@ COLUMNS: tuple[Column, ...] = (
     Column(key="task", title="Task", numeric=False),
     Column(key="agent", title="Method", numeric=False, help="method, in brackets where it departs from its defaults"),
     Column(key="n", title="n", help="scored episodes"),
-    Column(key="problems", title="Problems", help="distinct problems: starts equal but for looks and names"),
+    Column(key="problems", title="Problems", help="distinct problems: starts alike but for looks and names"),
     Column(key="tsr", title="TSR", help="task success rate: the goal holds at the end"),
     Column(key="interval", title="95%", help="Wilson's 95% interval of the TSR"),
     Column(key="scr", title="SCR", help="rounds done of the final plans over their lengths, pooled"),
@@ -21,10 +21,10 @@ COLUMNS: tuple[Column, ...] = (
     Column(key="ipl", title="IPL", help="rounds of the first plan, mean over successes"),
     Column(key="fpl", title="FPL", help="rounds of the final plan, mean over successes"),
     Column(key="crashed", title="Crashed", help="failures by an exception of the agent"),
-    Column(key="infrastructure", title="Infra", help="jobs not scored, run again at the next call"),
-    Column(key="tries", title="Tries", help="episodes a job, the scored one included: the agent's budget"),
+    Column(key="infrastructure", title="Infra", help="jobs not scored; the next run plays them again"),
+    Column(key="tries", title="Tries", help="episodes per job, the scored one included: the agent's budget"),
     Column(key="progress", title="Goal", help="mean fraction of the goal's parts that hold at the end"),
-    Column(key="scr_all", title="SCR all", help="mean of each episode's SCR, 0 where no plan was left"),
+    Column(key="scr_all", title="SCR all", help="mean of each episode's SCR, 0 if no plan was left"),
     Column(key="seconds_all", title="Time all", help="the same with failures at the cap"),
     Column(key="ipl_all", title="IPL all", help="the same with failures at the cap"),
     Column(key="fpl_all", title="FPL all", help="the same with failures at the cap"),
@@ -33,14 +33,14 @@ COLUMNS: tuple[Column, ...] = (
     Column(key="optimum", title="/best", help="rounds over those of the shortest plan, mean over successes"),
     Column(key="optimum_all", title="/best all", help="the same with failures at the cap"),
     Column(key="speedup", title="Speed-up", help="one robot's shortest plan over rounds played by the team"),
-    Column(key="best_speedup", title="possible", help="the same of the team's shortest plan"),
+    Column(key="best_speedup", title="possible", help="the same for the team's shortest plan"),
     Column(key="idle", title="Idle", help="share of the robots' simulated time in which they wait"),
-    Column(key="contacts", title="Contacts", help="control steps an episode in which robots touched"),
-    Column(key="near_misses", title="Near", help="control steps an episode in which robots were within 0.05 m"),
-    Column(key="calls", title="Calls", help="calls of language models a job, all its iterations"),
-    Column(key="tokens", title="Tokens", help="tokens a job, prompts and answers"),
-    Column(key="money", title="USD", help="US dollars a job; + where some calls have no known price"),
-    Column(key="wall", title="Wall s", help="seconds on the wall a job"),
+    Column(key="contacts", title="Contacts", help="control steps per episode in which robots touched"),
+    Column(key="near_misses", title="Near", help="control steps per episode in which robots were within 0.05 m"),
+    Column(key="calls", title="Calls", help="calls of language models per job, all its iterations"),
+    Column(key="tokens", title="Tokens", help="tokens per job, prompts and answers"),
+    Column(key="money", title="USD", help="US dollars per job; + if some calls have no known price"),
+    Column(key="wall", title="Wall s", help="seconds of wall time per job"),
 )
 
 CAPTION = (
@@ -68,7 +68,7 @@ def _sheet(where: str, rows: Sequence[Row], *, key: str, folder: str) -> Sheet:
     controls = {row.tries for row in rows if agents.is_control(row.method)}
     alone = sorted({row.agent for row in rows if agents.is_learner(row.method) and row.tries not in controls})
     missing = (
-        f" No control with as many tries stands beside {', '.join(alone)}: run BASE-BEST and CC-BEST." if alone else ""
+        f" No control with as many tries is there for {', '.join(alone)}: run BASE-BEST and CC-BEST." if alone else ""
     )
     return Sheet(
         key=key,

@@ -12,7 +12,7 @@ FAULTS: dict[str, str] = {
     "hand_full": "the step needs an empty gripper",
     "hand_empty": "the step needs something in the gripper",
     "loaded": "what is to be lifted has something on or in it",
-    "unreachable": "the thing is in a gripper or on the floor",
+    "unreachable": "the object is in a gripper or on the floor",
     "door_closed": "a shut door is in the way, and no later step opens it",
     "blocked": "there is no room, or something keeps the fixture from running",
     "wrong_order": "a shut or open door is in the way, and a later step sees to it",

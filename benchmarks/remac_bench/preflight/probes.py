@@ -166,11 +166,11 @@ def _failure(client: ChatClient, error: ChatError) -> Probe:
         where = "" if error.status is None else f"{address} said {error.status}: "
         return Probe(name, FATAL[error.kind], False, f"{where}{told}", fatal=True)
     if error.kind == "timeout":
-        return Probe(name, "answer", None, f"none within {SECONDS:.0f} s from {address}; goes on")
+        return Probe(name, "answer", None, f"none within {SECONDS:.0f} s from {address}; the run continues")
     if error.kind == "cut_short":
         return Probe(name, "answer", True, f"longer than {LONGEST} tokens, and cut there")
     status = "" if error.status is None else f" {error.status}"
-    return Probe(name, "answer", False, f"{error.kind}{status} from {address}: {told}; goes on")
+    return Probe(name, "answer", False, f"{error.kind}{status} from {address}: {told}; the run continues")
 
 
 def _key(client: ChatClient) -> Probe:

@@ -74,7 +74,7 @@ def fingers(robot: Any, model: Any) -> tuple[str, ...]:
 
 def _unfit(robot: Any) -> OptionError:
     return OptionError(
-        f"robot {robot.name!r} does not hold things between the two pads of one gripper; valid: robots of robosuite "
+        f"robot {robot.name!r} does not hold objects between the two pads of one gripper; valid: robots of robosuite "
         "that do, such as 'PandaOmron'"
     )
 
