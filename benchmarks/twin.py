@@ -136,9 +136,9 @@ def _forbidden(env: KitchenParallelEnv, before: WorldState, robot: str, target: 
     scene, things = env.start.scene, env.worlds.categories
     around = [target] if target in scene.fixtures else supports(scene, before, target)
     kind = next((scene.fixtures[name].kind for name in around if name in scene.fixtures), "")
-    thing = things[env.start.categories[str(before.robots[robot].holding)]]
+    obj = things[env.start.categories[str(before.robots[robot].holding)]]
     dish = things[env.start.categories[target]] if target in scene.objects else None
-    return forbidden(thing, kind, dish) is not None
+    return forbidden(obj, kind, dish) is not None
 
 
 def _fell(foretold: WorldState, happened: WorldState) -> bool:

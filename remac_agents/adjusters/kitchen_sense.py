@@ -20,9 +20,9 @@ def go(target: str) -> Subtask:
     return Subtask("navigate to", target)
 
 
-def take(thing: str) -> Subtask:
+def take(obj: str) -> Subtask:
     """Pick it up."""
-    return Subtask("pick up", thing)
+    return Subtask("pick up", obj)
 
 
 def put(target: str) -> Subtask:
@@ -51,9 +51,9 @@ class KitchenSense:
         """The static facts of a fixture or object."""
         return self.fixtures[target] if target in self.fixtures else self.objects[target]
 
-    def open_surface(self, thing: str, *, avoid: Sequence[str] = ()) -> str | None:
-        """A fixture to put `thing` down on: no door, no switch, no vessel needed; the largest first."""
-        needs = self.objects[thing].needs_vessel_in
+    def open_surface(self, obj: str, *, avoid: Sequence[str] = ()) -> str | None:
+        """A fixture to put `obj` down on: no door, no switch, no vessel needed; the largest first."""
+        needs = self.objects[obj].needs_vessel_in
         options = [
             name
             for name, facts in self.fixtures.items()
@@ -81,15 +81,15 @@ class KitchenSense:
         surface = self.open_surface(self.held, avoid=avoid)
         return None if surface is None else (go(surface), put(surface))
 
-    def move_away(self, thing: str) -> tuple[Subtask, ...] | None:
-        """Steps, with an empty hand, that bring `thing` from the target to an open surface."""
-        surface = self.open_surface(thing, avoid=(self.target,))
+    def move_away(self, obj: str) -> tuple[Subtask, ...] | None:
+        """Steps, with an empty hand, that bring `obj` from the target to an open surface."""
+        surface = self.open_surface(obj, avoid=(self.target,))
         if surface is None:
             return None
         # By the name of what it is in: a plan that is there already needs no second way.
         named = self.target in self.objects or self._one_station(self.target)
         way = () if named and self._can_put_here(surface) else (go(surface),)
-        return (go(self.target if named else thing), take(thing), *way, put(surface))
+        return (go(self.target if named else obj), take(obj), *way, put(surface))
 
     def _can_put_here(self, surface: str) -> bool:
         """Whether an empty hand could take something from the target and put it there without a step."""

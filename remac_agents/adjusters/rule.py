@@ -62,12 +62,12 @@ def _not_placed(sense: KitchenSense) -> Advice | None:
 
 
 def _hand_is_empty(sense: KitchenSense) -> Advice | None:
-    thing = sense.last_taken()
-    if thing is None or (sense.held is None and sense.true("inside", thing, sense.target)):
+    obj = sense.last_taken()
+    if obj is None or (sense.held is None and sense.true("inside", obj, sense.target)):
         return _leave_out(sense, "there is nothing left to place")
     if sense.held is not None:
         return None  # the gripper feels something: the checker errs
-    return _advice(sense, f"the {thing} was not in hand", (go(thing), take(thing), go(sense.target)))
+    return _advice(sense, f"the {obj} was not in hand", (go(obj), take(obj), go(sense.target)))
 
 
 def _no_shaker(sense: KitchenSense) -> Advice | None:
@@ -183,11 +183,11 @@ def _no_room(sense: KitchenSense) -> Advice | None:
             return _advice(sense, f"the {vessel} stands in the {sense.target}", (), instead=put(vessel))
     if kind and len(getattr(facts, "slots", ())) > 1 and sense.request.executed[-1:] != (go(sense.target),):
         return _advice(sense, f"another part of the {sense.target} may have room", (go(sense.target),))
-    thing = sense.lowest(others)
-    work = None if thing is None else sense.move_away(thing)
-    if thing is None or work is None:
+    obj = sense.lowest(others)
+    work = None if obj is None else sense.move_away(obj)
+    if obj is None or work is None:
         return None
-    return _advice(sense, f"the {thing} is in the way", sense.with_empty_hand(work), remedy=work)
+    return _advice(sense, f"the {obj} is in the way", sense.with_empty_hand(work), remedy=work)
 
 
 def _achieve(sense: KitchenSense) -> Advice | None:

@@ -30,10 +30,10 @@ class ReflectionHandover:
 
 def _prerequisites_first(request: HandoverRequest) -> Plan | None:
     """The paper's hand-over, or None where nothing comes before the main object."""
-    thing = main_object(request)
-    if thing is None:
+    obj = main_object(request)
+    if obj is None:
         return None
-    prerequisites, main = _split(request.plan, thing)
+    prerequisites, main = _split(request.plan, obj)
     if not any(step.skill != "navigate to" for step in prerequisites):
         return None
     return schedule(request.lead, main, request.helper, prerequisites, request.view.scene)
@@ -60,10 +60,10 @@ def main_object(request: HandoverRequest) -> str | None:
     return None
 
 
-def _split(plan: Sequence[Subtask], thing: str) -> tuple[list[Subtask], list[Subtask]]:
-    """What comes before the last way to `thing`, and the rest; the rest begins with that way."""
-    way = Subtask("navigate to", thing)
-    index = max(i for i, step in enumerate(plan) if step == Subtask("pick up", thing))
+def _split(plan: Sequence[Subtask], obj: str) -> tuple[list[Subtask], list[Subtask]]:
+    """What comes before the last way to `obj`, and the rest; the rest begins with that way."""
+    way = Subtask("navigate to", obj)
+    index = max(i for i, step in enumerate(plan) if step == Subtask("pick up", obj))
     before = list(plan[:index])
     while before and before[-1] == way:
         before.pop()

@@ -48,12 +48,12 @@ class Belief:
             return self._inside(*arguments)
         return condition.predicate == "room"
 
-    def _inside(self, thing: str, container: str) -> bool:
+    def _inside(self, obj: str, container: str) -> bool:
         seen: set[str] = set()
-        while thing in self._support and thing not in seen:
-            seen.add(thing)
-            thing = self._support[thing]
-            if thing == container:
+        while obj in self._support and obj not in seen:
+            seen.add(obj)
+            obj = self._support[obj]
+            if obj == container:
                 return True
         return False
 

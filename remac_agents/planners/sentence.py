@@ -85,17 +85,17 @@ class SentenceReader:
         if target is not None:
             self._steps += [Subtask("navigate to", target), Subtask(skill, target)]
 
-    def _fetch(self, thing: str | None, *, mention: bool = True) -> None:
-        if thing is None:
+    def _fetch(self, obj: str | None, *, mention: bool = True) -> None:
+        if obj is None:
             return
-        if self._held != thing:
-            self._work("pick up", thing)
-        self._held = thing
-        self._last = thing if mention else self._last
+        if self._held != obj:
+            self._work("pick up", obj)
+        self._held = obj
+        self._last = obj if mention else self._last
 
-    def _put(self, thing: str | None, place: str | None) -> None:
-        if thing is None or place is None:
+    def _put(self, obj: str | None, place: str | None) -> None:
+        if obj is None or place is None:
             return
-        self._fetch(thing)
+        self._fetch(obj)
         self._work("place to", place)
         self._held = None

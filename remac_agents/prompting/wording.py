@@ -47,8 +47,8 @@ def one_line(text: str) -> str:
 
 def held(view: View, robot: str) -> str:
     """What a robot feels in its gripper."""
-    thing = view.holding.get(robot)
-    return f"the {thing}" if thing else "nothing"
+    obj = view.holding.get(robot)
+    return f"the {obj}" if obj else "nothing"
 
 
 def room(view: View) -> dict[str, str]:

@@ -115,9 +115,9 @@ def _choose_things(
         if not options:
             such = f" that is {' and '.join(role.needs)}" if role.needs else ""
             raise SamplingError(f"{spec.name}: no category of the catalogue{such} can be the {noun!r}")
-        thing = options[int(rng.integers(len(options)))]
-        names[role.name] = thing.name if naming == "category" else noun
-        things[names[role.name]] = thing
+        obj = options[int(rng.integers(len(options)))]
+        names[role.name] = obj.name if naming == "category" else noun
+        things[names[role.name]] = obj
     return names, things
 
 
@@ -141,7 +141,7 @@ def _choose_distractors(
     chosen: dict[str, Category] = {}
     for index in rng.permutation(len(others)):
         other = others[index]
-        if len(chosen) < count and not any(_confused(other, thing) for thing in chosen.values()):
+        if len(chosen) < count and not any(_confused(other, obj) for obj in chosen.values()):
             chosen[other.name] = other
     return chosen
 
@@ -157,16 +157,16 @@ def _with_vessels(
 
     What is small stays before what is not: in mixed starts it may lie in the way.
     """
-    words = {word for noun, thing in things.items() for word in (noun, thing.name, *thing.roles)}
+    words = {word for noun, obj in things.items() for word in (noun, obj.name, *obj.roles)}
     open_slots = (slot for slot in layout.slots.values() if layout.fixtures[slot.fixture].worktop)
     room = min((min(slot.half) for slot in open_slots), default=0.0)
     fits = [c for c in categories.values() if c.holds and not words & {c.name, *c.roles} and min(c.size[:2]) <= room]
-    wanted = max(SPARE_VESSELS, VESSELS - sum(thing.holds > 0 for thing in things.values()))
+    wanted = max(SPARE_VESSELS, VESSELS - sum(obj.holds > 0 for obj in things.values()))
     spare = [fits[index] for index in rng.permutation(len(fits))][:wanted]
     names = list(others)
     leaving = sorted((names[index] for index in rng.permutation(len(names))), key=lambda name: others[name].small)
     exchanged = dict(zip(leaving, spare, strict=False))
-    return {thing.name: thing for thing in (exchanged.get(name, kept) for name, kept in others.items())}
+    return {obj.name: obj for obj in (exchanged.get(name, kept) for name, kept in others.items())}
 
 
 def _confused(one: Category, other: Category) -> bool:

@@ -17,11 +17,11 @@ def washed(rules: Rules, world: WorldState) -> WorldState:
     for tap, basins in rules.taps:
         if not world.fixtures[tap].on:
             continue
-        for thing in rules.washables:
-            item = world.objects[thing]
+        for obj in rules.washables:
+            item = world.objects[obj]
             if WASHED in item.marks or item.place.relation in ("held", "floor"):
                 continue
-            around = supports(rules, world, thing)
+            around = supports(rules, world, obj)
             if any(basin in around for basin in basins):
-                world = world.with_object(thing, marks=item.marks | {WASHED})
+                world = world.with_object(obj, marks=item.marks | {WASHED})
     return world

@@ -67,7 +67,7 @@ class PublicScene:
     @cached_property
     def shakers(self) -> frozenset[str]:
         """The objects that season."""
-        return frozenset(name for name, thing in self.objects.items() if thing.seasons)
+        return frozenset(name for name, obj in self.objects.items() if obj.seasons)
 
     def names(self, kind: NameKind) -> tuple[str, ...]:
         """Every name of a kind, fixtures before objects."""
@@ -76,7 +76,7 @@ class PublicScene:
     @cached_property
     def _names(self) -> dict[NameKind, tuple[str, ...]]:
         fixtures, objects = self.fixtures, self.objects
-        vessels = tuple(name for name, thing in objects.items() if thing.vessel)
+        vessels = tuple(name for name, obj in objects.items() if obj.vessel)
         return {
             "robot": self.robots,
             "thing": (*fixtures, *objects),

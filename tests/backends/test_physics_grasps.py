@@ -55,8 +55,8 @@ def test_a_robot_that_has_gone_round_does_not_turn_back_to_come_home(crew: Crew,
 @pytest.mark.parametrize("category", ["plate", "bowl"])
 @pytest.mark.parametrize("yaw", [0.0, 0.2, -1.4, 3.0])
 def test_a_rim_is_taken_in_the_middle_of_a_piece_the_nearest_first(category: str, yaw: float) -> None:
-    thing, position = catalogue.get(category), np.array([0.3, 0.2, 0.93])
-    found = candidates(thing, position, about_z(yaw))
+    obj, position = catalogue.get(category), np.array([0.3, 0.2, 0.93])
+    found = candidates(obj, position, about_z(yaw))
     around = []
     for grasp in found:
         local = about_z(yaw).T @ (grasp.position - position)

@@ -83,8 +83,8 @@ class ReadsRequests(Spy):
         """Names of what is there and should not be."""
         yield from (key for key in request.episode if key != "task")
         yield from (name for name in ("rules", "world", "goal_test") if getattr(request, name) is not None)
-        for thing in (*request.facts.fixtures.values(), *request.facts.objects.values()):
-            yield from (word for word in ("needs_vessel_in", "shut_to_run", "too_big_for") if hasattr(thing, word))
+        for obj in (*request.facts.fixtures.values(), *request.facts.objects.values()):
+            yield from (word for word in ("needs_vessel_in", "shut_to_run", "too_big_for") if hasattr(obj, word))
         if self.seed < 1_000:
             yield "seed"
 

@@ -68,15 +68,15 @@ def test_what_both_backends_read_from_one_function_is_told_apart(kitchen) -> Non
 
 def test_a_thing_that_fell_out_of_a_hand_is_listed_apart(kitchen) -> None:
     before, joint, outcomes = driven(kitchen)
-    thing = next(iter(before.objects))
-    held = before.with_robot("robot_0", holding=thing).with_object(thing, place=Place("held", "robot_0"))
-    fallen = kitchen.world.with_object(thing, place=Place("floor"))
+    obj = next(iter(before.objects))
+    held = before.with_robot("robot_0", holding=obj).with_object(obj, place=Place("held", "robot_0"))
+    fallen = kitchen.world.with_object(obj, place=Place("floor"))
     after = SimpleNamespace(worlds=kitchen.worlds, start=kitchen.start, world=fallen)
     (line,) = twin.compare(after, held, joint, outcomes)
     assert line.verdict == "slip"
     elsewhere = SimpleNamespace(worlds=kitchen.worlds, start=kitchen.start, world=kitchen.world)
     (line,) = twin.compare(elsewhere, held, joint, outcomes)
-    assert line.verdict == "disagree" and thing in line.differs
+    assert line.verdict == "disagree" and obj in line.differs
 
 
 def test_commands_are_spread_over_skills_and_reasons() -> None:

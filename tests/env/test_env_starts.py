@@ -280,8 +280,8 @@ def test_slots_hold_one_thing() -> None:
         places = [item.place for item in env.world.objects.values()]
         assert len(set(places)) == len(places)
         for slot in env.start.scene.slots:
-            thing = occupant(env.world, slot)
-            assert thing is None or env.world.objects[thing].place.where == slot
+            obj = occupant(env.world, slot)
+            assert obj is None or env.world.objects[obj].place.where == slot
 
 
 @every_task

@@ -147,11 +147,11 @@ def test_values_that_are_no_scalars_stay_as_they_are() -> None:
     class Look(StrEnum):
         RUSTIC = "rustic"
 
-    thing = object()
-    assert python_value(thing) is thing and python_value(None) is None
+    obj = object()
+    assert python_value(obj) is obj and python_value(None) is None
     assert Options(style=Look.RUSTIC) == Options(style="rustic")
     turned = python_values({np.str_("a"): [np.int64(1), (np.float32(0.1), np.array([[True]]))]})
     assert repr(turned) == "{'a': [1, (0.1, ((True,),))]}"
     held = np.empty((), object)
-    held[()] = thing
-    assert python_value(held) is thing
+    held[()] = obj
+    assert python_value(held) is obj

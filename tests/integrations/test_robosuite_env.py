@@ -64,10 +64,10 @@ def solved(start: Any, goal: Any) -> Any:
     assert plan is not None
     for joint in plan.rounds:
         world, _ = transition(scene, world, joint)
-    for thing, item in world.objects.items():
+    for obj, item in world.objects.items():
         if item.place.relation == "held":
             world = world.with_robot(item.place.where, holding=None)
-            world = world.with_object(thing, place=start.world.objects[thing].place)
+            world = world.with_object(obj, place=start.world.objects[obj].place)
     return world
 
 
@@ -81,8 +81,8 @@ def test_a_start_is_the_one_of_the_same_seed_elsewhere(task: str) -> None:
     assert env.world == there.world
     assert not env._check_success()
     assert env.reward() == 0.0
-    for role, thing in env.episode.roles.items():
-        assert env._get_observations(force_update=True)[f"{role}_pos"] == pytest.approx(env._bodies.pose(thing)[0])
+    for role, obj in env.episode.roles.items():
+        assert env._get_observations(force_update=True)[f"{role}_pos"] == pytest.approx(env._bodies.pose(obj)[0])
     stand(env, solved(there.start, there.goal))
     # What was left on by a button and what was washed cannot be posed: those are tested where they happen.
     held = {type(atom).__name__: atom.holds(there.start.scene, env.world) for atom in env.episode.goal.atoms()}

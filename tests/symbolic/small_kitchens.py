@@ -50,9 +50,9 @@ class Problem:
     def commands(self) -> list[Subtask]:
         """Every command that names anything here, whether it can matter or not."""
         commands = [Subtask("wait"), Subtask("navigate aside")]
-        for name, thing in self.scene.objects.items():
+        for name, obj in self.scene.objects.items():
             commands += [Subtask("navigate to", name), Subtask("pick up", name), Subtask("season", name)]
-            commands += [Subtask("place to", name)] if thing.holds else []
+            commands += [Subtask("place to", name)] if obj.holds else []
         for name, facts in self.scene.fixtures.items():
             commands.append(Subtask("navigate to", name))
             commands += [Subtask("place to", name)] if facts.slots else []

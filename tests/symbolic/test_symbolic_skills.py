@@ -180,8 +180,8 @@ def test_what_is_wrong_but_possible_is_not_stopped(kitchen: TableKitchen) -> Non
     assert kitchen.false(A, "place to sink") == [("advise", "no_vessel_needed")]
     assert kitchen.run(**{A: "place to sink"}).reason() is None
     assert kitchen.place("fish") == Place("slot", "sink.0")
-    for thing, target in (("vegetable", "sink"), ("bowl", "sink"), ("fish", "stove"), ("pan", "stove")):
-        assert TableKitchen().stand(A, target).hold(A, thing).false(A, f"place to {target}") == [], (thing, target)
+    for obj, target in (("vegetable", "sink"), ("bowl", "sink"), ("fish", "stove"), ("pan", "stove")):
+        assert TableKitchen().stand(A, target).hold(A, obj).false(A, f"place to {target}") == [], (obj, target)
     raw = TableKitchen().stand(A, "stove").hold(A, "vegetable")
     assert raw.false(A, "place to stove") == [("advise", "no_vessel_needed")]
 

@@ -41,31 +41,31 @@ _FITS = 0.074  # m between fingers that open to 0.08 m, with a little air
 _ANY_YAW = (0.0, 0.25 * math.pi, 0.5 * math.pi, -0.25 * math.pi)
 
 
-def squeeze(thing: Category) -> float | None:
+def squeeze(obj: Category) -> float | None:
     """With what force (N a finger) an object is held once the hand has closed; None: as hard as it can."""
-    if thing.grasp.mode != "side":
+    if obj.grasp.mode != "side":
         return None
-    return max(_GENTLE, _SURE * thing.mass * _GRAVITY / (2.0 * PAD_FRICTION))
+    return max(_GENTLE, _SURE * obj.mass * _GRAVITY / (2.0 * PAD_FRICTION))
 
 
-def candidates(thing: Category, position: Array, rotation: Array) -> list[Grasp]:
+def candidates(obj: Category, position: Array, rotation: Array) -> list[Grasp]:
     """Grasps of an object whose frame is at ``position`` (3,) and ``rotation`` (3, 3), best first."""
     makers = {"side": _sides, "rim": _rims, "handle": _handles}
-    return list(makers[thing.grasp.mode](thing, position, rotation))
+    return list(makers[obj.grasp.mode](obj, position, rotation))
 
 
-def _sides(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
-    for lean, turn in product(_leans(thing, rotation), _ANY_YAW if thing.grasp.any_yaw else (0.0,)):
-        yield from _side(thing, position, _along(rotation) + turn, lean)
+def _sides(obj: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
+    for lean, turn in product(_leans(obj, rotation), _ANY_YAW if obj.grasp.any_yaw else (0.0,)):
+        yield from _side(obj, position, _along(rotation) + turn, lean)
 
 
-def awkward(thing: Category, position: Array, rotation: Array) -> list[Grasp]:
+def awkward(obj: Category, position: Array, rotation: Array) -> list[Grasp]:
     """Further grasps of a long object, askew or leaning the other way, for where a hand square to it has no room."""
-    if thing.grasp.mode != "side" or thing.grasp.any_yaw:
+    if obj.grasp.mode != "side" or obj.grasp.any_yaw:
         return []
-    turns = [turn for turn in _ASKEW if _width(thing, turn) <= _FITS]
-    every = product(turns, (*_leans(thing, rotation), *_AWAY))
-    return [grasp for turn, lean in every for grasp in _side(thing, position, _along(rotation) + turn, lean)]
+    turns = [turn for turn in _ASKEW if _width(obj, turn) <= _FITS]
+    every = product(turns, (*_leans(obj, rotation), *_AWAY))
+    return [grasp for turn, lean in every for grasp in _side(obj, position, _along(rotation) + turn, lean)]
 
 
 def _along(rotation: Array) -> float:
@@ -74,12 +74,12 @@ def _along(rotation: Array) -> float:
     return math.atan2(axis[1], axis[0])
 
 
-def _leans(thing: Category, rotation: Array) -> tuple[float, ...]:
-    lying = abs(rotation[2, 0]) < 0.8 and thing.size[0] > 1.3 * thing.size[1] and not thing.grasp.any_yaw
-    return _LYING_LEANS if lying else thing.grasp.lean
+def _leans(obj: Category, rotation: Array) -> tuple[float, ...]:
+    lying = abs(rotation[2, 0]) < 0.8 and obj.size[0] > 1.3 * obj.size[1] and not obj.grasp.any_yaw
+    return _LYING_LEANS if lying else obj.grasp.lean
 
 
-def _side(thing: Category, position: Array, yaw: float, lean: float) -> Iterator[Grasp]:
+def _side(obj: Category, position: Array, yaw: float, lean: float) -> Iterator[Grasp]:
     """Hands over an object, the fingers to either side of the direction ``yaw``, leaning from the vertical."""
     for side in (0.5 * math.pi, -0.5 * math.pi):
         finger = about_z(yaw + side)[:, 0]
@@ -88,14 +88,14 @@ def _side(thing: Category, position: Array, yaw: float, lean: float) -> Iterator
         out = out if out[1] >= 0 else -out
         hand = grip_frame(out * math.sin(lean) + DOWN * math.cos(lean), finger)
         tilt = abs(lean)
-        height = max(thing.grasp.height + 0.008 * math.sin(tilt), tip_depth(tilt) - thing.rest_height)
+        height = max(obj.grasp.height + 0.008 * math.sin(tilt), tip_depth(tilt) - obj.rest_height)
         at = position + _UP * height
         yield Grasp(at, hand, at - hand[:, 2] * _STAND_OFF)
 
 
-def _width(thing: Category, turn: float) -> float:
+def _width(obj: Category, turn: float) -> float:
     """How far (m) the fingers open for a long object that they take askew."""
-    return max(thing.grasp.width, 2.0 * math.hypot(thing.size[1] * math.cos(turn), thing.size[0] * math.sin(turn)))
+    return max(obj.grasp.width, 2.0 * math.hypot(obj.size[1] * math.cos(turn), obj.size[0] * math.sin(turn)))
 
 
 def tip_depth(lean: float) -> float:
@@ -103,26 +103,26 @@ def tip_depth(lean: float) -> float:
     return 0.0164 * math.cos(lean) + 0.0095 * math.sin(lean) + 0.0025
 
 
-def _rims(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
+def _rims(obj: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
     # Flat fingers hold a flat piece of the ring at its middle; over the edge of two, the rim turns in them.
     yaw, piece = math.atan2(rotation[1, 0], rotation[0, 0]), 2 * math.pi / WALL_PIECES
     facing = [(yaw + k * piece + 0.5 * math.pi + math.pi) % (2 * math.pi) - math.pi for k in range(WALL_PIECES)]
-    for lean in thing.grasp.lean:
+    for lean in obj.grasp.lean:
         for angle in sorted(facing, key=abs):
             out = about_z(angle - 0.5 * math.pi)[:, 0]
             approach = DOWN * math.cos(lean) - out * math.sin(lean)
             for side in (1.0, -1.0):
-                at = position + out * thing.grasp.reach[0] + _UP * thing.grasp.height
+                at = position + out * obj.grasp.reach[0] + _UP * obj.grasp.height
                 yield Grasp(at, grip_frame(approach, side * out), at - approach * _STAND_OFF)
 
 
-def _handles(thing: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
+def _handles(obj: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
     along = -rotation[:, 1] * [1.0, 1.0, 0.0]
     along = along / np.linalg.norm(along)
     across = np.cross(_UP, along)
-    for reach in thing.grasp.reach:
-        for lean in thing.grasp.lean:
+    for reach in obj.grasp.reach:
+        for lean in obj.grasp.lean:
             for side in (1.0, -1.0):
                 approach = DOWN * math.cos(lean) - along * math.sin(lean)
-                at = position + along * reach + _UP * thing.grasp.height
+                at = position + along * reach + _UP * obj.grasp.height
                 yield Grasp(at, grip_frame(approach, side * across), at - approach * _HANDLE_STAND_OFF)

@@ -34,12 +34,12 @@ def pick_up(
 
     ``kind``: of the slot in which it stands. ``vessel``: what it lies in.
     """
-    simulation, thing = here.simulation, here.things[body]
+    simulation, obj = here.simulation, here.things[body]
     here.begin()
     yield from tuck(here)
     here.begin(simulation.geoms(body) + (simulation.geoms(vessel) if vessel else []))
     position, rotation = here.simulation.pose(body)
-    opening = OPENINGS[thing.grasp.mode]
+    opening = OPENINGS[obj.grasp.mode]
     here.scratch.fingers(opening)
     here.robot.grip = opening
     for inner in contents:
@@ -48,21 +48,21 @@ def pick_up(
     def after(goal: Array, grasp: Grasp) -> Path | None:
         return _lift(here, body, goal, grasp, lift, lifts)
 
-    grasps = candidates(thing, position, rotation)
+    grasps = candidates(obj, position, rotation)
     # A handle lies well in front of its pan; too near to it the arm could not draw the pan in.
-    target = grasps[0].position if thing.grasp.mode == "handle" else position
-    found = reach_in_slot(here, kind, target, grasps, after, awkward=awkward(thing, position, rotation))
+    target = grasps[0].position if obj.grasp.mode == "handle" else position
+    found = reach_in_slot(here, kind, target, grasps, after, awkward=awkward(obj, position, rotation))
     yield from go_to_grasp(here, found)
-    if thing.grasp.mode == "rim":
+    if obj.grasp.mode == "rim":
         yield from here.mover.settle(_RIM_TOLERANCE, 20)
-    yield from here.mover.grasp(squeeze(thing))
+    yield from here.mover.grasp(squeeze(obj))
     yield from here.mover.play(found.after)
     risen = simulation.pose(body)[0][2] - position[2]
     if here.robot.opening < EMPTY or risen < _LEAST_RISE:
         yield from here.mover.fingers(opening, 6)
         raise SkillFailure("slipped", f"the {body} did not come up with the hand")
     take(here, body, rotation, contents)
-    if thing.vessel:
+    if obj.vessel:
         yield from draw_in(here)
     yield from go_home(here)
     check_held(here)

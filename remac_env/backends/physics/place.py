@@ -36,7 +36,7 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
     body = here.hand.body
     if body is None:
         raise SkillFailure("hands_empty", "there is nothing to place")
-    thing, robot = here.things[body], here.robot
+    obj, robot = here.things[body], here.robot
     here.begin(here.simulation.geoms(vessel) if vessel else ())
     if not here.scratch.free(robot.q):
         here.begin(here.simulation.geoms(vessel) if vessel else (), held_meets=False)
@@ -47,7 +47,7 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
         here.scratch.free(goal)
         here.scratch.release(leave=True)
         here.scratch.mark(here.simulation.geoms(body), TARGET)
-        back = _OVER_RIM if kind == "basin" and thing.vessel else 0.12
+        back = _OVER_RIM if kind == "basin" and obj.vessel else 0.12
         out = here.planner.line(goal, grasp.position - grasp.rotation[:, 2] * back, grasp.rotation, speed=0.25)
         here.scratch.hold(body, grip, pose)
         return out
@@ -74,7 +74,7 @@ def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
     body = here.hand.body
     if body is None:
         return []
-    thing = here.things[body]
+    obj = here.things[body]
     grip, pose = here.robot.grip_pose(), here.simulation.pose(body)
     inward = grip[1].T
     offset, turned = inward @ (pose[0] - grip[0]), inward @ pose[1]
@@ -82,28 +82,28 @@ def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
     # it would touch the worktop itself. Other objects stood as they were found.
     level = about_z(math.atan2(pose[1][1, 0], pose[1][0, 0]))
     droop = rotation_vector(pose[1] @ level.T)
-    stood = [from_rotation_vector(part * droop) @ level for part in _DROOPS] if thing.vessel else [here.hand.upright]
-    edges = [lowest(here, body, upright) - thing.rest_height if thing.vessel else 0.0 for upright in stood]
-    goals = [point + [0.0, 0.0, thing.rest_height]]
-    if kind == "basin" and thing.vessel:
+    stood = [from_rotation_vector(part * droop) @ level for part in _DROOPS] if obj.vessel else [here.hand.upright]
+    edges = [lowest(here, body, upright) - obj.rest_height if obj.vessel else 0.0 for upright in stood]
+    goals = [point + [0.0, 0.0, obj.rest_height]]
+    if kind == "basin" and obj.vessel:
         goals = [goals[0] + [dx, dy, 0.0] for dx, dy in _BASIN_SHIFTS]
     found = []
     above = _OVER_RIM if kind == "basin" else _FROM_ABOVE
-    leans, turns = (0.0,) if thing.vessel else _LEANS[kind == "basin"], _turns(thing, kind)
+    leans, turns = (0.0,) if obj.vessel else _LEANS[kind == "basin"], _turns(obj, kind)
     for (upright, edge), goal, lean, turn in product(zip(stood, edges, strict=True), goals, leans, turns):
         hand = about_x(lean) @ about_z(turn) @ upright @ turned.T
         shift = [0.0, -0.05 * lean, _RELEASE + 0.035 * math.sin(abs(lean)) + edge]
         at = goal + shift - hand @ offset
         found.append(Grasp(at, hand, at + [0.0, -0.08 * math.sin(max(0.0, lean)), above]))
-    if not thing.vessel and point[2] > 0.85 and _covered(here, point):
+    if not obj.vessel and point[2] > 0.85 and _covered(here, point):
         # Under something low every upright hand would be tried in vain: lean first.
         found = found[len(found) // 3 :] + found[: len(found) // 3]
     return found
 
 
-def _turns(thing: Category, kind: str) -> tuple[float, ...]:
+def _turns(obj: Category, kind: str) -> tuple[float, ...]:
     """Turns of an object about the vertical worth trying, best first."""
-    if thing.vessel:
+    if obj.vessel:
         return _BASIN_TURNS if kind == "basin" else _LEVEL_TURNS
     return tuple(turn + flip for turn in _TURNS for flip in (0.0, math.pi))
 

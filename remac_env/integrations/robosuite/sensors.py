@@ -28,9 +28,9 @@ def task_sensors(
     `<fixture>_door` (2,) where it has a door, the angles of its least and its most open panel, and
     `<fixture>_handle_pos` (3,) of the least open one; `<fixture>_on` (n,) of its switches, 1 where on.
     """
-    for role, thing in episode.roles.items():
-        yield f"{role}_pos", _position(bodies, thing)
-        yield f"{role}_quat", _turn(bodies, thing)
+    for role, obj in episode.roles.items():
+        yield f"{role}_pos", _position(bodies, obj)
+        yield f"{role}_quat", _turn(bodies, obj)
         for robot in range(robots):
             yield f"robot{robot}_to_{role}_pos", _between(f"robot{robot}_eef_pos", f"{role}_pos")
     for name in fixtures:
@@ -43,28 +43,28 @@ def task_sensors(
             yield f"{name}_on", _switches(name, switched)
 
 
-def _position(bodies: Source, thing: str) -> Sensor:
+def _position(bodies: Source, obj: str) -> Sensor:
     @sensor(modality="object")
     def read(cache: dict[str, Any]) -> Array:
-        return bodies().pose(thing)[0]
+        return bodies().pose(obj)[0]
 
     return read  # type: ignore[no-any-return]
 
 
-def _turn(bodies: Source, thing: str) -> Sensor:
+def _turn(bodies: Source, obj: str) -> Sensor:
     @sensor(modality="object")
     def read(cache: dict[str, Any]) -> Array:
         found = bodies()
-        return np.roll(found.data.xquat[found.model.body(thing).id], -1)
+        return np.roll(found.data.xquat[found.model.body(obj).id], -1)
 
     return read  # type: ignore[no-any-return]
 
 
-def _between(hand: str, thing: str) -> Sensor:
+def _between(hand: str, obj: str) -> Sensor:
     @sensor(modality="object")
     def read(cache: dict[str, Any]) -> Array:
         # Before the first observation robosuite asks each sensor alone.
-        return cache[thing] - cache[hand] if thing in cache and hand in cache else np.zeros(3)
+        return cache[obj] - cache[hand] if obj in cache and hand in cache else np.zeros(3)
 
     return read  # type: ignore[no-any-return]
 

@@ -78,9 +78,9 @@ def test_every_predicate_has_a_kind_and_the_vessel_rule_is_knowledge() -> None:
 def test_what_is_felt_is_the_truth_about_the_gripper_and_nobody_is_asked() -> None:
     with scripted(TASK) as model:
         scene = model.env.start.scene
-        thing, robot = next(iter(scene.objects)), scene.robots[-1]
-        conditions = [condition("holding", robot, thing), condition("hand_empty", robot), condition("hand_full", robot)]
-        view = view_of(model.env, holding={robot: thing}, images={})
+        obj, robot = next(iter(scene.objects)), scene.robots[-1]
+        conditions = [condition("holding", robot, obj), condition("hand_empty", robot), condition("hand_full", robot)]
+        view = view_of(model.env, holding={robot: obj}, images={})
         checker = checker_of(model)
         assert [verdict.value for verdict in checker.check(conditions, view)] == [True, False, True]
         denials = [denied(c) for c in conditions]
@@ -137,15 +137,15 @@ def test_questions_are_the_same_for_the_same_moment() -> None:
 
 def test_marks_are_judged_by_what_was_run_and_no_picture_is_asked_for() -> None:
     with scripted(TASK) as model:
-        thing = next(iter(model.env.start.scene.objects))
-        ran = (Ran(1, "robot_0", "turn on faucet", True), Ran(2, "robot_0", f"pick up {thing}", False))
+        obj = next(iter(model.env.start.scene.objects))
+        ran = (Ran(1, "robot_0", "turn on faucet", True), Ran(2, "robot_0", f"pick up {obj}", False))
         view = replace(view_of(model.env, images={}), ran=ran)
         model.answers = {"checker_ran": verdicts(None)}
-        for stated in (condition("marked", thing, "washed"), denied(condition("marked", thing, "washed"))):
+        for stated in (condition("marked", obj, "washed"), denied(condition("marked", obj, "washed"))):
             assert [verdict.value for verdict in checker_of(model).check([stated], view)] == [None]
         assert asked(model) == ["checker_ran", "checker_ran"]
         told = model.heard[0][1]
-        assert f"1. robot_0: turn on faucet: success\n2. robot_0: pick up {thing}: failure" in told
+        assert f"1. robot_0: turn on faucet: success\n2. robot_0: pick up {obj}: failure" in told
         assert "none yet" not in told and [pictures_in(request) for request in model.server.asked] == [0, 0]
 
 
