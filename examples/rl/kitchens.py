@@ -1,12 +1,12 @@
 """What the examples of learning share: kitchens to learn in, and how good a policy is in those that it has not seen."""
 
+import argparse
+
 import gymnasium
 import numpy as np
 
 import remac_env  # noqa: F401 - its import registers the environments
 from remac_agents.planners.policy_file import Policy, save_policy
-
-__all__ = ["Kitchens", "export", "kitchens", "print_successes", "save_policy", "successes"]
 
 SEEN, UNSEEN = range(1_000, 100_000), range(100)
 """Seeds of the episodes to learn from, and of those that are kept for the test."""
@@ -83,9 +83,18 @@ def successes(policy, task, starts, seeds=UNSEEN):
     return reached
 
 
-def print_successes(policy):
-    """A line for each task and kind of start."""
+def main(learn):
+    """The command line of an example: `learn(tasks, steps, seed)` gives a policy, which is saved and tried."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--tasks", default="OpenCabinetPnP", help="names with commas between them")
+    parser.add_argument("--steps", type=int, default=43_000)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--out", default="policy.npz")
+    args = parser.parse_args()
+    policy = learn(args.tasks.split(","), args.steps, args.seed)
+    save_policy(args.out, policy)
     for task in policy.tasks:
         for starts in STARTS:
             reached = successes(policy, task, starts)
             print(f"{task}, {starts} starts: {reached} of {len(UNSEEN)} unseen episodes reached the goal")
+    print("saved", args.out)

@@ -3,12 +3,11 @@
     python examples/rl/maskable_ppo.py --out policy.npz
 """
 
-import argparse
 import time
 
 import numpy as np
 import torch
-from kitchens import export, kitchens, print_successes, save_policy
+from kitchens import export, kitchens, main
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
@@ -47,13 +46,4 @@ def learn(tasks, steps, seed=0):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--tasks", default="OpenCabinetPnP", help="names with commas between them")
-    parser.add_argument("--steps", type=int, default=43_000)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", default="policy.npz")
-    args = parser.parse_args()
-    policy = learn(args.tasks.split(","), args.steps, args.seed)
-    save_policy(args.out, policy)
-    print_successes(policy)
-    print("saved", args.out)
+    main(learn)

@@ -3,13 +3,12 @@
     python examples/rl/ppo_in_torch.py --out policy.npz
 """
 
-import argparse
 import time
 
 import numpy as np
 import torch
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from kitchens import export, kitchens, print_successes, save_policy
+from kitchens import export, kitchens, main
 from torch import nn
 
 ROUNDS, EPOCHS, BATCH = 256, 5, 128
@@ -97,13 +96,4 @@ def learn(tasks, steps, seed=0):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--tasks", default="OpenCabinetPnP", help="names with commas between them")
-    parser.add_argument("--steps", type=int, default=43_000)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", default="policy.npz")
-    args = parser.parse_args()
-    policy = learn(args.tasks.split(","), args.steps, args.seed)
-    save_policy(args.out, policy)
-    print_successes(policy)
-    print("saved", args.out)
+    main(learn)
