@@ -28,7 +28,7 @@ INTO_VESSEL = {"plate": "cabinet", "bowl": "sink", "pan": "stove"}
 
 
 class _Only(TaskWorlds):
-    """Kitchens in which each noun is its own category: the fish is no salmon."""
+    """Kitchens in which each noun is its own category: the fish is not a salmon."""
 
     @property
     def categories(self) -> Mapping[str, catalogue.Category]:

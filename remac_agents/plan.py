@@ -1,4 +1,4 @@
-"""Plans, and how planners' replies become plans. What is no plan becomes a PlanError, not an exception."""
+"""Plans, and how planners' replies become plans. What is not a plan becomes a PlanError, not an exception."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ _UNORDERED: tuple[type, ...] = (Set, MappingView, type(iter(frozenset())))
 
 @dataclass(frozen=True)
 class PlanError:
-    """Why a reply is no plan, in words that its planner can use to do better.
+    """Why a reply is not a plan, in words that its planner can use to do better.
 
-    `entry`, with its `robot` and `index` in the row from 0, is what stands in a plan and is no command of this
+    `entry`, with its `robot` and `index` in the row from 0, is what stands in a plan and is not a command of this
     kitchen; all three are None for a reply that cannot be read as a plan. `problem` comes first, `more` are the rest.
     """
 
@@ -151,7 +151,7 @@ class Commands(Mapping[str, Subtask]):
         return self._subtasks.get(normalise(text))
 
     def unknown(self, entry: object) -> str:
-        """That something is no command, with the nearest ones. It is quoted in ASCII, cut short."""
+        """That something is not a command, with the nearest ones. It is quoted in ASCII, cut short."""
         told = str(entry)[:80] if isinstance(entry, str) else quoted(entry)
         near = nearest(told, self._subtasks)
         offered = f"; nearest: {near}" if near else "; valid: one of the listed commands"

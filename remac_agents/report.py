@@ -140,7 +140,7 @@ class EpisodeReport:
         reflections: what this episode taught.
         truth_readers, rule_readers: the roles that were given the WorldState, and those that were given the Rules.
         isolated: whether roles that are code from outside ran in processes of their own; None where none is.
-        errors: replies of the planner that were no plans, other answers of models that were of no use, and why the
+        errors: replies of the planner that were not plans, other answers of models that were of no use, and why the
             episode was ended, if a role had to.
         usage, exchanges: what language models were asked, and what that took.
         pictures: digest -> PNG of every image that a language model was shown.

@@ -148,7 +148,7 @@ def changed_options(given: Mapping[str, Any]) -> dict[str, Any]:
     With a model every role that is given counts: a role that is not is the model's.
 
     Raises:
-        OptionError: for a bound on what models may take that is none.
+        OptionError: for an invalid bound on what models may take.
     """
     from remac_agents.wiring.filling import DEFAULTS
 

@@ -143,7 +143,7 @@ def takes(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """A command with these flags, which it gets as keywords, and its own arguments; errors are reported in one line.
 
     Raises:
-        TypeError: if it has a keyword that is none of them.
+        TypeError: if it has a keyword that is not one of them.
     """
     flags = {TABLE[name].parameter: TABLE[name] for name in dict.fromkeys(names)}
 

@@ -64,7 +64,7 @@ class Store:
         """Every record, in the order of writing; a last line without its end, torn by a crash, is left out.
 
         Raises:
-            RecordFileError: for any other line that is no record, and for records of a later version.
+            RecordFileError: for any other line that is not a record, and for records of a later version.
         """
         if not self.path.exists():
             return []

@@ -14,7 +14,7 @@ ALONE = "alone"
 
 
 class LlmHandover(ModelRole):
-    """Asks once; an answer that is no plan is sent back with all that is wrong in it."""
+    """Asks once; an answer that is not a plan is sent back with all that is wrong in it."""
 
     role = "handover"
 

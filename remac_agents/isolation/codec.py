@@ -57,7 +57,7 @@ def dumps(value: Any) -> bytes:
 
 
 def loads(line: bytes, call: Call | None = None) -> Any:
-    """The value of a line; ValueError for one that is none.
+    """The value of a line; ValueError for one that is not a value.
 
     Args:
         call: what callbacks in it do.

@@ -11,7 +11,7 @@ LONGEST = 64_000_000
 
 
 class Ended(Exception):
-    """The other side is gone, or sends what is no line."""
+    """The other side is gone, or sends what is not a line."""
 
 
 class Lines:

@@ -151,7 +151,7 @@ class Host:
             self._lines = None
             lines.socket.close()
             with suppress(ProcessLookupError):
-                os.kill(self._number, signal.SIGKILL)  # it may be there still, and send what is no line
+                os.kill(self._number, signal.SIGKILL)  # it may be there still, and send what is not a line
             status = self._server.status(self._number)
             raise RoleDiedError(f"the process of the roles ended with status {status}") from None
         except TimeoutError:

@@ -150,7 +150,7 @@ class ChatClient:
             label: which question of which episode; equal requests with different labels are apart on a cassette.
 
         Raises:
-            OptionError: for messages or bounds that are none.
+            OptionError: for invalid messages or bounds.
         """
         settings, model = self.settings, self.endpoint.model
         deadline = model.seconds if deadline is None else deadline

@@ -171,7 +171,7 @@ def read_settings(given: Mapping[str, Any]) -> ModelSettings:
 
 
 def check_bounds(*, max_tokens: object, temperature: object, deadline: object) -> None:
-    """Refuse bounds of a call that are none.
+    """Refuse invalid bounds of a call.
 
     Raises:
         OptionError: naming the bound and what is valid.

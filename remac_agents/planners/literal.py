@@ -1,6 +1,6 @@
 """The literal planner: it follows the words of the goal sentence in their order, and what it was taught.
 
-It knows no hidden constraint. It is no language model and is never presented as one.
+It knows no hidden constraint. It is not a language model and is never presented as one.
 """
 
 from __future__ import annotations

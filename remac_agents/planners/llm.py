@@ -21,7 +21,7 @@ class LlmPlanner(ModelRole):
     role = "planner"
 
     def plan(self, request: PlanRequest) -> str | PlanError:
-        """The model's answer, or why there is none. Answers of its own that were no plans are part of the dialogue."""
+        """The model's answer, or why there is none. Answers of its own that were not plans are part of the dialogue."""
         prompt = load(_prompt(request))
         fields = {name: text for name, text in _fields(request, prompt).items() if name in prompt.fields}
         messages = prompt.messages(fields)

@@ -33,7 +33,7 @@ class PolicyPlanner:
             not looked at.
 
     Raises:
-        OptionError: if the file cannot be read, is no policy, or has another digest.
+        OptionError: if the file cannot be read, is not a policy, or has another digest.
     """
 
     needs_truth = needs_rules = True

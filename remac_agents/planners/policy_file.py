@@ -76,7 +76,7 @@ class Policy:
     activation: str = "tanh"
 
     def __post_init__(self) -> None:
-        """Refuse what is no such network."""
+        """Refuse anything that is not such a network."""
         if not self.tasks or len(set(self.tasks)) < len(self.tasks):
             raise OptionError(f"tasks {self.tasks!r} is not valid; valid: the names of one task or more")
         for name, valid in (("robots", range(1, MAX_ROBOTS + 1)), ("masks", MASKS), ("activation", ACTIVATIONS)):

@@ -138,13 +138,13 @@ class Models:
         return outcome
 
     def answered(self, question: str) -> str | None:
-        """What was answered in this episode to a question that is kept; that is no call and costs nothing."""
+        """What was answered in this episode to a question that is kept; that is not a call and costs nothing."""
         text = self.page.answered.get(question) if question else None
         self.page.repeats += text is not None
         return text
 
     def keep(self, question: str, text: str) -> None:
-        """Keep a usable answer, so that the question need not be put again in this episode; "" is no question."""
+        """Keep a usable answer, so that the question need not be put again in this episode; "" is not a question."""
         if question:
             self.page.answered[question] = text
 

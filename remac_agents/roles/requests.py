@@ -70,7 +70,7 @@ class PlanRequest:
         ran: the same commands in order, and how each ended.
         failure: why the last reply was no plan or its step was refused, "" at first.
         refusal: of that only why a step was refused (CAPE).
-        repairs: this request's answers that were no plans, oldest first, and all that is wrong with each.
+        repairs: this request's answers that were not plans, oldest first, and all that is wrong with each.
         holding: what each robot feels in its gripper.
         history: steps run and refused so far, oldest first, where the method tells them.
         single_step: only the next step is wanted; an empty answer or `done` ends the episode.

@@ -1,4 +1,4 @@
-"""How a planner is asked: what it is told, and what becomes of an answer that is no plan."""
+"""How a planner is asked: what it is told, and what becomes of an answer that is not a plan."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def ask_planner(
 ) -> tuple[Plan | PlanError, ...]:
     """What came of each time that the planner was asked, `most` times at most: errors, and then perhaps a plan.
 
-    An answer that is no plan is sent back, with everything that is wrong with it; the answers before it stay in sight.
+    An answer that is not a plan is sent back, with all that is wrong with it; the answers before it stay in sight.
     """
     return ask(planner, request, lambda reply: read_plan(reply, commands, request.robots, request.lead), most=most)
 

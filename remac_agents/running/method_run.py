@@ -61,7 +61,7 @@ class MethodRun:
         self.reflecting = True
 
     def make_plan(self, robots: Sequence[str] | None = None) -> None:
-        """Ask the planner; a reply that is no plan is sent back, and counts as an empty plan at last."""
+        """Ask the planner; a reply that is not a plan is sent back, and counts as an empty plan at last."""
         self.adopt(self.consult(self.plan_request(tuple(robots or (self.briefing.lead,)))))
 
     def plan_request(self, robots: tuple[str, ...]) -> PlanRequest:
@@ -71,12 +71,12 @@ class MethodRun:
         )
 
     def consult(self, request: PlanRequest) -> Plan:
-        """The planner's answer to a request; see `make_plan` for one that is no plan."""
+        """The planner's answer to a request; see `make_plan` for one that is not a plan."""
         answer = self.answer_to(request)
         return Plan.of({}) if isinstance(answer, PlanError) else answer
 
     def answer_to(self, request: PlanRequest, *, most: int | None = None) -> Plan | PlanError:
-        """The planner's answer, or what is wrong with its last; every answer that is no plan is noted."""
+        """The planner's answer, or what is wrong with its last; every answer that is not a plan is noted."""
         most = self.bounds.replies if most is None else min(most, self.bounds.replies)
         came = ask_planner(self.roles.planner, request, self.commands, most=most)
         self.book.ledger.errors += [error.told for error in came if isinstance(error, PlanError)]

@@ -69,7 +69,7 @@ def read_value(text: str) -> Any:
 
 
 def check_number(option: str, value: object, least: float, most: float, *, whole: bool = False, more: str = "") -> None:
-    """Refuse what is no number from `least` to `most`: texts, truth values, NaN and infinities too.
+    """Refuse anything that is not a number from `least` to `most`: texts, truth values, NaN and infinities too.
 
     Args:
         more: what else is valid, for the message.

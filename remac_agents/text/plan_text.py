@@ -6,7 +6,7 @@
     1. first command                          lists with numbers or bullets
     first command, second command             lines that hold nothing but commands
 Thoughts (thoughts.py) are passed over, and so is prose. A list or line in which some parts are commands is taken
-with all of its parts, so that what is no command in it comes to light.
+with all of its parts, so that what is not a command in it comes to light.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _PAIRS = re.compile(r"[\"']?(?P<name>\w[\w ]{0,39}?)[\"']?\s*:\s*\[(?P<row>[^\[\
 
 
 class UnreadableError(Exception):
-    """The text is no plan; the message says why, for its author."""
+    """The text is not a plan; the message says why, for its author."""
 
 
 class PlanText:

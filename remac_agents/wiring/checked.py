@@ -66,7 +66,7 @@ class CheckedRole:
 
 
 class CheckedPlanner(CheckedRole):
-    """Passes answers on: `read_plan` reads them, and a planner may correct what is no plan."""
+    """Passes answers on: `read_plan` reads them, and a planner may correct what is not a plan."""
 
     def plan(self, request: PlanRequest) -> Any:
         """The answer as it is; the words of an error made printable."""

@@ -102,7 +102,7 @@ def judged(cell: Cell, planner: object, taught: Taught | None = None) -> Judgeme
 
     Args:
         planner: a ready planner (`remac_agents.wiring.catalogue.make_role`). What it raises counts as an answer that
-            is no plan, and so does a budget that is spent.
+            is not a plan, and so does a budget that is spent.
         taught: what it is told of an earlier iteration.
 
     Raises:
@@ -116,7 +116,7 @@ def judged(cell: Cell, planner: object, taught: Taught | None = None) -> Judgeme
 def ask(env: Any, planner: object, seed: int, taught: Taught | None = None) -> tuple[Plan | PlanError, Asked | None]:
     """The planner's answer at the start of the episode, and what asking took; None where no language model was asked.
 
-    An answer that is no plan is sent back as in an episode.
+    An answer that is not a plan is sent back as in an episode.
 
     Raises:
         StopEpisode: see `judged`.

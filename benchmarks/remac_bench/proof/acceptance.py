@@ -62,7 +62,7 @@ def accept(folder: str | Path, *, reask: int = 0, seed: int = 0) -> Acceptance:
         seed: of the sample that is asked again.
 
     Raises:
-        UsageError: for a folder that is no submission.
+        UsageError: for a folder that is not a submission.
         RecordFileError: if its records cannot be read.
     """
     path = Path(folder)

@@ -200,7 +200,7 @@ class Scratch:
         try:
             mujoco.mj_collision(self.model, data)
         except mujoco.FatalError:
-            # Deeply overlapping boxes can yield more contacts than MuJoCo allows for; that is no free configuration.
+            # Deeply overlapping boxes can yield more contacts than MuJoCo allows for; that is not a free configuration.
             self._renew()
             self.touching = (self.robot.name, "something it overlaps deeply")
             return False
