@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -87,7 +87,7 @@ class Episode:
     def advance(self, subtasks: Mapping[str, Subtask], invalid: Mapping[str, Outcome], result: RoundResult) -> None:
         """Take over a round's result and judge it."""
         self.world = result.world
-        self.outcomes = {**result.outcomes, **invalid}
+        self.outcomes = {**result.outcomes, **{name: _at(invalid[name], result.outcomes[name]) for name in invalid}}
         self.counters = self.counters + result.counters
         self.seconds += result.seconds
         self.rounds += 1
@@ -149,6 +149,8 @@ class Episode:
             "reason": outcome.reason or "",
             "detail": outcome.detail,
             "seconds": float(outcome.seconds),
+            "began": float(outcome.began),
+            "ended": float(outcome.ended),
         }
 
     def _text(self, robot: str) -> str:
@@ -157,3 +159,8 @@ class Episode:
             text += "\n" + describe_states(self.terms.scene, self.world)
         last = describe_outcome(self.outcomes.get(robot), feedback=options.feedback)
         return f"{text}\n{last}" if last else text
+
+
+def _at(invalid: Outcome, waited: Outcome) -> Outcome:
+    """The outcome of a command that means nothing, at the time at which its robot waited instead."""
+    return replace(invalid, began=waited.began, ended=waited.ended)

@@ -60,16 +60,17 @@ MUTANTS: dict[str, tuple[str, str]] = {
         "tests/env/test_env_starts.py::test_a_hand_gets_at_what_stands_in_a_cavity",
     ),
     "a slip takes no time": (
-        "from remac_env.backends import symbolic\ntimed = symbolic._timed\n"
-        "symbolic._timed = lambda told, subtask: told if told.reason == 'slipped' else timed(told, subtask)",
+        "from remac_env.backends.symbolic import SymbolicBackend\ntimed = SymbolicBackend._timed\n"
+        "SymbolicBackend._timed = lambda self, told, subtask: (\n"
+        "    told if told.reason == 'slipped' else timed(self, told, subtask))",
         "tests/env/test_env_episode.py::test_what_is_tried_takes_its_time_and_what_is_refused_takes_none",
     ),
     "a slip takes no time in physics": (
-        "from dataclasses import replace\nfrom remac_env.backends.physics import backend\n"
-        "judged = backend._Episode._judged\n"
+        "from dataclasses import replace\nfrom remac_env.backends.physics import timeline\n"
+        "judged = timeline.Timeline._judged\n"
         "def timeless(*args):\n    found = judged(*args)\n"
         "    return replace(found, seconds=0.0) if found.reason == 'slipped' else found\n"
-        "backend._Episode._judged = timeless",
+        "timeline.Timeline._judged = timeless",
         "tests/backends/test_falls.py::test_a_skill_that_only_says_that_it_took_something_slipped_and_took_its_time",
     ),
     "checks are noted again and again": (

@@ -17,13 +17,18 @@ class Model(BaseModel):
 
 
 class OutcomeEntry(Model):
-    """How one robot's subtask of one round ended; `seconds` is simulated time."""
+    """How one robot's subtask of one round ended; `seconds` is simulated time.
+
+    `began`, `ended`: on the kitchen's clock, s since the start; None in records from before they were kept.
+    """
 
     subtask: str
     status: str
     reason: str | None = None
     detail: str = ""
     seconds: float = 0.0
+    began: float | None = None
+    ended: float | None = None
 
 
 class CheckEntry(Model):

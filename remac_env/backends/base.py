@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from remac_env.errors import LifecycleError, check_choice
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.subtasks import Subtask
 from remac_env.start import Offset, Start
@@ -47,9 +48,10 @@ class RoundResult:
 
 
 class Backend(Protocol):
-    """A kitchen that can be put into a start and run round by round.
+    """A kitchen that can be put into a start and run round by round, or subtask by subtask.
 
-    `watch` is called once a control period (in the symbolic backend once a round) while something moves.
+    A round is: `begin` all, `advance` until nobody is busy, let the kitchen come to rest, judge. `watch` is called once
+    a control period (in the symbolic backend once a round, or once an `advance`) while something moves.
     """
 
     watch: Callable[[], None] | None
@@ -57,8 +59,39 @@ class Backend(Protocol):
     def reset(self, start: Start) -> WorldState:
         """Put the kitchen into this start; the world that results."""
 
+    def begin(self, subtasks: Mapping[str, Subtask]) -> Mapping[str, Outcome]:
+        """Start subtasks of idle robots, as claims allow; time stands still.
+
+        What busy robots claim - where they began, where they end, what they take - is theirs until they have ended.
+
+        Returns:
+            The outcomes of those that are refused; the other robots are busy from now on.
+
+        Raises:
+            LifecycleError: before reset, or for a robot that is busy. Nothing has begun then.
+            UnknownNameError: for a robot that is not in the kitchen.
+        """
+
+    def advance(self) -> Mapping[str, Outcome]:
+        """Run until the next subtask ends; the outcomes of all that end then, nothing where nobody is busy.
+
+        Each is judged by the world as it is then. When the last robot ends the kitchen comes to rest first.
+        """
+
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
-        """Every robot runs its subtask at the same time, until each has ended and the kitchen is at rest."""
+        """Every robot runs its subtask at the same time, until each has ended and the kitchen is at rest.
+
+        Raises:
+            LifecycleError: before reset, or while a robot is busy with what it began.
+        """
+
+    @property
+    def world(self) -> WorldState:
+        """The world after the last round, `begin` or `advance`."""
+
+    @property
+    def busy(self) -> frozenset[str]:
+        """The robots whose subtasks have begun and not ended."""
 
     def positions(self) -> NDArray[np.float64] | None:
         """Joint positions now (qpos, rad and m), or None where nothing is simulated."""
@@ -67,4 +100,21 @@ class Backend(Protocol):
         """Free what the backend holds; may be called twice."""
 
 
-__all__ = ["Backend", "Counters", "Offset", "RoundResult", "Start"]
+def check_idle(robots: Iterable[str], known: Iterable[str], busy: Collection[str]) -> None:
+    """Refuse to begin anything for robots that are busy or not in the kitchen; see :meth:`Backend.begin`."""
+    known = tuple(known)
+    for robot in robots:
+        check_choice("robot", robot, known)
+        if robot in busy:
+            idle = ", ".join(name for name in known if name not in busy) or "none, until advance() ends a subtask"
+            raise LifecycleError(f"{robot} is busy; valid: {idle}")
+
+
+def check_all_idle(busy: Collection[str]) -> None:
+    """Refuse a round while robots are busy; see :meth:`Backend.run_round`."""
+    if busy:
+        names = ", ".join(sorted(busy))
+        raise LifecycleError(f"a round needs every robot idle, and {names} is busy; valid: advance() until none is")
+
+
+__all__ = ["Backend", "Counters", "Offset", "RoundResult", "Start", "check_all_idle", "check_idle"]

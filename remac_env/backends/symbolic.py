@@ -2,24 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from remac_env.backends.base import RoundResult, Start
+from remac_env.backends.base import RoundResult, Start, check_all_idle, check_idle
 from remac_env.errors import LifecycleError, OptionError
-from remac_env.rules.claims import settle_claims
-from remac_env.rules.facts import Rules
+from remac_env.rules.claims import Claim, settle_claims
+from remac_env.rules.marks import washed
 from remac_env.rules.outcomes import Outcome, failure
-from remac_env.rules.rounds import transition
+from remac_env.rules.rounds import attempts, carried, contradicted, merge
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.seeding import generator
 from remac_env.state import WorldState
 
 
+@dataclass(frozen=True)
+class _Running:
+    """A subtask under way: what its robot claims, how it will end, and what that changes of the world."""
+
+    claim: Claim
+    outcome: Outcome
+    before: WorldState
+    after: WorldState
+
+
 class SymbolicBackend:
-    """Rounds by the skill table alone.
+    """Rounds and events by the skill table alone. How a subtask ends is settled when it begins, from the world as it
+    is then; its effect comes true when its nominal seconds are over.
 
     Args:
         failure_rate: probability in 0..1 that an accepted subtask other than `wait` and `done` slips and changes
@@ -34,27 +46,65 @@ class SymbolicBackend:
         self._start: Start | None = None
         self._world: WorldState | None = None
         self._chance = np.random.default_rng(0)
+        self._running: dict[str, _Running] = {}
+        self._clock = 0.0
 
     def reset(self, start: Start) -> WorldState:
         """Take over the start's world."""
         self._start, self._world = start, start.world
         self._chance = generator(start.seed, "symbolic slips")
+        self._running, self._clock = {}, 0.0
         return start.world
+
+    def begin(self, subtasks: Mapping[str, Subtask]) -> dict[str, Outcome]:
+        """Start subtasks of idle robots; the outcomes of those that are refused."""
+        start, world = self._begun("begin")
+        scene = start.scene
+        check_idle(subtasks, scene.robots, self._running)
+        claims = {robot: run.claim for robot, run in self._running.items()}
+        refused, stations = settle_claims(scene, world, subtasks, claims)
+        slipped = self._slips(subtasks, refused)
+        accepted = {robot: WAIT if robot in slipped else s for robot, s in subtasks.items()} if slipped else subtasks
+        if slipped:
+            refused, stations = settle_claims(scene, world, accepted, claims)
+        accepted = {robot: subtask for robot, subtask in accepted.items() if robot not in refused}
+        outcomes, results = attempts(scene, world, accepted, stations)
+        pending = {robot: carried(run.before, run.after, world) for robot, run in self._running.items()}
+        if merge(world, pending | results) is None:
+            outcomes, results = contradicted(results), dict.fromkeys(results, world)
+        outcomes |= {robot: failure("slipped", "a seeded slip") for robot in slipped}
+        for robot, after in results.items():
+            claim = Claim.of(world, robot, accepted[robot], stations[robot])
+            self._running[robot] = _Running(claim, self._timed(outcomes[robot], subtasks[robot]), world, after)
+        return {robot: self._timed(outcome, subtasks[robot]) for robot, outcome in refused.items()}
+
+    def advance(self) -> dict[str, Outcome]:
+        """Run until the next subtask ends; the outcomes of all that end then."""
+        start, _ = self._begun("advance")
+        ended = self._next()
+        if ended:
+            self._came_to_rest(start)
+        return ended
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """One round by the table; seconds are the table's nominal ones."""
-        if self._start is None or self._world is None:
-            raise LifecycleError("the symbolic backend needs reset(start) before run_round")
-        scene = self._start.scene
-        slipped = self._slips(scene, self._world, subtasks)
-        accepted = {robot: WAIT if robot in slipped else s for robot, s in subtasks.items()} if slipped else subtasks
-        world, outcomes = transition(scene, self._world, accepted)
-        outcomes |= {robot: failure("slipped", "a seeded slip") for robot in slipped}
-        timed = {robot: _timed(outcome, subtasks[robot]) for robot, outcome in outcomes.items()}
-        self._world = world
-        if self.watch is not None:
-            self.watch()
-        return RoundResult(world, timed, max((o.seconds for o in timed.values()), default=0.0))
+        start, _ = self._begun("run_round")
+        check_all_idle(self._running)
+        outcomes = self.begin(subtasks)
+        while self._running:
+            outcomes |= self._next()
+        world = self._came_to_rest(start)
+        return RoundResult(world, outcomes, max((o.seconds for o in outcomes.values()), default=0.0))
+
+    @property
+    def world(self) -> WorldState:
+        """The world after the last round, `begin` or `advance`."""
+        return self._begun("world")[1]
+
+    @property
+    def busy(self) -> frozenset[str]:
+        """The robots whose subtasks have begun and not ended."""
+        return frozenset(self._running)
 
     def positions(self) -> None:
         """Nothing is simulated."""
@@ -62,17 +112,39 @@ class SymbolicBackend:
     def close(self) -> None:
         """Forget the episode."""
         self._start = self._world = None
+        self._running = {}
 
-    def _slips(self, scene: Rules, world: WorldState, subtasks: Mapping[str, Subtask]) -> set[str]:
+    def _begun(self, what: str) -> tuple[Start, WorldState]:
+        if self._start is None or self._world is None:
+            raise LifecycleError(f"the symbolic backend needs reset(start) before {what}")
+        return self._start, self._world
+
+    def _next(self) -> dict[str, Outcome]:
+        """Let the subtasks end whose time is over first; water has not run yet."""
+        if self._world is None or not self._running:
+            return {}
+        self._clock = min(run.outcome.ended for run in self._running.values())
+        ended = {robot: run for robot, run in self._running.items() if run.outcome.ended == self._clock}
+        for robot, run in ended.items():
+            self._world = carried(run.before, run.after, self._world)
+            del self._running[robot]
+        return {robot: run.outcome for robot, run in ended.items()}
+
+    def _came_to_rest(self, start: Start) -> WorldState:
+        """Water runs over what stands under it."""
+        self._world = washed(start.scene, self._begun("this")[1])
+        if self.watch is not None:
+            self.watch()
+        return self._world
+
+    def _slips(self, subtasks: Mapping[str, Subtask], refused: Collection[str]) -> set[str]:
         """The robots whose accepted subtask slips."""
         if self._failure_rate == 0.0:
             return set()
-        refused, _ = settle_claims(scene, world, subtasks)
         moving = sorted(r for r, s in subtasks.items() if r not in refused and not s.row.still)
         return {robot for robot in moving if self._chance.random() < self._failure_rate}
 
-
-def _timed(outcome: Outcome, subtask: Subtask) -> Outcome:
-    """An outcome with nominal seconds: a refusal takes none."""
-    seconds = 0.0 if outcome.refused else SKILLS[subtask.skill].seconds
-    return outcome if seconds == outcome.seconds else Outcome(outcome.status, outcome.reason, outcome.detail, seconds)
+    def _timed(self, outcome: Outcome, subtask: Subtask) -> Outcome:
+        """An outcome with nominal seconds from now on: a refusal takes none."""
+        seconds = 0.0 if outcome.refused else SKILLS[subtask.skill].seconds
+        return replace(outcome, seconds=seconds, began=self._clock, ended=self._clock + seconds)

@@ -2,11 +2,13 @@
 
 A robot whose subtask is refused stays where it is. Two robots that claim one station (or two that conflict), or one
 object, both get `station_occupied`; arriving where another stands is allowed if that one leaves in the same round.
+What robots claim that began earlier stays theirs until they have ended.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 from remac_env.rules.facts import Rules
@@ -16,6 +18,24 @@ from remac_env.rules.skill_row import Mark, Requirement
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """What a busy robot keeps to itself until it has ended: where it began, where it ends, and the object it takes."""
+
+    start: str
+    end: str
+    takes: str | None = None
+
+    @staticmethod
+    def of(world: WorldState, robot: str, subtask: Subtask, end: str) -> Claim:
+        """What a robot claims that begins an accepted subtask in this world and ends it at a station."""
+        return Claim(world.robots[robot].station, end, subtask.target if subtask.row.takes else None)
+
+
+NO_CLAIMS: Mapping[str, Claim] = {}
+"""Nobody is busy."""
 
 
 def settled() -> tuple[str, ...]:
@@ -58,9 +78,12 @@ def feasible(rules: Rules, world: WorldState, robot: str, subtask: Subtask) -> b
 
 
 def settle_claims(
-    rules: Rules, world: WorldState, subtasks: Mapping[str, Subtask]
+    rules: Rules, world: WorldState, subtasks: Mapping[str, Subtask], claims: Mapping[str, Claim] = NO_CLAIMS
 ) -> tuple[dict[str, Outcome], dict[str, str]]:
     """Refusals of this round, and the station at which every robot will end it.
+
+    Args:
+        claims: of the robots that are still busy, none of which is among those with a subtask.
 
     Returns:
         (refused, stations): an outcome for each robot whose controller declines, and for every robot the station
@@ -79,11 +102,14 @@ def settle_claims(
             goals[robot] = row.goes(rules, world, robot, subtask.target)
         if row.takes:
             picks.append((robot, subtask.target))
-    if len(picks) > 1:
-        _settle_objects(picks, refused)
+    taken = [(robot, claim.takes) for robot, claim in claims.items() if claim.takes is not None]
+    if len(picks) + len(taken) > 1:
+        _settle_objects(picks, taken, refused)
         goals = {robot: goal for robot, goal in goals.items() if robot not in refused}
     stations = {robot: state.station for robot, state in world.robots.items()}
-    while goals and (clash := _clashes(rules, stations, goals)):
+    stations |= {robot: claim.end for robot, claim in claims.items()}
+    left = [(robot, claim.start) for robot, claim in claims.items()]
+    while goals and (clash := _clashes(rules, stations, goals, left)):
         for robot in clash:
             refused[robot] = failure("station_occupied", f"{goals[robot]} is claimed or in use", refused=True)
         goals = {robot: goal for robot, goal in goals.items() if robot not in clash}
@@ -92,19 +118,23 @@ def settle_claims(
     return refused, stations
 
 
-def _settle_objects(picks: Sequence[tuple[str, str]], refused: dict[str, Outcome]) -> None:
-    """Two robots that reach for one object both stop."""
+def _settle_objects(
+    picks: Sequence[tuple[str, str]], taken: Sequence[tuple[str, str]], refused: dict[str, Outcome]
+) -> None:
+    """Two robots that reach for one object both stop; one that reaches for what a busy one takes stops."""
     for robot, target in picks:
-        if any(other != robot and target == wanted for other, wanted in picks):
+        if any(other != robot and target == wanted for other, wanted in (*picks, *taken)):
             refused[robot] = failure("station_occupied", f"another robot reaches for the {target}", refused=True)
 
 
-def _clashes(rules: Rules, stations: Mapping[str, str], goals: Mapping[str, str | None]) -> list[str]:
-    """Robots whose goal another robot keeps or also claims, in the order of the goals."""
-    ends = {**stations, **goals}
+def _clashes(
+    rules: Rules, stations: Mapping[str, str], goals: Mapping[str, str | None], left: Sequence[tuple[str, str]]
+) -> list[str]:
+    """Robots whose goal another robot keeps, has not `left` for good or also claims, in the order of the goals."""
+    ends = [*{**stations, **goals}.items(), *left]
     return [
         robot
         for robot, goal in goals.items()
         if goal is not None
-        and any(end is not None and other != robot and rules.conflicting(goal, end) for other, end in ends.items())
+        and any(end is not None and other != robot and rules.conflicting(goal, end) for other, end in ends)
     ]

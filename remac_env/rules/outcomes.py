@@ -30,6 +30,7 @@ class Outcome:
     """How one robot's subtask of a round ended.
 
     `reason` is None on success; `seconds` is simulated time. `refused`: the controller declined, and nothing moved.
+    `began` and `ended` are on the kitchen's clock: simulated seconds since the start, rests between rounds included.
     """
 
     status: Literal["success", "failure"]
@@ -37,6 +38,8 @@ class Outcome:
     detail: str = ""
     seconds: float = 0.0
     refused: bool = False
+    began: float = 0.0
+    ended: float = 0.0
 
     @property
     def success(self) -> bool:

@@ -6,11 +6,13 @@ Claims are settled first (claims.py); effects of one round must commute, else al
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
 
 from remac_env.rules.claims import first_false, settle_claims
 from remac_env.rules.facts import Rules
 from remac_env.rules.marks import washed
-from remac_env.rules.outcomes import Outcome, Reason, failure
+from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.skills import SKILLS, drop
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
@@ -31,6 +33,22 @@ def attempt(
     if row.goes is not None and world.robots[robot].station != station:
         after = world.with_robot(robot, station=station)
     return SUCCESS, after if row.effect is None else row.effect(rules, after, robot, subtask.target)
+
+
+def attempts(
+    rules: Rules, world: WorldState, subtasks: Mapping[str, Subtask], stations: Mapping[str, str]
+) -> tuple[dict[str, Outcome], dict[str, WorldState]]:
+    """What the table says comes of accepted subtasks: each one's outcome, and the world after it alone."""
+    outcomes: dict[str, Outcome] = {}
+    results: dict[str, WorldState] = {}
+    for robot, subtask in subtasks.items():
+        outcomes[robot], results[robot] = attempt(rules, world, robot, subtask, station=stations[robot])
+    return outcomes, results
+
+
+def contradicted(results: Mapping[str, WorldState]) -> dict[str, Outcome]:
+    """What comes of subtasks whose effects contradict each other."""
+    return {robot: failure("blocked", "the robots' effects contradict each other") for robot in results}
 
 
 def merge(world: WorldState, results: Mapping[str, WorldState]) -> WorldState | None:
@@ -61,20 +79,37 @@ def _set(world: WorldState, part: str, name: str, value: object) -> WorldState:
     return WorldState(**(data | {part: data[part].with_(name, value)}))
 
 
+def carried(before: WorldState, after: WorldState, now: WorldState) -> WorldState:
+    """`now` with all in which `after` differs from `before`, field by field: an effect that comes true later."""
+    for part in ("robots", "objects", "fixtures"):
+        old = getattr(before, part)
+        if getattr(after, part) is old:
+            continue
+        for name, value in getattr(after, part).items():
+            if value != old[name]:
+                now = _set(now, part, name, _changed(old[name], value, getattr(now, part)[name]))
+    return now
+
+
+def _changed(before: Any, after: Any, now: Any) -> Any:
+    """One state with the fields in which another has changed; of sets, what was added and taken away."""
+    changes: dict[str, Any] = {}
+    for field in fields(after):
+        old, new = getattr(before, field.name), getattr(after, field.name)
+        if new != old:
+            sets = isinstance(new, frozenset)
+            changes[field.name] = (getattr(now, field.name) - (old - new)) | (new - old) if sets else new
+    return replace(now, **changes)
+
+
 def transition(
     rules: Rules, world: WorldState, subtasks: Mapping[str, Subtask]
 ) -> tuple[WorldState, dict[str, Outcome]]:
-    """One whole round by the table alone: the symbolic backend's step, and what the oracle searches over."""
+    """One whole round by the table alone: what the oracle searches over, and the symbolic backend's round."""
     refused, stations = settle_claims(rules, world, subtasks)
-    outcomes, results = dict(refused), {}
-    for robot, subtask in subtasks.items():
-        if robot not in refused:
-            outcomes[robot], results[robot] = attempt(
-                rules, world, robot, subtask, station=stations[robot]
-            )
+    accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
+    outcomes, results = attempts(rules, world, accepted, stations)
     merged = merge(world, results)
     if merged is None:
-        reason: Reason = "blocked"
-        clash = {r: failure(reason, "the robots' effects contradict each other") for r in results}
-        return world, outcomes | clash
-    return washed(rules, merged), outcomes
+        return world, refused | contradicted(results)
+    return washed(rules, merged), refused | outcomes

@@ -28,7 +28,11 @@ INFO_TYPES: Mapping[str, type] = {
 """What `infos[robot]` holds at least, and of which type."""
 
 EPISODE_FIELDS = ("task", "style", "layout", "starts", "seed", "digest")
-OUTCOME_FIELDS = ("status", "reason", "detail", "seconds")
+OUTCOME_FIELDS = ("status", "reason", "detail", "seconds", "began", "ended")
+
+
+_CENTS = 0.02
+"""s: times are told in hundredths of a second."""
 
 
 def check_spaces(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int = 30) -> None:
@@ -108,12 +112,16 @@ def _check_info(turn: Turn, name: str, where: str) -> None:
         return
     lacking = [field for field in OUTCOME_FIELDS if field not in outcome]
     expect(not lacking, f"{where}: info['outcome'] lacks {lacking}")
-    status, reason, seconds = outcome["status"], outcome["reason"], outcome["seconds"]
+    status, reason = outcome["status"], outcome["reason"]
     expect(status in ("success", "failure"), f"{where}: status {status!r}")
     valid = reason == "" if status == "success" else reason in REASONS
     expect(valid, f"{where}: reason {reason!r} with status {status!r}; valid reasons: {', '.join(REASONS)}")
-    timed = isinstance(seconds, float) and math.isfinite(seconds) and seconds >= 0
-    expect(timed, f"{where}: seconds {seconds!r}")
+    for field in ("seconds", "began", "ended"):
+        value = outcome[field]
+        timed = isinstance(value, float) and math.isfinite(value) and value >= 0
+        expect(timed, f"{where}: {field} {value!r}")
+    began, ended, seconds = outcome["began"], outcome["ended"], outcome["seconds"]
+    expect(abs(ended - began - seconds) < _CENTS, f"{where}: {seconds} s from {began} s to {ended} s")
 
 
 def _check_types(turn: Turn, types: dict[str, type], where: str) -> None:

@@ -15,7 +15,8 @@ from remac_env.backends.physics.crew import Crew
 from remac_env.backends.physics.encounters import Encounter
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.backends.physics.skill import SkillFailure
-from remac_env.backends.physics.traffic import Convoy, Errand
+from remac_env.backends.physics.timetable import Errand, Timetable
+from remac_env.backends.physics.traffic import Convoy
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout, Station
@@ -117,11 +118,11 @@ def test_many_pairs_of_ways_are_not_tried_before_one_robot_makes_room(monkeypatc
         tried[0] += 1
         return False
 
-    def by_turns(self: Convoy, drivers: object) -> None:
+    def by_turns(self: Timetable, drivers: object) -> None:
         asked.append(tried[0])
 
     monkeypatch.setattr(Encounter, "passes", never)
-    monkeypatch.setattr(Convoy, "_by_turns", by_turns)
+    monkeypatch.setattr(Timetable, "_by_turns", by_turns)
     errands = {robot: Errand(crew.robots[robot], layout.stations[goal]) for robot, (_, goal) in swap.items()}
     with pytest.raises(SkillFailure):
         next(Convoy(crew.separation, errands, ()).steps("robot_0"))

@@ -79,7 +79,7 @@ class LacksAField(Tampered):
 
 class UnlistedReason(Tampered):
     def tamper_infos(self, infos: Any) -> Any:
-        wrong = {"status": "failure", "reason": "bad luck", "detail": "", "seconds": 0.0}
+        wrong = {"status": "failure", "reason": "bad luck", "detail": "", "seconds": 0.0, "began": 0.0, "ended": 0.0}
         assert wrong["reason"] not in REASONS
         return {name: info | ({"outcome": wrong} if info["outcome"] else {}) for name, info in infos.items()}
 

@@ -70,7 +70,7 @@ def costs(task: str, *, detours: int = 0) -> Costs:
     told = next(iter(infos.values()))
     if not told["success"]:
         raise AssertionError(f"the plan for {task} failed: {[info['outcome'] for info in infos.values()]}")
-    crew = env._backend._episode._crew
+    crew = env._backend._timeline._crew
     found = {
         "rounds": float(told["round"]),
         "steps": float(sum(calls)),

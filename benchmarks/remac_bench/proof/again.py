@@ -28,6 +28,12 @@ NOT_PROVEN_INSIDE: Mapping[str, tuple[str, ...]] = {
 }
 """The same for parts of fields: times on the wall, lines of code in an error, and where a cassette lay."""
 
+Outcomes = Mapping[str, Mapping[str, Any]]
+"""Robot -> the fields of its outcome, of one round."""
+
+TIMES = ("began", "ended")
+"""Fields of outcomes that records from before 2026-11-30 lack."""
+
 PLAYED: tuple[str, ...] = (
     *("style", "layout", "digest", "success", "end", "progress", "phases", "rounds", "outcomes", "worlds"),
     *("sim_seconds", "robot_contacts", "near_misses", "physics_steps", "littered", "goal"),
@@ -226,9 +232,19 @@ def _check_key(row: Record, job: Job) -> Iterator[str]:
 def _compare(
     iteration: int, recorded: Mapping[str, Any], again: Mapping[str, Any], names: Sequence[str]
 ) -> Iterator[str]:
+    again = {**again, "outcomes": _as_told(recorded["outcomes"], again["outcomes"])} if "outcomes" in again else again
     for name in names:
         if recorded[name] != again[name]:
             yield f"iteration {iteration}, {name}: recorded {_short(recorded[name])}, again {_short(again[name])}"
+
+
+def _as_told(recorded: Sequence[Outcomes], again: Sequence[Outcomes]) -> list[Outcomes]:
+    """Outcomes without the times that an older record does not tell."""
+    told = list(again)
+    for number, (old, new) in enumerate(zip(recorded, again, strict=False)):
+        silent = {robot: [key for key in TIMES if old[robot].get(key) is None] for robot in old.keys() & new.keys()}
+        told[number] = {robot: {**entry, **dict.fromkeys(silent.get(robot, ()))} for robot, entry in new.items()}
+    return told
 
 
 def _short(value: object) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from itertools import combinations
 
 import mujoco
@@ -51,17 +51,20 @@ class Separation:
         return self._measure()
 
     def of_configurations(
-        self, configurations: Mapping[str, Array], attached: Mapping[str, tuple[int, Array]]
+        self, configurations: Mapping[str, Array], attached: Mapping[str, tuple[int, Array]],
+        without: Collection[str] = (),
     ) -> float:
         """Least distance (m) with robots in these configurations.
 
         ``attached``: robot -> (qpos address, pose (7,)) of what it holds there; all else is as in the world.
+        ``without``: robots that count for nothing.
         """
         for name, q in configurations.items():
             self._data.qpos[self._simulation.robots[name].qpos] = q
         for address, pose in attached.values():
             self._data.qpos[address : address + 7] = pose
-        return self._measure()
+        bits = sum(1 << number for number, name in enumerate(self._bodies) if name in without) if without else 0
+        return self._measure(bits)
 
     @property
     def robots(self) -> tuple[str, ...]:
@@ -92,7 +95,8 @@ class Separation:
         """Copy the world's configuration, before a series of :meth:`of_configurations`."""
         self._data.qpos[:] = self._simulation.data.qpos
 
-    def _measure(self) -> float:
+    def _measure(self, without: int = 0) -> float:
+        """Least distance (m) as posed; ``without``: the bits of robots that count for nothing."""
         mujoco.mj_kinematics(self._model, self._data)
         try:
             mujoco.mj_collision(self._model, self._data)
@@ -102,7 +106,11 @@ class Separation:
             self._data = mujoco.MjData(self._model)
             self._data.qpos[:] = qpos
             return 0.0
-        return min((self._distance(k) for k in range(self._data.ncon)), default=np.inf)
+        counted: Iterable[int] = range(self._data.ncon)
+        if without:
+            robots = self._model.geom_contype[self._data.contact.geom]
+            counted = [k for k in counted if not (robots[k] & without).any()]
+        return min((self._distance(k) for k in counted), default=np.inf)
 
     def _distance(self, number: int) -> float:
         """Distance (m) of one contact.

@@ -1,81 +1,77 @@
-"""Drives robots at the same time: for each several ways over the floor, with delays so that they never come near.
-
-All combinations of ways and delays are ordered by when the last robot arrives and checked in space and time, first by
-circles around the robots' parts and, where those come near, with the real shapes. No robot has priority by its name.
-"""
+"""Drives robots at the same time, along paths that keep them apart all the time."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import combinations, islice, pairwise, permutations
+from collections.abc import Iterator, Mapping, Sequence
 
-import numpy as np
-
-from remac_env.backends.physics.collision import IGNORED
-from remac_env.backends.physics.encounters import Encounter
-from remac_env.backends.physics.litter import Bumper, blocks, lying, pressed, retreat, slowed
+from remac_env.backends.physics.litter import Bumper, lying, pressed, retreat, slowed
 from remac_env.backends.physics.motion import StuckError
 from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.routes import Course, Departure, Outline, sampled
-from remac_env.backends.physics.separation import NEAR_MISS, Separation
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings
-from remac_env.backends.physics.ways import SAMPLE, Combination, Driver, Way, held_pose, ordered, ways_to
+from remac_env.backends.physics.separation import Separation
+from remac_env.backends.physics.skill import SkillFailure, Steps
+from remac_env.backends.physics.timetable import Errand, Timetable
+from remac_env.backends.physics.ways import Driver, Moving
 from remac_env.kitchen.blocks import Block
-from remac_env.kitchen.floor_plan import Station
-from remac_env.robots.rotation import Array
-
-_SOON, _TRIES = 150, 3850  # combinations checked in space and time: at first, and where all else has failed
-_LANES = 3  # ways of one sort that are tried where several robots drive
-_REFUGES = 6  # places to which a robot may withdraw that are tried, nearest first
-_APART = NEAR_MISS + 0.005  # m
-
-
-@dataclass(frozen=True)
-class Errand:
-    """One robot's drive: its surroundings and where it is to end, world frame."""
-
-    here: Surroundings
-    goal: Station
 
 
 class Convoy:
-    """The drives of one round. ``plan`` once, then run every robot's ``steps``.
+    """Drives that begin together. They are planned when the first of them begins; run every robot's ``steps``.
 
     ``rooms``: the floor that robots need which work meanwhile; drives keep off it. ``jammed``: things on the floor that
-    have stopped a drive; it grows when these drives are stopped.
+    have stopped a drive; it grows when these drives are stopped. ``others``: convoys of which some may be under way;
+    their drives are moving obstacles, and where one of these or those fails, all of both stop.
     """
 
     def __init__(
         self, separation: Separation, errands: Mapping[str, Errand], rooms: Sequence[Block],
-        jammed: frozenset[str] = frozenset(),
+        jammed: frozenset[str] = frozenset(), others: Sequence[Convoy] = (),
     ) -> None:
         self._separation, self._errands, self._rooms = separation, dict(errands), tuple(rooms)
-        self.jammed = jammed
+        self.jammed, self._others = jammed, others
         self._timed: dict[str, Path] | None = None
-        self._avoided: frozenset[str] = frozenset()
+        self._drivers: Mapping[str, Driver] = {}
+        self._gone: dict[str, int] = {}
+        self._met: list[Convoy] = []
         self._pushing = self._failed = False
-        self._met: dict[tuple[Way, Way], Encounter] = {}
+
+    def keep_off(self, rooms: Sequence[Block]) -> None:
+        """Take note of the floor that robots need by now, where these drives have not been planned yet."""
+        if self._timed is None:
+            self._rooms = tuple(rooms)
 
     def held_up(self, robot: str) -> bool:
-        """Whether a robot found no way while others work."""
-        return bool(self._rooms) and self._timed is not None and robot not in self._timed
+        """Whether a robot found no way while others work or drive."""
+        return bool(self._rooms or self._met) and self._timed is not None and robot not in self._timed
+
+    def under_way(self) -> Iterator[Moving]:
+        """The drives that have been planned and have not ended, with what is left of them."""
+        for robot, gone in self._gone.items():
+            # The last of those gone is commanded in this very period.
+            yield Moving.along(self._drivers[robot], (self._timed or {})[robot][max(gone - 1, 0) :])
 
     def steps(self, robot: str) -> Steps:
         """Drive one robot. Fails with ``blocked`` when there is no way, or when another's drive fails."""
         if self._timed is None:
             self._timed = self._plan()
+            self._gone = dict.fromkeys(self._timed, 0)
         here = self._errands[robot].here
         try:
             if robot not in self._timed:
                 raise SkillFailure("blocked", "no way that keeps clear of the other robot and the furniture")
             yield from self._drive(robot, self._timed[robot])
         except BaseException:
-            self._failed = self._failed or robot in self._timed
+            if robot in self._timed:
+                self._fail()
             here.enter(here.place)
             raise
+        finally:
+            self._gone.pop(robot, None)
         here.enter(self._errands[robot].goal)
+
+    def _fail(self) -> None:
+        """Stop all these drives, and those that count on them."""
+        for convoy in (self, *self._met):
+            convoy._failed = True
 
     def _drive(self, robot: str, path: Path) -> Steps:
         """Follow a path; where things on the floor stop it, go back a little."""
@@ -86,12 +82,13 @@ class Convoy:
                 if self._failed:
                     raise SkillFailure("blocked", "another robot's drive failed")
                 travelled.append(q)
+                self._gone[robot] += 1
                 yield from here.mover.step(q)
                 if self._pushing:
                     bumper.check()
             yield from here.mover.settle(0.004, 8)
         except (StuckError, SkillFailure):
-            self._failed = True
+            self._fail()
             self.jammed |= pressed(here)
             yield from retreat(here, travelled)
             raise
@@ -100,162 +97,21 @@ class Convoy:
         """A timed path for every robot that can go: around things on the floor, else through those not yet jammed."""
         for errand in self._errands.values():
             errand.here.leave()
+        for other in self._others:
+            if other is not self and any(True for _ in other.under_way()):
+                self._met.append(other)
+                other._met.append(self)
+        self._failed = any(other._failed for other in self._met)
+        moving = [drive for other in self._met for drive in other.under_way()]
         litter = frozenset[str]().union(*(lying(errand.here) for errand in self._errands.values()))
         timed: dict[str, Path] = {}
-        for avoided in dict.fromkeys((litter, self.jammed & litter, frozenset[str]())):
-            self._avoided = avoided
-            timed = self._planned()
+        avoided = litter
+        # A drive that pushes things is not where it should be when, so nobody pushes while others are under way.
+        pushing = () if moving else (self.jammed & litter, frozenset[str]())
+        for avoided in dict.fromkeys((litter, *pushing)):
+            timetable = Timetable(self._separation, self._errands, self._rooms, avoided, moving)
+            timed, self._drivers = timetable.timed(), timetable.drivers
             if len(timed) == len(self._errands):
                 break
-        self._pushing = self._avoided != litter
+        self._pushing = avoided != litter
         return {name: slowed(path) for name, path in timed.items()} if self._pushing else timed
-
-    def _planned(self) -> dict[str, Path]:
-        """The same with the present things to keep off; robots without any way are left out, the others replanned."""
-        drivers = {name: self._driver(errand) for name, errand in self._errands.items()}
-        self._separation.refresh()
-        places = {name: (errand.goal.x, errand.goal.y) for name, errand in self._errands.items()}
-        going = sorted(drivers, key=lambda name: places[name])
-        if len(going) > 1:
-            together = {name: drivers[name] for name in going}
-            tries = self._combinations(list(together.values()))
-            # What is not found soon is mostly found at once with the robots one after the other.
-            timed = (
-                self._together(together, islice(tries, _SOON))
-                or self._by_turns(together)
-                or self._together(together, islice(tries, 0 if self._avoided else _TRIES))
-            )
-            if timed:
-                return timed
-        for name in going:
-            standing = set(self._separation.robots) - {name}
-            for way in drivers[name].ways:
-                path = self._path(drivers[name], way)
-                if path and self._keeps_off(drivers[name], path, standing):
-                    return {name: path}
-        return {}
-
-    def _driver(self, errand: Errand) -> Driver:
-        """All ways of one robot, not yet checked."""
-        here = errand.here
-        here.begin(avoid=self._avoided)
-        for robot, body in self._separation.held.items():
-            if robot != here.robot.name:
-                here.scratch.mark(here.simulation.geoms(body), IGNORED)  # it goes where that robot goes
-        staying = tuple(place for name, place in self._separation.places.items() if name not in self._errands)
-        start = Departure(here.layout, here.place, here.robot.q, self._rooms, staying, self._litter(here))
-        return Driver(here, ways_to(start, errand.goal), Outline.of(here), errand.goal)
-
-    def _litter(self, here: Surroundings) -> tuple[Block, ...]:
-        return blocks(here, self._avoided - {here.hand.body})
-
-    def _path(self, driver: Driver, way: Way) -> Path | None:
-        """The way as a path, one configuration a period, where it meets no furniture and nobody who stays."""
-        if not way.checked:
-            way.checked = True
-            here, corners = driver.here, way.course.corners
-            path = sampled(corners)
-            bases = np.array(path[::4])[:, :3]
-            if not any(driver.outline.meets(bases, room) for room in self._rooms):
-                with here.scratch.without_robots():
-                    free = all(here.planner.edge(one, other, 0.1) for one, other in pairwise(corners))
-                staying = set(self._separation.robots) - set(self._errands)
-                if free and self._keeps_off(driver, path, staying):
-                    way.path = path
-        return way.path
-
-    def _keeps_off(self, driver: Driver, path: Path, standing: Collection[str]) -> bool:
-        """Whether a path keeps clear of robots that stand where they are."""
-        circles = self._separation.circles(standing)
-        if not len(circles):
-            return True
-        moments = [*path[::SAMPLE], path[-1]]
-        middles, radii = driver.outline.circles(np.array(moments)[:, :3])
-        gaps = np.linalg.norm(middles[:, :, None] - circles[:, :2], axis=3) - radii[:, None] - circles[:, 2]
-        near = np.flatnonzero(gaps.min(axis=(1, 2)) < _APART)
-        return all(self._clear({driver.here.robot.name: driver}, {driver.here.robot.name: moments[k]}) for k in near)
-
-    def _choice(self, driver: Driver) -> list[Way]:
-        """Free ways of every sort: the quickest, the slowest and one between."""
-        sorts: dict[tuple[int, str], list[Way]] = defaultdict(list)
-        for way in driver.ways:
-            sorts[way.course.sort].append(way)
-        found: list[Way] = []
-        for ways in sorts.values():
-            order = [ways[0], ways[-1], *ways[len(ways) // 2 :], *ways[1:]]
-            free = (way for way in dict.fromkeys(order) if self._path(driver, way))
-            found += islice(free, _LANES)
-        return found
-
-    def _together(self, drivers: Mapping[str, Driver], tries: Iterable[Combination]) -> dict[str, Path] | None:
-        """The first combination of ways and delays that keeps the robots apart all the time."""
-        names = list(drivers)
-        for ways, delays in tries:
-            if all(
-                self._encounter(drivers, names, (i, ways[i]), (j, ways[j]), self._met).passes((delays[i], delays[j]))
-                for i, j in combinations(range(len(names)), 2)
-            ):
-                return {
-                    name: [drivers[name].here.robot.q] * (delay * SAMPLE) + (way.path or [])
-                    for name, way, delay in zip(names, ways, delays, strict=True)
-                }
-        return None
-
-    def _combinations(self, drivers: Sequence[Driver]) -> Iterator[Combination]:
-        """Ways with delays, in the order in which they end; everyone's quickest, at once, before others are checked."""
-        quickest = [way for driver in drivers for way in islice((w for w in driver.ways if self._path(driver, w)), 1)]
-        if len(quickest) == len(drivers):
-            yield tuple(quickest), (0,) * len(drivers)
-            yield from ordered([self._choice(driver) for driver in drivers])
-
-    def _by_turns(self, drivers: Mapping[str, Driver]) -> dict[str, Path] | None:
-        """One robot makes room, the other drives, then the first: the quickest such way of two robots."""
-        found: list[tuple[int, dict[str, Path]]] = []
-        for one, other in permutations(drivers, 2):
-            first, second = drivers[one], drivers[other]
-            for refuge in sorted(first.here.layout.refuges(first.here.place), key=first.here.place.distance)[:_REFUGES]:
-                out = self._alone(drivers, one, (first.here.place, first.here.robot.q), refuge, second.here.robot.q)
-                through = out and self._alone(
-                    drivers, other, (second.here.place, second.here.robot.q), second.goal, out[-1]
-                )
-                back = out and through and self._alone(drivers, one, (refuge, out[-1]), first.goal, through[-1])
-                if out and through and back:
-                    late = [second.here.robot.q] * len(out) + through
-                    found.append((len(late) + len(back), {one: [*out, *[out[-1]] * len(through), *back], other: late}))
-                    break
-        return min(found, key=lambda entry: entry[0])[1] if found else None
-
-    def _alone(
-        self, drivers: Mapping[str, Driver], name: str, start: tuple[Station, Array], goal: Station, standing: Array
-    ) -> Path | None:
-        """The quickest way of one robot while the other stands in a configuration."""
-        driver, (other,) = drivers[name], (driver for key, driver in drivers.items() if key != name)
-        place, q = start
-        leaves = Departure(driver.here.layout, place, q, self._rooms, (standing,), self._litter(driver.here))
-        for way in ways_to(leaves, goal):
-            if self._path(driver, way):
-                still = Way(Course([standing], (0, "standing")), 0, [standing], True)
-                names = (name, other.here.robot.name)
-                if self._encounter(drivers, names, (0, way), (1, still), {}).passes((0, 0)):
-                    return way.path
-        return None
-
-    def _encounter(
-        self, drivers: Mapping[str, Driver], names: Sequence[str], one: tuple[int, Way], other: tuple[int, Way],
-        known: dict[tuple[Way, Way], Encounter],
-    ) -> Encounter:
-        key = one[1], other[1]
-        if key not in known:
-            pair, moments = (names[one[0]], names[other[0]]), (one[1].moments, other[1].moments)
-            known[key] = Encounter(
-                (np.array(moments[0])[:, :3], np.array(moments[1])[:, :3]),
-                (drivers[pair[0]].outline, drivers[pair[1]].outline),
-                _APART,
-                lambda i, j: self._clear(drivers, {pair[0]: moments[0][i], pair[1]: moments[1][j]}),
-            )
-        return known[key]
-
-    def _clear(self, drivers: Mapping[str, Driver], now: Mapping[str, Array]) -> bool:
-        """Whether robots in these configurations are apart, with their real shapes."""
-        held = {name: pose for name, q in now.items() if (pose := held_pose(drivers[name].here, q)) is not None}
-        return self._separation.of_configurations(now, held) >= _APART

@@ -47,6 +47,29 @@ class Driver:
     goal: Station
 
 
+@dataclass(frozen=True)
+class Moving:
+    """A robot that drives already: how, and what is left of its way from now on."""
+
+    driver: Driver
+    way: Way
+
+    @property
+    def name(self) -> str:
+        """The robot."""
+        return self.driver.here.robot.name
+
+    @property
+    def bases(self) -> Array:
+        """Base poses (t, 3) on what is left, world frame."""
+        return np.array(self.way.moments)[:, :3]
+
+    @staticmethod
+    def along(driver: Driver, left: Path) -> Moving:
+        """A drive with so much of its path left, one configuration a period."""
+        return Moving(driver, Way(Course(left, (0, "under way")), len(left), left, True))
+
+
 Combination = tuple[tuple[Way, ...], tuple[int, ...]]
 """A way for each robot, and by how many samples each starts late."""
 

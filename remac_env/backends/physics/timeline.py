@@ -1,0 +1,207 @@
+"""One start and all that has happened since: subtasks begin and end on one simulated clock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import mujoco
+
+from remac_env.backends.base import Counters, RoundResult
+from remac_env.backends.physics.attempts import Attempt, Orders
+from remac_env.backends.physics.crew import Crew
+from remac_env.backends.physics.falls import fallen
+from remac_env.backends.physics.separation import NEAR_MISS
+from remac_env.backends.physics.simulation import CONTROL_PERIOD, SUBSTEPS, Simulation
+from remac_env.backends.physics.stage import pose_start
+from remac_env.backends.physics.truth import Truth
+from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.floor_plan import Layout
+from remac_env.kitchen.objects.catalogue import Category
+from remac_env.kitchen.worlds import Worlds
+from remac_env.rules.claims import Claim, settle_claims
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.subtasks import Subtask
+from remac_env.start import Start
+from remac_env.state import WorldState
+
+_REST_SPEED = 0.02  # m/s or rad/s below which the kitchen is at rest
+_REST_LEAST, _REST_MOST = 6, 60  # control periods
+_START_LEAST = 1  # of the same: things start where they rest
+
+Watch = Callable[[], None] | None
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A subtask that has begun: at which control step, in which world, and what its robot claims."""
+
+    subtask: Subtask
+    began: int
+    world: WorldState
+    claim: Claim
+
+    def held(self, robot: str) -> str | None:
+        """What its robot held."""
+        return self.world.robots[robot].holding
+
+
+class Timeline:
+    """A start in physics. ``begin`` subtasks and ``advance`` to the next end, or ``run_round``."""
+
+    def __init__(self, start: Start, worlds: Worlds, before: Simulation | None) -> None:
+        self.start = start
+        self._layout: Layout = worlds.layout(start.layout, start.style)
+        self._things: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
+        robots = tuple(start.scene.robots)
+        self.simulation = Simulation(_model(self._layout, robots, tuple(self._things.items())), robots, before)
+        self._truth = Truth(self.simulation, start, self._layout, self._things)
+        self._batches = self._contacts = self._misses = 0
+        self._tasks: dict[str, _Task] = {}
+        self._attempts: dict[str, Attempt] = {}
+        self._stepped: set[str] = set()
+        self._fell: dict[str, str] = {}
+        pose_start(self.simulation, self._layout, self._things, start)
+        self._settle(_START_LEAST)
+        self._zero = self.simulation.ticks
+        self.world = self._truth.read()
+
+    @cached_property
+    def _crew(self) -> Crew:
+        """Made for the first subtask, as it takes longer and more memory than all the rest."""
+        return Crew(self.simulation, self._layout, self._things, self.start)
+
+    @property
+    def busy(self) -> frozenset[str]:
+        """The robots whose subtasks have begun and not ended."""
+        return frozenset(self._attempts)
+
+    @property
+    def counters(self) -> Counters:
+        """What has been counted since the start."""
+        ticks = self.simulation.ticks - self._zero
+        return Counters(ticks, ticks * SUBSTEPS, self._contacts, self._misses)
+
+    def begin(self, subtasks: Mapping[str, Subtask]) -> dict[str, Outcome]:
+        """Start subtasks of idle robots; see the backend."""
+        world, now = self.world, self.simulation.ticks
+        idle = {name: state for name, state in world.robots.items() if name not in self._attempts}
+        self._crew.hold({name: state.holding for name, state in idle.items()})
+        claims = {robot: task.claim for robot, task in self._tasks.items()}
+        refused, stations = settle_claims(self.start.scene, world, subtasks, claims)
+        accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
+        for robot, subtask in accepted.items():
+            self._tasks[robot] = _Task(subtask, now, world, Claim.of(world, robot, subtask, stations[robot]))
+        self._attempts |= self._crew.attempts(Orders(self._batches, world, accepted, stations, self._achieved))
+        self._batches += 1
+        return {robot: self._timed(outcome, now) for robot, outcome in refused.items()}
+
+    def advance(self, watch: Watch) -> dict[str, Outcome]:
+        """Run to the next end of a subtask; see the backend."""
+        before, tasks = self.world, dict(self._tasks)
+        ended = self._run(watch)
+        if not ended:
+            return {}
+        if not self._attempts:
+            self._settle()
+        self.world = self._truth.read()
+        return self._judge(ended, tasks, before, {robot: task.subtask for robot, task in tasks.items()})
+
+    def run_round(self, subtasks: Mapping[str, Subtask], watch: Watch) -> RoundResult:
+        """One round; see the backend."""
+        began, before, met = self.simulation.ticks, self.world, (self._contacts, self._misses)
+        outcomes, tasks = self.begin(subtasks), dict(self._tasks)
+        while self._attempts:
+            outcomes |= self._run(watch)
+        self._settle()
+        self.world = self._truth.read()
+        judged = self._judge(outcomes, tasks, before, subtasks)
+        ticks = self.simulation.ticks - began
+        seconds = max((outcome.seconds for outcome in judged.values()), default=0.0)
+        counters = Counters(ticks, ticks * SUBSTEPS, self._contacts - met[0], self._misses - met[1])
+        return RoundResult(self.world, judged, seconds, counters)
+
+    def abandon(self) -> None:
+        """Forget what is under way."""
+        for robot in self._attempts:
+            self._crew.finished(robot)
+        self._attempts, self._tasks, self._stepped, self._fell = {}, {}, set(), {}
+
+    def _run(self, watch: Watch) -> dict[str, Outcome]:
+        """Run until a subtask ends; how each that ends then has ended, by its controller's own word."""
+        ended: dict[str, Outcome] = {}
+        while self._attempts:
+            for robot in [robot for robot in self._attempts if robot not in self._stepped]:
+                try:
+                    next(self._attempts[robot])
+                    self._stepped.add(robot)
+                except StopIteration as end:
+                    ended[robot] = self._timed(end.value, self._tasks[robot].began)
+                    del self._attempts[robot], self._tasks[robot]
+                    self._crew.finished(robot)
+            if ended:
+                break
+            self._tick()
+            self._stepped.clear()
+            if watch is not None:
+                watch()
+            distance = self._crew.separation.of_world()
+            self._contacts += distance <= 0.0
+            self._misses += distance < NEAR_MISS
+        return ended
+
+    def _timed(self, outcome: Outcome, began: int) -> Outcome:
+        """An outcome that ends now, with its times."""
+        ticks = (self.simulation.ticks - began, began - self._zero, self.simulation.ticks - self._zero)
+        seconds, start, end = (round(count * CONTROL_PERIOD, 2) for count in ticks)
+        return replace(outcome, seconds=seconds, began=start, ended=end)
+
+    def _settle(self, least: int = _REST_LEAST) -> None:
+        """Let the kitchen come to rest, within bounds."""
+        for count in range(_REST_MOST):
+            if count >= least and self.simulation.moving() < _REST_SPEED:
+                return
+            self._tick()
+
+    def _tick(self) -> None:
+        """One control period."""
+        self.simulation.tick()
+        self._truth.update()
+
+    def _achieved(self, robot: str, subtask: Subtask) -> bool:
+        """Whether a subtask has done by now what it says."""
+        seen, held = self._truth.seen(), self._tasks[robot].held(robot)
+        return all(condition.holds(self.start.scene, seen) for condition in subtask.achieves(robot, held))
+
+    def _judge(
+        self, ended: Mapping[str, Outcome], tasks: Mapping[str, _Task], before: WorldState,
+        running: Mapping[str, Subtask],
+    ) -> dict[str, Outcome]:
+        """Outcomes by the world as it is now. ``running``: what ran since the world ``before``."""
+        for name, robots in fallen(self.start.scene, before, self.world, running):
+            for robot in robots:
+                self._fell.setdefault(robot, name)
+        judged = {robot: self._judged(robot, tasks.get(robot), outcome) for robot, outcome in ended.items()}
+        for robot, outcome in judged.items():
+            if robot in self._fell and outcome.success:
+                fell = f"the {self._fell[robot]} fell"
+                judged[robot] = replace(outcome, status="failure", reason="dropped", detail=fell)
+        self._fell = {robot: name for robot, name in self._fell.items() if robot in self._attempts}
+        return judged
+
+    def _judged(self, robot: str, task: _Task | None, outcome: Outcome) -> Outcome:
+        """Success only when what the subtask achieves is true."""
+        if not outcome.success or task is None:
+            return outcome
+        for condition in task.subtask.achieves(robot, task.held(robot)):
+            if not condition.holds(self.start.scene, self.world):
+                detail = f"not true at rest: {condition.sentence}"
+                return replace(outcome, status="failure", reason="slipped", detail=detail)
+        return outcome
+
+
+@lru_cache(maxsize=8)
+def _model(layout: Layout, robots: tuple[str, ...], things: tuple[tuple[str, Category], ...]) -> mujoco.MjModel:
+    """Compiled colliders; a model is never written to, so episodes share it."""
+    return build_model(layout, robots=robots, objects=dict(things), looks=False)
