@@ -62,12 +62,24 @@ def test_honest_records_come_out_again(honest: Path) -> None:
     assert "all as recorded" in " ".join(result.stdout.split())
 
 
+def test_records_from_before_outcomes_told_their_times_come_out_again(honest: Path, tmp_path: Path) -> None:
+    def forget(record: dict[str, Any]) -> None:
+        for outcome in (outcome for turn in record["outcomes"] for outcome in turn.values()):
+            del outcome["began"], outcome["ended"]
+
+    assert verify(tampered(honest, forget, tmp_path)).findings == ()
+
+
 def _flip(record: dict[str, Any]) -> None:
     record["success"] = not record["success"]
 
 
 def _outcome(record: dict[str, Any]) -> None:
     record["outcomes"][2]["robot_0"]["status"] = "failure"
+
+
+def _began(record: dict[str, Any]) -> None:
+    record["outcomes"][2]["robot_0"]["began"] += 1.0
 
 
 def _world(record: dict[str, Any]) -> None:
@@ -90,7 +102,7 @@ def _options(record: dict[str, Any]) -> None:
     record["options"]["kitchen"]["max_rounds"] = 99
 
 
-@pytest.mark.parametrize("change", [_flip, _outcome, _world, _digest, _seed, _rounds, _options])
+@pytest.mark.parametrize("change", [_flip, _outcome, _began, _world, _digest, _seed, _rounds, _options])
 def test_tampered_records_are_found(honest: Path, tmp_path: Path, change: Tamper) -> None:
     verdict = verify(tampered(honest, change, tmp_path))
     assert {finding.job for finding in verdict.findings} == {read(honest)[-1].job}
