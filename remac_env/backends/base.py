@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -100,11 +100,11 @@ class Backend(Protocol):
         """Free what the backend holds; may be called twice."""
 
 
-def check_idle(robots: Iterable[str], known: Iterable[str], busy: Collection[str]) -> None:
+def check_idle(robots: Iterable[str], known: Sequence[str], busy: Collection[str]) -> None:
     """Refuse to begin anything for robots that are busy or not in the kitchen; see :meth:`Backend.begin`."""
-    known = tuple(known)
     for robot in robots:
-        check_choice("robot", robot, known)
+        if robot not in known:
+            check_choice("robot", robot, known)
         if robot in busy:
             idle = ", ".join(name for name in known if name not in busy) or "none, until advance() ends a subtask"
             raise LifecycleError(f"{robot} is busy; valid: {idle}")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from remac_env.backends.base import RoundResult, Start, check_all_idle, check_idle
 from remac_env.errors import LifecycleError, OptionError
 from remac_env.rules.claims import Claim, settle_claims
+from remac_env.rules.facts import Rules
 from remac_env.rules.marks import washed
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.rounds import attempts, carried, contradicted, merge
@@ -19,11 +20,11 @@ from remac_env.seeding import generator
 from remac_env.state import WorldState
 
 
-@dataclass(frozen=True)
-class _Running:
-    """A subtask under way: what its robot claims, how it will end, and what that changes of the world."""
+class _Running(NamedTuple):
+    """A subtask under way: at which station and how it will end, and what that changes of the world."""
 
-    claim: Claim
+    subtask: Subtask
+    station: str
     outcome: Outcome
     before: WorldState
     after: WorldState
@@ -59,24 +60,11 @@ class SymbolicBackend:
     def begin(self, subtasks: Mapping[str, Subtask]) -> dict[str, Outcome]:
         """Start subtasks of idle robots; the outcomes of those that are refused."""
         start, world = self._begun("begin")
-        scene = start.scene
-        check_idle(subtasks, scene.robots, self._running)
-        claims = {robot: run.claim for robot, run in self._running.items()}
-        refused, stations = settle_claims(scene, world, subtasks, claims)
-        slipped = self._slips(subtasks, refused)
-        accepted = {robot: WAIT if robot in slipped else s for robot, s in subtasks.items()} if slipped else subtasks
-        if slipped:
-            refused, stations = settle_claims(scene, world, accepted, claims)
-        accepted = {robot: subtask for robot, subtask in accepted.items() if robot not in refused}
-        outcomes, results = attempts(scene, world, accepted, stations)
-        pending = {robot: carried(run.before, run.after, world) for robot, run in self._running.items()}
-        if merge(world, pending | results) is None:
-            outcomes, results = contradicted(results), dict.fromkeys(results, world)
-        outcomes |= {robot: failure("slipped", "a seeded slip") for robot in slipped}
+        check_idle(subtasks, start.scene.robots, self._running)
+        told, stations, results, _ = self._foretold(start.scene, world, subtasks)
         for robot, after in results.items():
-            claim = Claim.of(world, robot, accepted[robot], stations[robot])
-            self._running[robot] = _Running(claim, self._timed(outcomes[robot], subtasks[robot]), world, after)
-        return {robot: self._timed(outcome, subtasks[robot]) for robot, outcome in refused.items()}
+            self._running[robot] = _Running(subtasks[robot], stations[robot], told.pop(robot), world, after)
+        return told
 
     def advance(self) -> dict[str, Outcome]:
         """Run until the next subtask ends; the outcomes of all that end then."""
@@ -88,13 +76,14 @@ class SymbolicBackend:
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """One round by the table; seconds are the table's nominal ones."""
-        start, _ = self._begun("run_round")
+        start, world = self._begun("run_round")
         check_all_idle(self._running)
-        outcomes = self.begin(subtasks)
-        while self._running:
-            outcomes |= self._next()
+        check_idle(subtasks, start.scene.robots, ())
+        # What begins together and is alone comes true together, so that nothing has to be carried over one by one.
+        told, _, _, self._world = self._foretold(start.scene, world, subtasks)
+        self._clock = max((outcome.ended for outcome in told.values()), default=self._clock)
         world = self._came_to_rest(start)
-        return RoundResult(world, outcomes, max((o.seconds for o in outcomes.values()), default=0.0))
+        return RoundResult(world, told, max((o.seconds for o in told.values()), default=0.0))
 
     @property
     def world(self) -> WorldState:
@@ -118,6 +107,32 @@ class SymbolicBackend:
         if self._start is None or self._world is None:
             raise LifecycleError(f"the symbolic backend needs reset(start) before {what}")
         return self._start, self._world
+
+    def _foretold(
+        self, scene: Rules, world: WorldState, subtasks: Mapping[str, Subtask]
+    ) -> tuple[dict[str, Outcome], Mapping[str, str], dict[str, WorldState], WorldState]:
+        """How subtasks will end that begin now: outcomes, stations, the world after each accepted one alone, and the
+        world after all of them and those under way.
+        """
+        running = self._running
+        claims = {r: Claim.of(run.before, r, run.subtask, run.station) for r, run in running.items()} if running else {}
+        refused, stations = settle_claims(scene, world, subtasks, claims)
+        accepted, slipped = subtasks, self._slips(subtasks, refused)
+        if slipped:
+            accepted = {robot: WAIT if robot in slipped else subtask for robot, subtask in subtasks.items()}
+            refused, stations = settle_claims(scene, world, accepted, claims)
+        if refused:
+            accepted = {robot: subtask for robot, subtask in accepted.items() if robot not in refused}
+        outcomes, results = attempts(scene, world, accepted, stations)
+        every = {robot: carried(run.before, run.after, world) for robot, run in running.items()} if running else {}
+        merged = merge(world, every | results if every else results)
+        if merged is None:
+            outcomes, results, merged = contradicted(results), dict.fromkeys(results, world), world
+        outcomes |= refused
+        for robot in slipped:
+            outcomes[robot] = failure("slipped", "a seeded slip")
+        told = {robot: self._timed(outcome, subtasks[robot]) for robot, outcome in outcomes.items()}
+        return told, stations, results, merged
 
     def _next(self) -> dict[str, Outcome]:
         """Let the subtasks end whose time is over first; water has not run yet."""
@@ -147,4 +162,5 @@ class SymbolicBackend:
     def _timed(self, outcome: Outcome, subtask: Subtask) -> Outcome:
         """An outcome with nominal seconds from now on: a refusal takes none."""
         seconds = 0.0 if outcome.refused else SKILLS[subtask.skill].seconds
-        return replace(outcome, seconds=seconds, began=self._clock, ended=self._clock + seconds)
+        status, reason, detail, refused = outcome.status, outcome.reason, outcome.detail, outcome.refused
+        return Outcome(status, reason, detail, seconds, refused, self._clock, self._clock + seconds)

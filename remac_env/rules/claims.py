@@ -102,13 +102,15 @@ def settle_claims(
             goals[robot] = row.goes(rules, world, robot, subtask.target)
         if row.takes:
             picks.append((robot, subtask.target))
-    taken = [(robot, claim.takes) for robot, claim in claims.items() if claim.takes is not None]
+    taken = [(r, claim.takes) for r, claim in claims.items() if claim.takes is not None] if claims else []
     if len(picks) + len(taken) > 1:
         _settle_objects(picks, taken, refused)
         goals = {robot: goal for robot, goal in goals.items() if robot not in refused}
     stations = {robot: state.station for robot, state in world.robots.items()}
-    stations |= {robot: claim.end for robot, claim in claims.items()}
-    left = [(robot, claim.start) for robot, claim in claims.items()]
+    left: list[tuple[str, str]] = []
+    for robot, claim in claims.items():
+        stations[robot] = claim.end
+        left.append((robot, claim.start))
     while goals and (clash := _clashes(rules, stations, goals, left)):
         for robot in clash:
             refused[robot] = failure("station_occupied", f"{goals[robot]} is claimed or in use", refused=True)
@@ -131,7 +133,8 @@ def _clashes(
     rules: Rules, stations: Mapping[str, str], goals: Mapping[str, str | None], left: Sequence[tuple[str, str]]
 ) -> list[str]:
     """Robots whose goal another robot keeps, has not `left` for good or also claims, in the order of the goals."""
-    ends = [*{**stations, **goals}.items(), *left]
+    kept = {**stations, **goals}.items()
+    ends = [*kept, *left] if left else kept
     return [
         robot
         for robot, goal in goals.items()

@@ -81,6 +81,8 @@ def _set(world: WorldState, part: str, name: str, value: object) -> WorldState:
 
 def carried(before: WorldState, after: WorldState, now: WorldState) -> WorldState:
     """`now` with all in which `after` differs from `before`, field by field: an effect that comes true later."""
+    if now is before or after is before:
+        return after if now is before else now
     for part in ("robots", "objects", "fixtures"):
         old = getattr(before, part)
         if getattr(after, part) is old:

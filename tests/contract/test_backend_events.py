@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
+from random import Random
 
 import pytest
 
@@ -16,6 +17,7 @@ from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.scene import build_scene, resting_fixtures
 from remac_env.rules.claims import Claim, settle_claims
+from remac_env.rules.marks import washed
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
@@ -108,13 +110,18 @@ class RunsToTheLastEnd(SymbolicBackend):
         return ended
 
 
+class TellsAllAtOnce(SymbolicBackend):
+    def begin(self, subtasks: Mapping[str, Subtask]) -> dict[str, Outcome]:
+        return super().begin(subtasks) | {robot: run.outcome for robot, run in self._running.items()}
+
+
 class HasNoClock(SymbolicBackend):
     def _timed(self, outcome: Outcome, subtask: Subtask) -> Outcome:
         self._clock = 0.0
         return super()._timed(outcome, subtask)
 
 
-@pytest.mark.parametrize("make", [ForgetsWhoIsBusy, RunsToTheLastEnd, HasNoClock])
+@pytest.mark.parametrize("make", [ForgetsWhoIsBusy, RunsToTheLastEnd, TellsAllAtOnce, HasNoClock])
 def test_a_wrong_backend_is_found_out(make: Callable[[], Backend]) -> None:
     with pytest.raises((AssertionError, pytest.fail.Exception)):
         check_events(make())
@@ -133,6 +140,23 @@ def test_begun_and_advanced_together_is_a_round(make: Callable[[], Backend]) -> 
         assert found == told.outcomes and by_events.world == told.world
         one, other = by_round.positions(), by_events.positions()
         assert (one is None and other is None) or (one == other).all()  # type: ignore[union-attr]
+
+
+def test_any_rounds_by_the_table_are_the_same_by_events() -> None:
+    by_round, by_events, chance = SymbolicBackend(failure_rate=0.2), SymbolicBackend(failure_rate=0.2), Random(5)
+    targets = ("cabinet", "sink", "stove", "faucet", "microwave", "vegetable")
+    commands = [Subtask(skill, target) for skill in SKILLS if skill.endswith("to") for target in targets]
+    commands += [WAIT, STEP_ASIDE, Subtask("turn on", "faucet"), Subtask("pick up", "vegetable")]
+    commands += [Subtask("open door", "cabinet"), Subtask("close door", "cabinet")]
+    for backend in (by_round, by_events):
+        backend.reset(make_start())
+    for _ in range(400):
+        joint = {A: chance.choice(commands), B: chance.choice(commands)}
+        told, found = by_round.run_round(joint), by_events.begin(joint)
+        while by_events.busy:
+            found |= by_events._next()  # as a round does, which has no rests between
+        by_events._world = washed(make_start().scene, by_events.world)
+        assert found == told.outcomes and by_events.world == told.world
 
 
 def test_effects_come_true_one_by_one_and_effects_that_contradict_are_refused() -> None:
