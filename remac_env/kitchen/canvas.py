@@ -184,10 +184,11 @@ class Part:
         limits: tuple[float, float],
         damping: float,
         armature: float,
-        stiffness: float,
+        friction: float = 0.0,
+        stiffness: float = 0.0,
     ) -> None:
-        """Add a sliding joint with a spring that rests at 0: N s/m, kg, N/m."""
-        joint = self._joint(mujoco.mjtJoint.mjJNT_SLIDE, name, axis, limits, damping, 0.0, armature)
+        """Add a sliding joint, perhaps with a spring that rests at 0: N s/m, kg, N, N/m."""
+        joint = self._joint(mujoco.mjtJoint.mjJNT_SLIDE, name, axis, limits, damping, friction, armature)
         joint.stiffness = [stiffness, 0, 0]
 
     def site(self, name: str, position: Vector) -> None:

@@ -41,7 +41,8 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             seasons=category.seasons,
             small=category.small,
             washable="washable" in category.attributes,
-            too_big_for=category.too_big_for,
+            too_big_for=category.too_big_for
+            | {fixture.kind for fixture in layout.fixtures.values() if not fixture.takes(category.size)},
             too_deep_in=category.too_deep_in,
         )
         for noun, category in things.items()

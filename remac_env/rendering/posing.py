@@ -82,7 +82,9 @@ def _pose_object(
     yaw = offset.yaw
     if place.relation == "slot":
         slot = layout.slots[place.where]
-        frame, (x, y, z) = layout.frame(slot.fixture), slot.center
+        fixture, frame = layout.fixtures[slot.fixture], layout.frame(slot.fixture)
+        opened = max(fixture.read(data.model, data).door_angles, default=0.0)
+        x, y, z = np.array(slot.center) + fixture.shift(opened)
         position = np.array(frame.space((x + offset.dx, y + offset.dy, z + category.rest_height)))
         yaw += frame.heading
     elif place.relation == "vessel":

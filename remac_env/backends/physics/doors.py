@@ -12,10 +12,12 @@ from remac_env.backends.physics.collision import OTHER, TARGET
 from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.leaf import Leaf
 from remac_env.backends.physics.paths import STEP_LIMIT
+from remac_env.backends.physics.pull import pull
 from remac_env.backends.physics.reach import go_to_grasp, plan_reach
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, shown, stances, tuck
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
+from remac_env.kitchen.fixtures.slide import Slide
 from remac_env.robots import panda
 from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array, about_z, grip_frame
@@ -64,7 +66,8 @@ def close_door(here: Surroundings, name: str) -> Steps:
 
 def _swing(here: Surroundings, name: str, target: float) -> Steps:
     """The leaves in turn, those nearer to the robot first; of two, one that stands there already is left alone."""
-    leaves = [_door(here, leaf) for leaf in here.fixture(name).leaves]
+    slides = [leaf for leaf in here.fixture(name).leaves if isinstance(leaf, Slide)]
+    leaves = [_door(here, leaf) for leaf in here.fixture(name).leaves if isinstance(leaf, Door)]
     here.begin()
     yield from tuck(here)
     aside, angle = float(here.robot.q[0]), here.simulation.joint
@@ -75,6 +78,8 @@ def _swing(here: Surroundings, name: str, target: float) -> Steps:
         leaves = yield from _make_room(here, leaves)
     for leaf in leaves:
         yield from _swing_leaf(here, leaf, target)
+    for slide in slides:
+        yield from pull(here, slide, target)
     yield from go_home(here)
     angles = here.reading(name).door_angles
     if not all(_there(value, target) for value in angles):

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from remac_env.backends.physics.skill import Surroundings, lowest
-from remac_env.backends.physics.snapshot import slot_under, vessel_around
+from remac_env.backends.physics.snapshot import shifted, slot_under, vessel_around
 from remac_env.kitchen.fixtures import Slot
 from remac_env.kitchen.objects.catalogue import DISH_ROOM, EDIBLE, Category
 from remac_env.robots.rotation import Array, about_x, about_y
@@ -49,14 +49,14 @@ def forbidden(thing: Category, kind: str, dish: Category | None) -> str | None:
 
 def free_slot(here: Surroundings, slots: Sequence[str], lit: Collection[str]) -> Slot | None:
     """The first of these slots on which nothing is seen, a lit one before others."""
-    taken = _seen_on_slots(here)
+    taken = seen_on_slots(here)
     free = sorted((name for name in slots if name not in taken), key=lambda name: name not in lit)
     return here.layout.slots[free[0]] if free else None
 
 
 def vessels_on(here: Surroundings, slots: Sequence[str], kind: str) -> Iterator[tuple[Slot, str]]:
     """The vessels that are seen on these slots and belong on fixtures of this kind, each with its slot."""
-    taken = _seen_on_slots(here)
+    taken = seen_on_slots(here)
     for slot in slots:
         yield from ((here.layout.slots[slot], n) for n in taken.get(slot, ()) if kind in here.things[n].vessel_in)
 
@@ -64,7 +64,11 @@ def vessels_on(here: Surroundings, slots: Sequence[str], kind: str) -> Iterator[
 def spot_in(here: Surroundings, slot: Slot, vessel: str | None, body: str) -> Spot | None:
     """The spot on a free slot or in a vessel there; None where that is full or the thing would stand out of it."""
     if vessel is None:
-        return Spot(slot, None, here.simulation.located(slot.fixture, np.array(slot.center)))
+        if not here.fixture(slot.fixture).takes(here.things[body].size):
+            return None
+        opened = max(here.reading(slot.fixture).door_angles, default=0.0)
+        center = np.array(slot.center) + here.fixture(slot.fixture).shift(opened)
+        return Spot(slot, None, here.simulation.located(slot.fixture, center))
     inner = [name for name in here.things if name != body and _around(here, name) == vessel]
     if len(inner) >= here.things[vessel].holds or not lies_in_dish(here, body):
         return None
@@ -80,7 +84,7 @@ def lies_in_dish(here: Surroundings, body: str) -> bool:
     return all(half <= room + _AIR for half, room in zip(halves, DISH_ROOM, strict=True))
 
 
-def _seen_on_slots(here: Surroundings) -> dict[str, list[str]]:
+def seen_on_slots(here: Surroundings) -> dict[str, list[str]]:
     """Slot -> what is seen on it, with all that lies in a vessel there; no entry where nothing is seen."""
     layout, found = here.layout, dict[str, list[str]]()
     for body, thing in here.things.items():
@@ -95,7 +99,8 @@ def _seen_on_slots(here: Surroundings) -> dict[str, list[str]]:
 
 def _off(here: Surroundings, slot: str) -> Array:
     """By how much (3,) a slot seems to be off, m, world frame."""
-    return here.simulation.off(here.layout.slots[slot].fixture, here.layout.middle(slot))
+    off = here.simulation.off(here.layout.slots[slot].fixture, here.layout.middle(slot))
+    return off + shifted(here.simulation, here.layout, slot)
 
 
 def _around(here: Surroundings, body: str) -> str | None:

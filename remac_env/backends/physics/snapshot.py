@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
+
+import numpy as np
 
 from remac_env.backends.physics.bodies import Bodies, Standing
 from remac_env.backends.physics.simulation import View
@@ -82,7 +85,7 @@ def _place(
     vessel = vessel_around(simulation, things, name, position)
     if vessel is not None:
         return Place("vessel", vessel)
-    slot = slot_under(layout, position - [0.0, 0.0, things[name].rest_height])
+    slot = slot_under(layout, position - [0.0, 0.0, things[name].rest_height], partial(shifted, simulation, layout))
     return FLOOR if slot is None else Place("slot", slot)
 
 
@@ -102,6 +105,13 @@ def vessel_around(
         if rotation[2, 2] >= _UPRIGHT and away <= kind.body["radius"] and _VESSEL_BAND[0] <= up <= _VESSEL_BAND[1]:
             found.append((away, other))
     return min(found)[1] if found else None
+
+
+def shifted(simulation: Bodies | View, layout: Layout, slot: str) -> Array:
+    """By how much (3,) a slot has moved with its drawer, m, world frame."""
+    fixture = layout.fixtures[layout.slots[slot].fixture]
+    opened = max(fixture.read(simulation.model, simulation.data).door_angles, default=0.0)
+    return layout.frame(fixture.name).rotation @ np.array(fixture.shift(opened))
 
 
 def slot_under(layout: Layout, point: Array, seen: Callable[[str], Array] | None = None) -> str | None:

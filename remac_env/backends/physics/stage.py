@@ -42,6 +42,8 @@ def _object_pose(layout: Layout, things: Mapping[str, Category], start: Start, n
     if place.relation == "vessel":
         ground = _object_pose(layout, things, start, place.where)[0] + [0.0, 0.0, things[place.where].inside_height]
     else:
+        fixture = layout.fixtures[layout.slots[place.where].fixture]
         ground = np.array(layout.middle(place.where))
+        ground += layout.frame(fixture.name).rotation @ np.array(fixture.shift(start.doors.get(fixture.name, 0.0)))
     frame = layout.frame(layout.slots[base_place(start.world, name).where].fixture)
     return ground + frame.rotation @ shift, offset.yaw + frame.heading
