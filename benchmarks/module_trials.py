@@ -29,6 +29,7 @@ from remac_env.start import Start
 from remac_env.state import Place, WorldState, door_state
 from remac_env.tasks.goals import Released
 from remac_env.tasks.spec import Role, TaskSpec
+from remac_env.vocabulary import Noun
 
 TRIALS = Path(__file__).with_name("module_trials.toml")
 ROBOTS = ("robot_0", "robot_1")
@@ -193,7 +194,9 @@ def run(trial: Trial) -> list[Found]:
     layout = module_layout(trial.kind, trial.make, trial.beside, trial.slot)
     fixture = layout.fixtures[trial.kind]
     roles = tuple(Role(noun, (noun,), at=at.partition(".")[0]) for noun, at in trial.things.items())
-    spec = TaskSpec("Module", ("", "", ""), _Never("nothing"), roles, fixtures=(), distractors=(0, 0))
+    uses = tables()[trial.kind].get("uses")
+    nouns = (Noun(trial.kind, "fixture", tuple(uses)),) if uses else ()
+    spec = TaskSpec("Module", ("", "", ""), _Never("nothing"), roles, fixtures=(), distractors=(0, 0), nouns=nouns)
     worlds = _Module(spec, layout)
     start, _ = worlds.start(
         trial.seed, style="modern_1", layout=None, starts="paper", robots=(trial.robot,), perception_noise=0.0

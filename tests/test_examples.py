@@ -20,6 +20,7 @@ MOST_LINES = 20
 
 SAYS = {
     "checker": r"^1 of \d+ verdicts were wrong; the first:\nno shut door is in front of the microwave$",
+    "fixture": r"^PotatoToDrawer passes every check$",
     "gymnasium_one_robot": r"^turn on stove -> success\nreward 1.0 terminated True$",
     "method": r"^success True after 6 rounds$",
     "pettingzoo_two_robots": r"^rounds 8 truncated True$",
@@ -32,7 +33,7 @@ SAYS = {
 """What each says at the end."""
 
 PUBLIC = re.compile(
-    r"gymnasium|numpy|subprocess|sys|remac_env(\.testing|\.tasks\.(goals|spec))?|remac_agents(\.roles)?|remac_bench\.store"
+    r"gymnasium|numpy|subprocess|sys|remac_env(\.testing|\.vocabulary|\.tasks\.(goals|spec))?|remac_agents(\.roles)?|remac_bench\.store"
 )
 """What users import."""
 
