@@ -33,7 +33,7 @@ SAYS = {
 """What each says at the end."""
 
 PUBLIC = re.compile(
-    r"gymnasium|numpy|subprocess|sys|remac_env(\.testing|\.vocabulary|\.tasks\.(goals|spec))?|remac_agents(\.roles)?|remac_bench\.store"
+    r"gymnasium|numpy|pathlib|subprocess|sys|remac_env(\.testing|\.vocabulary|\.tasks\.(goals|spec))?|remac_agents(\.roles)?|remac_bench\.store"
 )
 """What users import."""
 
