@@ -17,7 +17,7 @@ from test_physics_backend import make_start, run
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.perception import Error
-from remac_env.backends.physics.room import _seen_on_slots, forbidden, lies_in_dish
+from remac_env.backends.physics.room import forbidden, lies_in_dish, seen_on_slots
 from remac_env.kitchen.objects import add_object, catalogue
 from remac_env.kitchen.objects.catalogue import EDIBLE
 from remac_env.kitchen.worlds import Worlds
@@ -118,13 +118,13 @@ def test_slots_are_free_or_taken_as_they_seem() -> None:
     assert told(backend, worlds, ["wait"]) == [None]
     here = backend._begun()._crew.robots[ROBOT]
     places = {name: item.place.where for name, item in start.world.objects.items()}
-    assert _seen_on_slots(here) == {slot: [name] for name, slot in places.items()}
+    assert seen_on_slots(here) == {slot: [name] for name, slot in places.items()}
     away = np.array([0.0, 0.0, 1.0])
     here.simulation.perception.things["mug"] = Error(away, 0.0, np.zeros(3))
-    assert _seen_on_slots(here) == {places["bowl"]: ["bowl"]}
+    assert seen_on_slots(here) == {places["bowl"]: ["bowl"]}
     # Where the fixture seems to be off by as much, the object still seems to stand on it.
     for name in ("mug", "bowl"):
         here.simulation.perception.things[name] = Error(away, 0.0, np.zeros(3))
     for name in here.layout.fixtures:
         here.simulation.perception.fixtures[name] = Error(away, 0.0, np.zeros(3))
-    assert _seen_on_slots(here) == {slot: [name] for name, slot in places.items()}
+    assert seen_on_slots(here) == {slot: [name] for name, slot in places.items()}
