@@ -178,10 +178,11 @@ class Scratch:
         self.held = None
 
     @contextmanager
-    def clearance(self, margin: float, *, gripper: bool = True) -> Iterator[None]:
-        """Keep what is held, and the gripper, ``margin`` (m) away from objects within this context."""
-        held = self.simulation.geoms(self.held.body) if self.held else []
-        geoms = np.array([*held, *(self._own_grip if gripper else ())], int)
+    def clearance(self, margin: float, *, gripper: bool = True, arm: bool = False) -> Iterator[None]:
+        """Keep what is held and the gripper, or the arm alone, ``margin`` (m) away from objects within this context."""
+        held = self.simulation.geoms(self.held.body) if self.held and not arm else []
+        own = np.flatnonzero(self._classes == ARM) if arm else self._own_grip if gripper else ()
+        geoms = np.array([*held, *own], int)
         before = self.model.geom_margin[geoms]
         self._keep_away(geoms, margin)
         try:
@@ -255,9 +256,8 @@ class Scratch:
         self.model.body_contype[self._others] = bits
 
     def _keep_away(self, geoms: np.ndarray, margin: np.ndarray | float) -> None:
-        # The broad phase goes by the margins of bodies.
         self.model.geom_margin[geoms] = margin
-        self.model.body_margin[self.model.geom_bodyid[geoms]] = margin
+        self.model.body_margin[self.model.geom_bodyid[geoms]] = margin  # by which the broad phase goes
 
     def _renew(self) -> None:
         """Fresh memory after MuJoCo gave up in the middle of a computation."""

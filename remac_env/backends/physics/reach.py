@@ -22,6 +22,7 @@ SIDES = (0.0, -0.12, 0.12, -0.24, 0.24)  # m
 _STEEP, _TURNS = (0.42, 0.48, 0.55, 0.36), (0.0, 0.3, -0.3)  # m, rad
 CHECKS = 9000  # collision checks (about 80 us each) after which a search gives up
 _BETTER = 1500  # of the same, with which to look for a way that keeps clear once there is one that does not
+_CLOSE = 0.003  # m around the arm where nothing else reaches into a basin
 _SET_DOWN = 0.04  # m before the goal from where a held thing may come near to others
 
 After = Callable[[Array, Grasp], Any]
@@ -85,7 +86,8 @@ def reach_in_slot(
     here: Surroundings, kind: str, target: Array, grasps: Sequence[Grasp], after: After, *,
     awkward: Sequence[Grasp] = (), carry: Array | None = None,
 ) -> Reach:
-    """A way to something in a slot of this ``kind``: into a basin at last turned, so that the forearm clears its front.
+    """A way to something in a slot of this ``kind``: into a basin turned, so that the forearm clears its front, at last
+    with little room around the arm.
 
     ``target`` (3,): what to stand before. ``awkward``: grasps to be tried where there is no other way. Raises
     SkillFailure as :func:`plan_reach` does.
@@ -96,7 +98,11 @@ def reach_in_slot(
     with suppress(SkillFailure):
         return plan_reach(here, usual, grasps, after, carry=carry, checks=CHECKS // 2)
     steep = stances(here, target, _STEEP, SIDES, _TURNS)
-    return plan_reach(here, steep, [*grasps, *awkward], after, carry=carry, checks=2 * CHECKS)
+    every = [*grasps, *awkward]
+    with suppress(SkillFailure):
+        return plan_reach(here, steep, every, after, carry=carry, checks=2 * CHECKS)
+    with here.scratch.clearance(_CLOSE, arm=True):
+        return plan_reach(here, [*usual, *steep], every, after, carry=carry, checks=CHECKS)
 
 
 def _try_goal(
