@@ -9,8 +9,7 @@ import pytest
 from forces import Measured, Probe, together
 from physics_kit import ROBOT, kitchen, run
 
-from remac_env.backends.physics import backend as backends
-from remac_env.backends.physics import doors, leaf
+from remac_env.backends.physics import doors, leaf, timeline
 from remac_env.robots import model, panda
 
 TORQUES = np.array([87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0])
@@ -29,10 +28,10 @@ TAP = ("navigate to faucet", "turn on faucet")
 @pytest.fixture
 def fresh_models() -> Iterator[None]:
     """Models are compiled anew, before and after."""
-    for cache in (backends._model, model.bare_model):
+    for cache in (timeline._model, model.bare_model):
         cache.cache_clear()
     yield
-    for cache in (backends._model, model.bare_model):
+    for cache in (timeline._model, model.bare_model):
         cache.cache_clear()
 
 

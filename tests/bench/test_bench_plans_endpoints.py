@@ -167,7 +167,7 @@ def test_other_settings_in_the_same_file_are_refused(server: ChaosServer, tmp_pa
     assert not server.asked
     foreign = tmp_path / "foreign.txt"
     foreign.write_text("my notes\n")
-    assert "no file of findings" in experiment(server, "--out", str(foreign)).stderr
+    assert "is not a file of findings" in experiment(server, "--out", str(foreign)).stderr
     assert foreign.read_text() == "my notes\n"
 
 
