@@ -32,7 +32,7 @@ copied = pytest.mark.parametrize("duplicate", COPIES.values(), ids=COPIES)
 # -- copies ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("backend", "duplicate"), zip(["symbolic", "physics"], COPIES.values(), strict=True))
+@pytest.mark.parametrize(("backend", "duplicate"), list(zip(["symbolic", "physics"], COPIES.values(), strict=True)))
 def test_a_kitchen_that_was_drawn_can_be_copied(backend: str, duplicate: Callable[[Any], Any]) -> None:
     env = remac_env.parallel_env(
         TASK, robots=1, backend=backend, render_mode="rgb_array", obs="state+images", image_size=32
