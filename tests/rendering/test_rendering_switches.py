@@ -54,8 +54,10 @@ def test_what_is_on_is_seen_to_be_on(env: remac_env.KitchenParallelEnv, stage: S
     for name, camera in views.items():
         changed = differs(stage._render(camera, (SIZE, SIZE), OBSERVATION), off[name])
         if name == fixture:
-            # A hundredth of the picture; and what is drawn there is in one place, not all over the picture.
-            assert changed.sum() > 0.01 * SIZE**2
+            # A hundredth of the picture, or, where it is drawn by rays, which show little of what is clear as water, a
+            # two-hundredth; and what is drawn there is in one place, not all over the picture.
+            by_rays = any(renderer.backend == "rays" for renderer in stage._renderers.values())
+            assert changed.sum() > (0.005 if by_rays else 0.01) * SIZE**2
             assert not changed.all(axis=0).any() and not changed.all(axis=1).any()
         else:
             assert not changed.any(), name
