@@ -217,13 +217,14 @@ def _providers(models: Models | None) -> Path | str | None:
 
 def _find(role: str, name: str) -> Any:
     """The class, object or function of a name."""
-    others = installed(group_of(role))
-    source, colon, attribute = ROLES[role].get(name, others.get(name, name)).rpartition(":")
+    address = ROLES[role].get(name) or installed(group_of(role)).get(name, name)
+    source, colon, attribute = address.rpartition(":")
     is_module = all(part.isidentifier() for part in source.split("."))
     if not colon or not (is_module or source.endswith(".py")):
         forms = (*FORMS, *(MODEL_FORMS * (role in MODEL_ROLES)), *(PLANNER_FORMS * (role == "planner")))
         more = f"; options: {FORM}" if "," in name else ""
-        raise UnknownNameError(f"unknown {role} {name!r}; valid: {', '.join((*ROLES[role], *others, *forms))}{more}")
+        valid = ", ".join((*ROLES[role], *installed(group_of(role)), *forms))
+        raise UnknownNameError(f"unknown {role} {name!r}; valid: {valid}{more}")
     return _load(role, f"{source}:{attribute}", name)
 
 

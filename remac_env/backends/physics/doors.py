@@ -13,7 +13,7 @@ from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.leaf import Leaf
 from remac_env.backends.physics.paths import STEP_LIMIT
 from remac_env.backends.physics.pull import pull
-from remac_env.backends.physics.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.reach import BACK, go_to_grasp, let_go, plan_reach
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, shown, stances, tuck
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
@@ -156,15 +156,7 @@ def _swing_leaf(here: Surroundings, door: Leaf, target: float) -> Steps:
 def _back_off(here: Surroundings, door: Leaf) -> Steps:
     """Let go of the handle, straight back from it, away from the fronts, and fold the arm."""
     robot, planner = here.robot, here.planner
-    yield from here.mover.fingers(_NARROW_GRIP, 6)
-    here.begin(door.geoms)
-    position, rotation = planner.kinematics.forward(robot.q)
-    away = position - rotation[:, 2] * 0.10
-    path = planner.line(robot.q, away, rotation, weights=DOOR_WEIGHTS) or planner.line(
-        robot.q, away, rotation, weights=DOOR_WEIGHTS, check=False
-    )
-    yield from here.mover.play(path or [])
-    here.begin()
+    yield from let_go(here, door.geoms, _NARROW_GRIP)
     back = robot.q.copy()
     back[:2] -= min(0.3, max(0.0, back[1] - here.station.y)) * robot.heading[:2]
     if planner.edge(robot.q, back):
@@ -225,7 +217,7 @@ def _arc_is_free(
             return False
     position, turned = planner.kinematics.forward(q)
     scratch.fingers(_NARROW_GRIP)
-    away = planner.line(q, position - turned[:, 2] * 0.10, turned, weights=grasp.weights)
+    away = planner.line(q, position - turned[:, 2] * BACK, turned, weights=grasp.weights)
     if away is None:
         return False
     back = away[-1].copy()

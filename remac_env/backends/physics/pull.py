@@ -11,7 +11,7 @@ import numpy as np
 from remac_env.backends.physics.collision import OTHER, TARGET
 from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import STEP_LIMIT
-from remac_env.backends.physics.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.reach import BACK, go_to_grasp, let_go, plan_reach
 from remac_env.backends.physics.room import seen_on_slots
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, stances, tuck
@@ -26,7 +26,6 @@ _NEAR = 0.004  # m from its end at which it is there
 _STALLED = 25  # control periods without progress
 _SQUEEZE = 20.0  # N with which each finger holds the bar
 _MISSED = 0.004  # m of finger travel with nothing between the fingers
-_BACK = 0.10  # m by which the hand backs off
 _DISTANCES, _SIDES = (0.62, 0.7, 0.55, 0.78), (0.0, 0.12, -0.12, 0.24, -0.24)
 
 
@@ -87,7 +86,8 @@ def pull(here: Surroundings, slide: Slide, opened: float) -> Steps:
         yield from here.mover.fingers(panda.FINGER_OPEN, 6)
         raise SkillFailure("slipped", f"the hand missed the handle of {way.joint}")
     yield from _follow(here, way, found.grasp)
-    yield from _back_off(here, way)
+    yield from let_go(here, way.geoms, panda.FINGER_OPEN)
+    yield from tuck(here)
 
 
 def _inside(here: Surroundings, name: str) -> Iterator[tuple[int, float]]:
@@ -125,7 +125,7 @@ def _way_is_free(here: Surroundings, way: _Way, q: Array, grasp: Grasp, before: 
             planner.reason = "way at {:.2f} m: {} meets {}".format(position, *scratch.touching)
             return False
     at, rotation = planner.kinematics.forward(q)
-    away = planner.line(q, at - rotation[:, 2] * _BACK, rotation, weights=DOOR_WEIGHTS)
+    away = planner.line(q, at - rotation[:, 2] * BACK, rotation, weights=DOOR_WEIGHTS)
     return away is not None and planner.path(away[-1], panda.tucked(*away[-1][:3])) is not None
 
 
@@ -151,18 +151,3 @@ def _follow(here: Surroundings, way: _Way, grasp: Grasp) -> Steps:
         if stalled > _STALLED:
             break
     robot.q = robot.measured  # no longer pulling, so that the fingers let go easily
-
-
-def _back_off(here: Surroundings, way: _Way) -> Steps:
-    """Let go of the handle, straight back from it, and home."""
-    robot, planner = here.robot, here.planner
-    yield from here.mover.fingers(panda.FINGER_OPEN, 6)
-    here.begin(way.geoms)
-    position, rotation = planner.kinematics.forward(robot.q)
-    away = position - rotation[:, 2] * _BACK
-    path = planner.line(robot.q, away, rotation, weights=DOOR_WEIGHTS) or planner.line(
-        robot.q, away, rotation, weights=DOOR_WEIGHTS, check=False
-    )
-    yield from here.mover.play(path or [])
-    here.begin()
-    yield from tuck(here)

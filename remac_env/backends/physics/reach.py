@@ -15,6 +15,7 @@ from remac_env.backends.physics.grasps import Grasp
 from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, drive_to, stances
 from remac_env.robots import panda
+from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array
 
 DISTANCES = (0.55, 0.48, 0.62, 0.70)  # m
@@ -24,6 +25,9 @@ CHECKS = 9000  # collision checks (about 80 us each) after which a search gives 
 _BETTER = 1500  # of the same, with which to look for a way that keeps clear once there is one that does not
 _CLOSE = 0.003  # m around the arm where nothing else reaches into a basin
 _SET_DOWN = 0.04  # m before the goal from where a held thing may come near to others
+
+BACK = 0.10
+"""By how much, m, a hand goes back from a handle that it lets go of."""
 
 After = Callable[[Array, Grasp], Any]
 """Plans what follows from the goal configuration; None refuses the candidate, anything else is handed on."""
@@ -154,3 +158,17 @@ def go_to_grasp(here: Surroundings, reach: Reach, *, speed: float = 1.0) -> Step
     yield from drive_to(here, reach.base)
     yield from here.mover.go(reach.way, speed)
     yield from here.mover.play(reach.approach)
+
+
+def let_go(here: Surroundings, geoms: Sequence[int], opening: float) -> Steps:
+    """Open the fingers to ``opening`` (m each) and go straight back from a handle, whose ``geoms`` they may touch."""
+    robot, planner = here.robot, here.planner
+    yield from here.mover.fingers(opening, 6)
+    here.begin(geoms)
+    position, rotation = planner.kinematics.forward(robot.q)
+    away = position - rotation[:, 2] * BACK
+    path = planner.line(robot.q, away, rotation, weights=DOOR_WEIGHTS) or planner.line(
+        robot.q, away, rotation, weights=DOOR_WEIGHTS, check=False
+    )
+    yield from here.mover.play(path or [])
+    here.begin()
