@@ -6,7 +6,7 @@ closed door), one robot's shortest way there is searched for and gone, half of t
 table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where in physics a
 object slips out of a hand and in the table it does not, the round is listed apart; anything else is a disagreement,
 printed with what differs. Refusals, which both backends read from one function, and what robots never try as a rule
-(remac_env/backends/physics/room.py: `forbidden`) are counted apart too: that they agree is not a finding.
+(`forbidden` of controllers/scripted/room.py) are counted apart too: that they agree is not a finding.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from remac_bench.job_lists import parse_names, parse_seeds
 from rich.table import Table
 
 import remac_env
-from remac_env.backends.physics.room import forbidden
+from remac_env.backends.physics.controllers.scripted.room import forbidden
 from remac_env.backends.symbolic import SymbolicBackend
 from remac_env.files import prepare_file
 from remac_env.oracle import search_plan

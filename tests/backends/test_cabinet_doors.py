@@ -9,8 +9,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from remac_env.backends.physics import doors
 from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.scripted import doors
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects import catalogue

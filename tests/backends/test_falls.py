@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from physics_kit import ROBOT, command, kitchen, run
 
-from remac_env.backends.physics import dispatch
+from remac_env.backends.physics.controllers.scripted import dispatch
 from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen import layout as layouts

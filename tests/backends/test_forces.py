@@ -9,7 +9,8 @@ import pytest
 from forces import Measured, Probe, together
 from physics_kit import ROBOT, kitchen, run
 
-from remac_env.backends.physics import doors, leaf, timeline
+from remac_env.backends.physics import timeline
+from remac_env.backends.physics.controllers.scripted import doors, leaf
 from remac_env.robots import model, panda
 
 TORQUES = np.array([87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0])

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from physics_kit import ROBOT, command, kitchen, run
 
-from remac_env.backends.physics import dispatch, season
 from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.scripted import dispatch, season
+from remac_env.backends.physics.controllers.scripted.skill import Steps
 from remac_env.backends.physics.happened import Happened
-from remac_env.backends.physics.skill import Steps
 from remac_env.rules.marks import SEASONED
 from remac_env.state import WorldState
 

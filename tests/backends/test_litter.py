@@ -11,7 +11,7 @@ from physics_kit import ROBOT, command, kitchen
 
 from remac_env.backends.physics import traffic
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.backends.physics.motion import StuckError
+from remac_env.backends.physics.controllers.scripted.motion import StuckError
 
 THINGS = {"steak": "counter", "plate": "counter", "salmon": "counter", "chocolate": "counter"}  # all below 30 mm
 Place = tuple[float, float]

@@ -10,8 +10,8 @@ import pytest
 from physics_kit import ROBOT, kitchen, run
 
 from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings
 from remac_env.backends.physics.perception import Error, HeldError, Perception
-from remac_env.backends.physics.skill import Surroundings
 from remac_env.robots.rotation import Array, about_z, rotation_vector
 
 NOISE = 0.02

@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from remac_env.backends.physics.collision import Fence, Scratch
-from remac_env.backends.physics.paths import Planner
+from remac_env.backends.physics.controllers.scripted.collision import Fence, Scratch
+from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.simulation import Simulation, View
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
+from remac_env.backends.physics.controllers.scripted.grasps import candidates
 from remac_env.backends.physics.crew import Crew
-from remac_env.backends.physics.grasps import candidates
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.backends.physics.stage import pose_start
 from remac_env.kitchen import layout as layouts

@@ -16,8 +16,8 @@ from physics_kit import run as told
 from test_physics_backend import make_start, run
 
 from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.scripted.room import forbidden, lies_in_dish, seen_on_slots
 from remac_env.backends.physics.perception import Error
-from remac_env.backends.physics.room import forbidden, lies_in_dish, seen_on_slots
 from remac_env.kitchen.objects import add_object, catalogue
 from remac_env.kitchen.objects.catalogue import EDIBLE
 from remac_env.kitchen.worlds import Worlds

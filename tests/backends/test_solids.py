@@ -10,7 +10,7 @@ import pytest
 import solids
 from physics_kit import kitchen, run
 
-from remac_env.backends.physics.collision import Scratch
+from remac_env.backends.physics.controllers.scripted.collision import Scratch
 from remac_env.backends.physics.simulation import Simulation, View
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 
-from remac_env.backends.physics import dispatch
+from remac_env.backends.physics.controllers.scripted import dispatch
+from remac_env.backends.physics.controllers.scripted.motion import StuckError
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, go_home
 from remac_env.backends.physics.litter import lying, pressed
-from remac_env.backends.physics.motion import StuckError
 from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home
 from remac_env.backends.physics.timetable import Errand
 from remac_env.backends.physics.traffic import Convoy
 from remac_env.kitchen.blocks import Block

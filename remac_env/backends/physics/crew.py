@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from remac_env.backends.physics.attempts import NEIGHBOUR, Attempt, Attempts, Orders
-from remac_env.backends.physics.collision import Fence, Scratch
-from remac_env.backends.physics.motion import Mover
+from remac_env.backends.physics.controllers.scripted.collision import Fence, Scratch
+from remac_env.backends.physics.controllers.scripted.motion import Mover
+from remac_env.backends.physics.controllers.scripted.paths import Planner
+from remac_env.backends.physics.controllers.scripted.skill import Hand, Surroundings
 from remac_env.backends.physics.navigate import parking
-from remac_env.backends.physics.paths import Planner
 from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.simulation import Simulation, View
-from remac_env.backends.physics.skill import Hand, Surroundings
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.ik import Kinematics

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from remac_env.backends.physics.motion import StuckError
-from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.skill import Steps, Surroundings
+from remac_env.backends.physics.controllers.scripted.motion import StuckError
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.skill import Steps, Surroundings
 from remac_env.kitchen.blocks import Block
 from remac_env.robots.rotation import Array
 

@@ -9,9 +9,9 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from remac_env.backends.physics.motion import periods_between
-from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.skill import Surroundings
+from remac_env.backends.physics.controllers.scripted.motion import periods_between
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings
 from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import Frame

@@ -14,13 +14,13 @@ from itertools import combinations, islice, pairwise, permutations
 
 import numpy as np
 
-from remac_env.backends.physics.collision import IGNORED
+from remac_env.backends.physics.controllers.scripted.collision import IGNORED
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings
 from remac_env.backends.physics.encounters import Encounter
 from remac_env.backends.physics.litter import blocks
-from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.routes import Course, Departure, Outline, sampled
 from remac_env.backends.physics.separation import NEAR_MISS, Separation
-from remac_env.backends.physics.skill import Surroundings
 from remac_env.backends.physics.ways import SAMPLE, Combination, Driver, Moving, Way, held_pose, ordered, ways_to
 from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.floor_plan import Station

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from remac_env.backends.physics.controllers.scripted.motion import StuckError
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps
 from remac_env.backends.physics.litter import Bumper, lying, pressed, retreat, slowed
-from remac_env.backends.physics.motion import StuckError
-from remac_env.backends.physics.paths import Path
 from remac_env.backends.physics.separation import Separation
-from remac_env.backends.physics.skill import SkillFailure, Steps
 from remac_env.backends.physics.timetable import Errand, Timetable
 from remac_env.backends.physics.ways import Driver, Moving
 from remac_env.kitchen.blocks import Block

@@ -11,9 +11,9 @@ from itertools import product
 
 import numpy as np
 
-from remac_env.backends.physics.paths import Path
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings
 from remac_env.backends.physics.routes import Course, Departure, Outline, candidates, periods
-from remac_env.backends.physics.skill import Surroundings
 from remac_env.kitchen.floor_plan import Station
 from remac_env.robots.rotation import Array, quaternion
 

@@ -8,14 +8,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remac_env.backends.physics.collision import OTHER, TARGET
-from remac_env.backends.physics.grasps import Grasp
-from remac_env.backends.physics.leaf import Leaf
-from remac_env.backends.physics.paths import STEP_LIMIT
-from remac_env.backends.physics.pull import pull
-from remac_env.backends.physics.reach import BACK, go_to_grasp, let_go, plan_reach
+from remac_env.backends.physics.controllers.scripted.collision import OTHER, TARGET
+from remac_env.backends.physics.controllers.scripted.grasps import Grasp
+from remac_env.backends.physics.controllers.scripted.leaf import Leaf
+from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT
+from remac_env.backends.physics.controllers.scripted.pull import pull
+from remac_env.backends.physics.controllers.scripted.reach import BACK, go_to_grasp, let_go, plan_reach
+from remac_env.backends.physics.controllers.scripted.skill import (
+    SkillFailure,
+    Steps,
+    Surroundings,
+    go_home,
+    shown,
+    stances,
+    tuck,
+)
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, shown, stances, tuck
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
 from remac_env.kitchen.fixtures.slide import Slide
 from remac_env.robots import panda

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from remac_env.backends.physics.collision import HELD_MARGIN
-from remac_env.backends.physics.grasps import Grasp
-from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, drive_to, stances
+from remac_env.backends.physics.controllers.scripted.collision import HELD_MARGIN
+from remac_env.backends.physics.controllers.scripted.grasps import Grasp
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, drive_to, stances
 from remac_env.robots import panda
 from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array

@@ -5,11 +5,18 @@ from __future__ import annotations
 import math
 from itertools import product
 
-from remac_env.backends.physics.collision import TARGET
-from remac_env.backends.physics.grasps import Grasp
-from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.reach import go_to_grasp, reach_in_slot
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, check_held, go_home, lowest
+from remac_env.backends.physics.controllers.scripted.collision import TARGET
+from remac_env.backends.physics.controllers.scripted.grasps import Grasp
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, reach_in_slot
+from remac_env.backends.physics.controllers.scripted.skill import (
+    SkillFailure,
+    Steps,
+    Surroundings,
+    check_held,
+    go_home,
+    lowest,
+)
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array, about_x, about_z, from_rotation_vector, rotation_vector
 

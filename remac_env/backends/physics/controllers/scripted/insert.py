@@ -12,11 +12,11 @@ from itertools import product
 
 import numpy as np
 
-from remac_env.backends.physics.collision import TARGET
-from remac_env.backends.physics.grasps import OPENINGS, squeeze, tip_depth
-from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.place import release, upright_poses
-from remac_env.backends.physics.skill import (
+from remac_env.backends.physics.controllers.scripted.collision import TARGET
+from remac_env.backends.physics.controllers.scripted.grasps import OPENINGS, squeeze, tip_depth
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.place import release, upright_poses
+from remac_env.backends.physics.controllers.scripted.skill import (
     EMPTY,
     SkillFailure,
     Steps,

@@ -8,11 +8,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remac_env.backends.physics.grasps import Grasp
-from remac_env.backends.physics.paths import STEP_LIMIT, Path
-from remac_env.backends.physics.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.controllers.scripted.grasps import Grasp
+from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT, Path
+from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.controllers.scripted.skill import (
+    SkillFailure,
+    Steps,
+    Surroundings,
+    go_home,
+    stances,
+    tuck,
+)
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, go_home, stances, tuck
 from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.robots.rotation import Array, about_x, about_y, about_z, grip_frame
 

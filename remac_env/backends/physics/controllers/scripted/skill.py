@@ -9,9 +9,9 @@ from dataclasses import dataclass, field, replace
 import mujoco
 import numpy as np
 
-from remac_env.backends.physics.collision import IGNORED, Scratch
-from remac_env.backends.physics.motion import Mover
-from remac_env.backends.physics.paths import Planner
+from remac_env.backends.physics.controllers.scripted.collision import IGNORED, Scratch
+from remac_env.backends.physics.controllers.scripted.motion import Mover
+from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.simulation import RobotHandle, View
 from remac_env.kitchen.fixtures import Fixture, FixtureReading
 from remac_env.kitchen.floor_plan import Layout, Station

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remac_env.backends.physics.collision import OTHER, TARGET
-from remac_env.backends.physics.grasps import Grasp
-from remac_env.backends.physics.paths import STEP_LIMIT
-from remac_env.backends.physics.reach import BACK, go_to_grasp, let_go, plan_reach
-from remac_env.backends.physics.room import seen_on_slots
+from remac_env.backends.physics.controllers.scripted.collision import OTHER, TARGET
+from remac_env.backends.physics.controllers.scripted.grasps import Grasp
+from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT
+from remac_env.backends.physics.controllers.scripted.reach import BACK, go_to_grasp, let_go, plan_reach
+from remac_env.backends.physics.controllers.scripted.room import seen_on_slots
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, stances, tuck
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, stances, tuck
 from remac_env.kitchen.fixtures.slide import Slide
 from remac_env.robots import panda
 from remac_env.robots.ik import DOOR_WEIGHTS

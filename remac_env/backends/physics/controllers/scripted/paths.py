@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from remac_env.backends.physics.collision import TRANSIT_MARGIN, Scratch
+from remac_env.backends.physics.controllers.scripted.collision import TRANSIT_MARGIN, Scratch
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.robots import panda
 from remac_env.robots.ik import ARM_WEIGHTS, TORSO_HEIGHTS, solutions

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from remac_env.backends.physics.doors import close_door, open_door
-from remac_env.backends.physics.insert import insert, take_out
-from remac_env.backends.physics.pick_up import LIFTS, pick_up
-from remac_env.backends.physics.place import place_on
-from remac_env.backends.physics.room import Spot, forbidden, free_slot, spot_in, vessels_on
-from remac_env.backends.physics.season import season
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, require_open
-from remac_env.backends.physics.switches import work
+from remac_env.backends.physics.controllers.scripted.doors import close_door, open_door
+from remac_env.backends.physics.controllers.scripted.insert import insert, take_out
+from remac_env.backends.physics.controllers.scripted.pick_up import LIFTS, pick_up
+from remac_env.backends.physics.controllers.scripted.place import place_on
+from remac_env.backends.physics.controllers.scripted.room import Spot, forbidden, free_slot, spot_in, vessels_on
+from remac_env.backends.physics.controllers.scripted.season import season
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, require_open
+from remac_env.backends.physics.controllers.scripted.switches import work
 from remac_env.kitchen.fixtures import Slot
 from remac_env.robots import panda
 from remac_env.rules.facts import Rules

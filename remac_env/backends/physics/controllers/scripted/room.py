@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from remac_env.backends.physics.skill import Surroundings, lowest
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings, lowest
 from remac_env.backends.physics.snapshot import shifted, slot_under, vessel_around
 from remac_env.kitchen.fixtures import Slot
 from remac_env.kitchen.objects.catalogue import DISH_ROOM, EDIBLE, Category

@@ -5,10 +5,17 @@ from __future__ import annotations
 import math
 from itertools import product
 
-from remac_env.backends.physics.grasps import Grasp
-from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.reach import go_to_grasp, plan_reach
-from remac_env.backends.physics.skill import SkillFailure, Steps, Surroundings, check_held, go_home, stances
+from remac_env.backends.physics.controllers.scripted.grasps import Grasp
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, plan_reach
+from remac_env.backends.physics.controllers.scripted.skill import (
+    SkillFailure,
+    Steps,
+    Surroundings,
+    check_held,
+    go_home,
+    stances,
+)
 from remac_env.robots.rotation import Array, about_z, from_rotation_vector
 
 _HEIGHT = (0.22, 0.28, 0.34)  # m of the shaker's frame over the food

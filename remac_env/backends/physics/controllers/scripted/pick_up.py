@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from remac_env.backends.physics.collision import IGNORED, TARGET
-from remac_env.backends.physics.grasps import OPENINGS, Grasp, awkward, candidates, squeeze
-from remac_env.backends.physics.paths import Path
-from remac_env.backends.physics.reach import go_to_grasp, reach_in_slot
-from remac_env.backends.physics.skill import (
+from remac_env.backends.physics.controllers.scripted.collision import IGNORED, TARGET
+from remac_env.backends.physics.controllers.scripted.grasps import OPENINGS, Grasp, awkward, candidates, squeeze
+from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, reach_in_slot
+from remac_env.backends.physics.controllers.scripted.skill import (
     EMPTY,
     SkillFailure,
     Steps,

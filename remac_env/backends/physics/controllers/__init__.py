@@ -1,0 +1,1 @@
+"""What moves robots: each 50 ms a command, from what is sensed."""
