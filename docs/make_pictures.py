@@ -1,8 +1,12 @@
-"""Makes the pictures of the README: `python docs/make_pictures.py`. Needs OpenGL for shadows; draws rays without."""
+"""Makes the pictures of README and docs: all, or those named. Needs OpenGL for shadows; draws rays without.
+
+    python docs/make_pictures.py [kitchen.png styles.jpg layouts.jpg inside.jpg objects.png] [--to FOLDER]
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import argparse
+from collections.abc import Callable, Mapping
 from itertools import cycle
 from pathlib import Path
 
@@ -34,16 +38,35 @@ OBJECT_TILE = (128, 128)
 
 
 def main() -> None:
-    """Write kitchen.png (two robots at work) and sheets of all styles, layouts, side views and objects."""
-    FOLDER.mkdir(exist_ok=True)
-    _write("kitchen.png", at_work(**EPISODE))
-    _write("styles.jpg", sheet({name: closer(kitchen(name, LAYOUT)) for name in style.names()}, columns=3))
+    """Draw the pictures that the command line names, into their folder."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(PICTURES)}; by default all")
+    parser.add_argument("--to", type=Path, default=FOLDER, help="another folder than docs/pictures")
+    given = parser.parse_args()
+    strange = [name for name in given.names if name not in PICTURES]
+    if strange:
+        parser.error(f"no such picture: {', '.join(strange)}; there are {', '.join(PICTURES)}")
+    given.to.mkdir(parents=True, exist_ok=True)
+    for name in given.names or PICTURES:
+        _write(given.to / name, PICTURES[name]())
+
+
+def all_styles() -> NDArray[np.uint8]:
+    """One layout in every style."""
+    return sheet({name: closer(kitchen(name, LAYOUT)) for name in style.names()}, columns=3)
+
+
+def all_layouts() -> NDArray[np.uint8]:
+    """Every layout, each in another style."""
     looks = cycle(style.names())
-    _write("layouts.jpg", sheet({name: kitchen(next(looks), name) for name in layout.names()}, columns=2))
+    return sheet({name: kitchen(next(looks), name) for name in layout.names()}, columns=2)
+
+
+def all_insides() -> NDArray[np.uint8]:
+    """Side views into the fixtures of every layout."""
     looks = cycle(style.names())
     views = {f"{name}: {fixture}": one for name in layout.names() for fixture, one in inside(next(looks), name).items()}
-    _write("inside.jpg", sheet(views, columns=4, tile=INSIDE_TILE, letters=0.42))
-    _write("objects.png", objects())
+    return sheet(views, columns=4, tile=INSIDE_TILE, letters=0.42)
 
 
 def at_work(task: str, seed: int, rounds: int) -> NDArray[np.uint8]:
@@ -145,9 +168,19 @@ def sheet(
     return np.vstack([np.hstack(tiles[i : i + columns]) for i in range(0, len(tiles), columns)])
 
 
-def _write(name: str, picture: NDArray[np.uint8]) -> None:
-    options = [cv2.IMWRITE_PNG_COMPRESSION, 9] if name.endswith("png") else [cv2.IMWRITE_JPEG_QUALITY, 88]
-    cv2.imwrite(str(FOLDER / name), np.ascontiguousarray(picture[..., ::-1]), options)
+def _write(path: Path, picture: NDArray[np.uint8]) -> None:
+    options = [cv2.IMWRITE_PNG_COMPRESSION, 9] if path.suffix == ".png" else [cv2.IMWRITE_JPEG_QUALITY, 88]
+    cv2.imwrite(str(path), np.ascontiguousarray(picture[..., ::-1]), options)
+
+
+PICTURES: Mapping[str, Callable[[], NDArray[np.uint8]]] = {
+    "kitchen.png": lambda: at_work(**EPISODE),
+    "styles.jpg": all_styles,
+    "layouts.jpg": all_layouts,
+    "inside.jpg": all_insides,
+    "objects.png": objects,
+}
+"""The pictures and what draws them."""
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ Nobody is asked: each role is played by its offline rule, and the model's answer
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,7 @@ A question that was answered in this episode already is not put again, so that t
 
 def main() -> None:
     """Play the job and write the page."""
+    argparse.ArgumentParser(description=f"Plays {TASK} with REMAC; writes {PAGE.name} beside this file.").parse_args()
     meter = Meter()
     models = Models(budget=Budget(), cassette=meter)
     roles: Any = {role: SHADOWS[role](role, models, meter) for role in MODEL_ROLES}

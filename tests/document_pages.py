@@ -128,6 +128,8 @@ def check_line(text: str, where: str) -> None:
     Raises:
         DocumentError: if it would be refused.
     """
+    if "[" in text and not text.startswith("pip "):
+        raise DocumentError(f"{where}: {text}: brackets cannot be copied into a shell; write both commands")
     line = words(text)
     if line[0] == "make":
         targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text("utf-8"), re.M)

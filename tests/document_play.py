@@ -13,7 +13,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import httpx
 from document_pages import ROOT, Block, DocumentError, words
@@ -42,7 +41,6 @@ class Play:
     folder: Path
     model: str
     ran: list[list[str]] = field(default_factory=list)
-    space: dict[str, Any] = field(default_factory=dict)
     served: dict[str, str] = field(default_factory=dict)
     children: list[subprocess.Popen[bytes]] = field(default_factory=list)
 
@@ -90,7 +88,7 @@ class Play:
     def _python(self, block: Block) -> None:
         if block.file is None:
             code = re.sub(r"robots=2\)", 'robots=2, backend="symbolic")', block.code)
-            exec(compile(code, block.where, "exec"), self.space)  # noqa: S102
+            exec(compile(code, block.where, "exec"), {"__name__": "page"})  # noqa: S102 - alone, as it is copied
             return
         path = self.folder / block.file
         code = block.code

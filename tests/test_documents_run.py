@@ -93,6 +93,7 @@ WRONG = {
     "an option of a script": "```sh\npython benchmarks/twin.py --seed 3\n```\n",
     "an extra": "```sh\npip install 'remac-kitchen[robosweet]'\n```\n",
     "a target": "```bash\nmake everything\n```\n",
+    "what a reader would have to choose": "```sh\nremac oracle --task HeatOnStove [--robots 2]\n```\n",
     "a line that goes on": "```sh\nremac oracle --task HeatOnStove \\\n  --robot 2\n```\n",
 }
 

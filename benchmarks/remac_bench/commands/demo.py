@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from remac_bench.command import joined
@@ -55,5 +56,5 @@ def _name_videos(out: str) -> None:
 
     for record in Store(out).read():
         if record.video is not None:
-            told = record.video.path or f"none ({record.video.error})"
+            told = Path(out, record.video.path) if record.video.path else f"none ({record.video.error})"
             console().print(f"{record.task}, {record.agent}, seed {record.seed}: {told}", markup=False)
