@@ -17,7 +17,7 @@ for other in map(int, sys.argv[1].split(",")):
     env.reset(seed=other)
 env.reset(seed=41)
 digest = hashlib.sha256()
-for joint in solve(env.start.scene, env.world, env.goal).rounds:
+for joint in solve(env.start.scene, env.world, env.goal).rounds[:5]:
     env.step({name: env.vocabulary.encode(subtask.text) for name, subtask in joint.items()})
     digest.update(env._backend.positions().tobytes())
 print(env.start.digest, digest.hexdigest())

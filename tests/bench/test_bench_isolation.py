@@ -18,6 +18,11 @@ from remac_bench.runner import RunSummary, Settings, run_jobs
 HERE = Settings(workers=0)
 
 
+def slow(*values: object) -> Any:
+    """A case that only the long tests play; a sibling of its kind is among the fast ones."""
+    return pytest.param(*values, marks=pytest.mark.long)
+
+
 def found(folder: Path, listed: list[Any], settings: Settings = HERE) -> list[Any]:
     """What the spies wrote down while these jobs were played."""
     assert run_jobs(listed, folder / "out", settings).infrastructure == ()
@@ -41,7 +46,9 @@ def test_attacks_that_work_without_isolation(folder: Path, spy: str) -> None:
     assert {row.agent for row in read_rows(folder / "out")} == {f"BASE (isolated=false, planner=spying_planners:{spy})"}
 
 
-@pytest.mark.parametrize("spy", ["WalksFrames", "CollectsGarbage", "ReadsModules", "ReadsRequests", "Remembers"])
+@pytest.mark.parametrize(
+    "spy", ["WalksFrames", slow("CollectsGarbage"), slow("ReadsModules"), "ReadsRequests", slow("Remembers")]
+)
 def test_attacks_that_isolation_withstands(folder: Path, spy: str) -> None:
     listed = jobs(seeds=range(2), planner=f"spying_planners:{spy}", isolated=True)
     assert found(folder, listed) == [[], []]
@@ -72,7 +79,7 @@ ROLES = {
 PLAYED = ("outcomes", "worlds", "initial_plan", "final_plan", "pre_checks", "post_checks", "reflections", "success")
 
 
-@pytest.mark.parametrize("method", ["CC", "REMAC", "REFLECT"])
+@pytest.mark.parametrize("method", [slow("CC"), "REMAC", slow("REFLECT")])
 def test_every_role_answers_the_same_in_a_process_of_its_own(folder: Path, method: str) -> None:
     given = {**ROLES, **({"planner": f"{ROLES['planner']},mends=true"} if method == "REFLECT" else {})}
     run_jobs(jobs(method, seeds=range(1), isolated=True, **given), folder / "apart", HERE)
@@ -87,16 +94,16 @@ def test_every_role_answers_the_same_in_a_process_of_its_own(folder: Path, metho
 @pytest.mark.parametrize(
     ("deed", "type_", "message"),
     [
-        ("leaves", "RoleDiedError", "the process of the roles ended with status 0"),
+        slow("leaves", "RoleDiedError", "the process of the roles ended with status 0"),
         ("fails", "RoleDiedError", "the process of the roles ended with status -11"),
-        ("exits", "SystemExit", "enough"),
+        slow("exits", "SystemExit", "enough"),
         ("stops", "KeyboardInterrupt", ""),
-        ("deep", "Deep", ""),
-        ("odd", "Odd", "<unprintable Odd>"),
+        slow("deep", "Deep", ""),
+        slow("odd", "Odd", "<unprintable Odd>"),
         ("half", "Half", "half a pair: \\ud83d"),
-        ("sour", "", ""),
+        slow("sour", "", ""),
         ("sour row", "", ""),
-        ("counts", "JobTimeoutError", "timeout: the job was not through after 5 s (--job-seconds)"),
+        slow("counts", "JobTimeoutError", "timeout: the job was not through after 5 s (--job-seconds)"),
     ],
 )
 def test_what_roles_do_in_their_process_costs_their_episode(folder: Path, deed: str, type_: str, message: str) -> None:
@@ -117,6 +124,7 @@ def test_a_role_that_died_lives_again_in_the_next_iteration(folder: Path) -> Non
     assert [entry.error.type for entry in read(folder) if entry.error] == ["RoleDiedError"] * 3
 
 
+@pytest.mark.long
 def test_processes_and_threads_isolate_too(folder: Path) -> None:
     listed = jobs(seeds=range(2), planner="spying_planners:CollectsGarbage", isolated=True)
     assert found(folder, listed, Settings(workers=1)) == [[], []]
@@ -128,7 +136,7 @@ def test_processes_and_threads_isolate_too(folder: Path) -> None:
     [
         ("1 / 0", "ZeroDivisionError: division by zero, mine.py:1 in <module>"),
         ("import os\nos._exit(3)", "RoleDiedError: planner: the process ended while it was importing"),
-        ("raise KeyboardInterrupt", "KeyboardInterrupt"),
+        slow("raise KeyboardInterrupt", "KeyboardInterrupt"),
     ],
 )
 def test_what_cannot_be_made_is_said_before_anything_is_played(folder: Path, text: str, told: str) -> None:

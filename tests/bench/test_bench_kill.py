@@ -71,7 +71,7 @@ def test_a_runner_killed_midway_goes_on_to_the_same_table(tmp_path: Path, whole:
     assert timeless(read(tmp_path)) == timeless(read(whole))
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.long)])
 def test_ctrl_c_and_termination_stop_cleanly(tmp_path: Path, whole: Path, number: signal.Signals) -> None:
     runner = start(*ARGUMENTS, "--out", str(tmp_path))
     wait_for(lambda: lines(tmp_path) >= 4 or runner.poll() is not None)
@@ -89,7 +89,7 @@ def test_ctrl_c_and_termination_stop_cleanly(tmp_path: Path, whole: Path, number
     assert read_rows(tmp_path) == read_rows(whole)
 
 
-@pytest.mark.parametrize("part", [0.0, 0.6])
+@pytest.mark.parametrize("part", [pytest.param(0.0, marks=pytest.mark.long), 0.6])
 def test_a_full_disk_stops_a_run_and_the_same_command_goes_on(tmp_path: Path, whole: Path, part: float) -> None:
     room = int((whole / "records.jsonl").stat().st_size * part)
 

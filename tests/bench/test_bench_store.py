@@ -35,14 +35,15 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     assert finished_jobs(store.read()) == {"a", "b"}
 
 
+@pytest.mark.parametrize("step", [29, pytest.param(1, marks=pytest.mark.long)])
 def test_a_file_torn_at_any_byte_is_repaired_and_goes_on(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: int
 ) -> None:
     monkeypatch.setattr(os, "fsync", lambda handle: None)  # thousands of waits for a disk prove nothing here
     data = written(tmp_path).path.read_bytes()
     ends = [index + 1 for index, byte in enumerate(data) if byte == ord("\n")]
     store = Store(tmp_path)
-    for size in range(len(data)):
+    for size in sorted({*range(0, len(data), step), *(end + by for end in ends for by in (-2, -1, 0))} - {len(data)}):
         store.path.write_bytes(data[:size])
         # The end of a line may be missing: the record before it is whole.
         whole = sum(size >= end - 1 for end in ends)

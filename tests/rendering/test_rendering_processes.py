@@ -32,7 +32,10 @@ copied = pytest.mark.parametrize("duplicate", COPIES.values(), ids=COPIES)
 # -- copies ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("backend", "duplicate"), list(zip(["symbolic", "physics"], COPIES.values(), strict=True)))
+@pytest.mark.parametrize(
+    ("backend", "duplicate"),
+    [pytest.param("symbolic", COPIES["deepcopy"], marks=pytest.mark.long), ("physics", COPIES["pickle"])],
+)
 def test_a_kitchen_that_was_drawn_can_be_copied(backend: str, duplicate: Callable[[Any], Any]) -> None:
     env = remac_env.parallel_env(
         TASK, robots=1, backend=backend, render_mode="rgb_array", obs="state+images", image_size=32
@@ -53,6 +56,7 @@ def test_a_kitchen_that_was_drawn_can_be_copied(backend: str, duplicate: Callabl
     twin.close()
 
 
+@pytest.mark.long
 def test_the_other_views_can_be_copied_too() -> None:
     single = gymnasium.make(f"RemacKitchen-{TASK}-v0", robots=2, backend="symbolic", render_mode="rgb_array")
     single.reset(seed=3)
@@ -156,7 +160,14 @@ assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
 """
 
 
-@pytest.mark.parametrize("code", [_VECTOR, _INHERITED, _INSISTS], ids=["vector", "inherited", "insists"])
+@pytest.mark.parametrize(
+    "code",
+    [
+        pytest.param(_VECTOR, id="vector"),
+        pytest.param(_INHERITED, id="inherited", marks=pytest.mark.long),
+        pytest.param(_INSISTS, id="insists", marks=pytest.mark.long),
+    ],
+)
 def test_a_forked_child_draws_by_rays_what_its_parent_drew_by_opengl(code: str) -> None:
     done = _run(_MAKE + code)
     assert done.returncode == 0, done.stderr
@@ -195,7 +206,7 @@ def draw():
     env.reset(seed=0)
     env.render()
 """
-_SLOW = ("a cycle", "mujoco before", "an error", "a forked child")
+_SLOW = tuple(case for case in _ENDS if case != "a folder before")
 
 
 @pytest.mark.parametrize("case", [pytest.param(c, marks=pytest.mark.long) if c in _SLOW else c for c in _ENDS])
