@@ -7,10 +7,11 @@ from dataclasses import replace
 import module_trials
 import mujoco
 import numpy as np
+import physics_kit
 import pytest
 
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.backends.physics.controllers.scripted import doors
+from remac_env.backends.physics.controllers.scripted import arc, doors
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects import catalogue
@@ -120,6 +121,46 @@ def test_a_bowl_goes_in_between_the_leaves() -> None:
     assert kitchen.backend.world.objects["bowl"].place == Place("slot", "cabinet.0")
 
 
+class BesideFridge:
+    """A cabinet with two panels; open, one of them stands so near to the fridge that no hand comes to its knob."""
+
+    def __init__(self) -> None:
+        self.backend, _, self.worlds = physics_kit.kitchen(
+            {"lemon": "counter"}, 46020, layout="wraparound", style="mediterranean"
+        )
+        self.panels = [self.backend.data.joint(leaf) for leaf in LEAVES]
+
+    def run(self, *texts: str) -> list[str | None]:
+        return physics_kit.run(self.backend, self.worlds, texts)
+
+    @property
+    def angles(self) -> list[float]:
+        return [float(panel.qpos[0]) for panel in self.panels]
+
+
+def test_a_panel_whose_handle_no_hand_reaches_is_pushed_shut() -> None:
+    kitchen = BesideFridge()
+    assert kitchen.run("navigate to cabinet", "open cabinet door", "close cabinet door") == [None, None, None]
+    assert max(kitchen.angles) < 0.05
+
+
+@pytest.mark.long
+def test_a_panel_is_pushed_open_from_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    kitchen = BesideFridge()
+    assert kitchen.run("navigate to cabinet", "open cabinet door") == [None, None]
+    with monkeypatch.context() as fault:
+        fault.setattr(doors, "_pushes", lambda door, angle, *, closing: doors._grasps(door, angle, closing=closing))
+        assert kitchen.run("close cabinet door") == ["blocked"]
+    kitchen.panels[0].qpos[0], kitchen.panels[1].qpos[0] = 0.8, 1.45
+    assert kitchen.run("close cabinet door") == [None]
+    kitchen = BesideFridge()
+    kitchen.run("navigate to cabinet", "open cabinet door")
+    kitchen.panels[0].qpos[0] = 0.8
+    kitchen.run("wait")  # which sees that it is ajar
+    assert kitchen.run("open cabinet door") == [None]
+    assert min(kitchen.angles) > 1.4
+
+
 class OneLeaf(OneCabinet):
     make, beside = "left_bar", "right"
 
@@ -147,9 +188,9 @@ def force_of_shutting() -> float:
 def test_a_door_is_not_slammed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pressed on harder than by some pinching, a bar holds the fingers, and the door comes open with the hand."""
     assert 20.0 < force_of_shutting() < 200.0
-    monkeypatch.setattr(doors, "_BEYOND", 0.10)
-    monkeypatch.setattr(doors, "_SHUTTING", 0.7)
-    monkeypatch.setattr(doors, "_LANDING", 0.7)
+    monkeypatch.setattr(arc, "_BEYOND", 0.10)
+    monkeypatch.setattr(arc, "_SHUTTING", 0.7)
+    monkeypatch.setattr(arc, "_LANDING", 0.7)
     assert force_of_shutting() > 400.0
 
 
