@@ -1,4 +1,4 @@
-"""Gymnasium's ids of the tasks, entered without loading Gymnasium: it takes longer to load than all else here.
+"""Gymnasium's ids of the tasks and skills, entered without loading Gymnasium: that takes longest of all to load.
 
 Where Gymnasium is loaded already, ids are entered at once; else as soon as somebody imports it.
 """
@@ -10,7 +10,12 @@ from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
+from remac_env.lowlevel.options import skills
+
 GYMNASIUM = "gymnasium"
+
+LONGEST = 1200
+"""Control periods, 60 s, after which the episode of a skill is cut off: as long as skills have in a round."""
 
 
 def enter_ids(tasks: Callable[[], Sequence[str]]) -> None:
@@ -29,6 +34,13 @@ def _register(tasks: Sequence[str]) -> None:
         if name not in gymnasium.registry:
             # The kitchen checks its own order of calls and never returns a time limit of Gymnasium's.
             gymnasium.register(id=name, entry_point="remac_env.gym_view:KitchenEnv", kwargs={"task": task})
+    for skill in skills():
+        name = f"RemacSkill-{skill}-v0"
+        if name not in gymnasium.registry:
+            gymnasium.register(
+                id=name, entry_point="remac_env.lowlevel.env:SkillEnv", kwargs={"skill": skill},
+                max_episode_steps=LONGEST,
+            )  # fmt: skip
 
 
 class _Waiting:

@@ -15,6 +15,9 @@ from remac_env.values import python_value
 
 _SPECS: dict[str, TaskSpec] = {spec.name: spec for spec in (_CABINET, _MICROWAVE, _DEFROST, _HEAT, _WASH, _SEASONED)}
 
+BUILT_IN = tuple(_SPECS)
+"""The names of the tasks of this package."""
+
 
 def known() -> tuple[str, ...]:
     """The names of the tasks that are registered by now, those from outside last."""

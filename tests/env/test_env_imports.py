@@ -25,6 +25,7 @@ RANKS = {
     "remac_env.aec": 7,
     "remac_env.validate": 7,
     "remac_env.parallel": 6,
+    "remac_env.lowlevel": 6,
     "remac_env.episode": 5,
     "remac_env.pictures": 5,
     "remac_env.rendering": 4,

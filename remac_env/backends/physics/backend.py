@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.backends.base import Counters, RoundResult, check_all_idle, check_idle
+from remac_env.backends.physics.manual import Manual
 from remac_env.backends.physics.timeline import Timeline
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.worlds import Worlds
@@ -98,6 +99,18 @@ class PhysicsBackend:
     def data(self) -> mujoco.MjData:
         """The present state. Read only."""
         return self._begun().simulation.data
+
+    def by_hand(self, robot: str, subtask: Subtask) -> Manual:
+        """Move an idle robot from outside from now on, a control period at a time, to do what a subtask says.
+
+        What is done so is not played again by a copy of this backend.
+
+        Raises:
+            LifecycleError: before reset, or while a robot is busy.
+        """
+        timeline = self._begun()
+        check_all_idle(timeline.busy)
+        return Manual(timeline, robot, subtask)
 
     @property
     def busy(self) -> frozenset[str]:

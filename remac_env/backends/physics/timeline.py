@@ -10,6 +10,7 @@ import mujoco
 
 from remac_env.backends.base import Counters, RoundResult
 from remac_env.backends.physics.attempts import Attempt, Orders
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings
 from remac_env.backends.physics.crew import Crew
 from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.separation import NEAR_MISS
@@ -122,6 +123,15 @@ class Timeline:
         counters = Counters(ticks, ticks * SUBSTEPS, self._contacts - met[0], self._misses - met[1])
         return RoundResult(self.world, judged, seconds, counters)
 
+    def surroundings(self, robot: str) -> Surroundings:
+        """A robot with all its skills need, for who moves it from outside; see `manual`."""
+        self._crew.hold({name: state.holding for name, state in self.world.robots.items()})
+        return self._crew.robots[robot]
+
+    def seen(self) -> WorldState:
+        """The world as geometry shows it now, in the midst of motion."""
+        return self._truth.seen()
+
     def abandon(self) -> None:
         """Forget what is under way."""
         for robot in self._attempts:
@@ -142,7 +152,7 @@ class Timeline:
                     self._crew.finished(robot)
             if ended:
                 break
-            self._tick()
+            self.tick()
             self._stepped.clear()
             if watch is not None:
                 watch()
@@ -162,10 +172,10 @@ class Timeline:
         for count in range(_REST_MOST):
             if count >= least and self.simulation.moving() < _REST_SPEED:
                 return
-            self._tick()
+            self.tick()
 
-    def _tick(self) -> None:
-        """One control period."""
+    def tick(self) -> None:
+        """One control period under the robots' present commands."""
         self.simulation.tick()
         self._truth.update()
 

@@ -1,0 +1,117 @@
+"""One robot that is moved from outside, a control period at a time: for policies that are being trained or tried."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remac_env.backends.physics.aims import Aim, aim_of
+from remac_env.backends.physics.seen import observe
+from remac_env.backends.physics.timeline import Timeline
+from remac_env.robots.ik import Kinematics
+from remac_env.robots.rotation import Array
+from remac_env.rules.conditions import Condition
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import WorldState
+
+LASTING = 6
+"""Control periods for which what the skill achieves has to be true on end: as long as rounds wait at rest."""
+
+
+class Manual:
+    """A robot with a subtask to do. ``command`` runs one control period of 0.05 s.
+
+    Attributes:
+        q, grip: the command: a configuration (11,) in the robot's frame and the travel of each finger (m).
+        world: what geometry showed after the last period.
+    """
+
+    def __init__(self, timeline: Timeline, robot: str, subtask: Subtask) -> None:
+        self._timeline, self._robot, self.subtask = timeline, robot, subtask
+        self._here = here = timeline.surroundings(robot)
+        world = timeline.world
+        if (goes := subtask.row.goes) is not None:
+            goal = goes(timeline.start.scene, world, robot, subtask.target)
+            here.enter(here.layout.stations.get(str(goal), here.station))
+        self.world: WorldState = world
+        self._held = world.robots[robot].holding
+        self._true_for = 0
+        self.aim: Aim = aim_of(here, timeline.start.scene, world, robot, subtask)
+        self._conditions: tuple[Condition, ...] = subtask.achieves(robot, self._held)
+
+    @property
+    def q(self) -> Array:
+        """The present command (11,)."""
+        return self._here.robot.q.copy()
+
+    @property
+    def grip(self) -> float:
+        """The commanded travel of each finger, m."""
+        return self._here.robot.grip
+
+    @property
+    def measured(self) -> Array:
+        """The configuration (11,) in which the robot is."""
+        return self._here.robot.measured
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """Of its arm."""
+        return self._here.kinematics
+
+    def command(self, q: Array, grip: float) -> None:
+        """Bring the servos' setpoints to ``q`` (11,) and ``grip`` (m) within one control period.
+
+        Raises:
+            PhysicsError: for a command that is not finite, or if MuJoCo warns.
+        """
+        robot = self._here.robot
+        robot.q, robot.grip = np.array(q, float), float(grip)
+        self._timeline.tick()
+        self.aim.update()
+        self.world = self._timeline.seen()
+        self._true_for = self._true_for + 1 if self._achieved() else 0
+
+    def observe(self) -> NDArray[np.float32]:
+        """What a policy sees now; see `remac_env.backends.physics.seen`."""
+        return observe(self._here, self.aim, self.subtask.row)
+
+    @property
+    def success(self) -> bool:
+        """Whether what the skill achieves by the skill table has been true for LASTING control periods on end."""
+        return self._true_for >= LASTING
+
+    @property
+    def progress(self) -> float:
+        """How much of the subtask is done, 0..1: for learners, judged by what the robot sees."""
+        if self.success:
+            return 1.0
+        done = self.aim.done()
+        if not self.aim.by_hand:
+            return _NEARLY * done
+        away = float(np.linalg.norm(self.aim.target().at - self._here.robot.grip_pose()[0]))
+        return _NEARLY * (_BRINGING * float(np.exp(-_STEEP * away)) + (1.0 - _BRINGING) * done)
+
+    def _achieved(self) -> bool:
+        scene = self._timeline.start.scene
+        if not all(condition.holds(scene, self.world) for condition in self._conditions):
+            return False
+        return not self.subtask.row.takes or self._carried(self.subtask.target)
+
+    def _carried(self, name: str) -> bool:
+        """Whether a thing that is held touches nothing but robots and other things: its weight is the hand's."""
+        simulation = self._timeline.simulation
+        model, data = simulation.model, simulation.data
+        body = model.body(name).id
+        loose = {model.body(other).id for other in self._here.things}
+        own = model.body(f"{self._robot}/base").id
+        for first, second in model.geom_bodyid[data.contact.geom[: data.ncon]]:
+            if body in (first, second):
+                other = int(second if first == body else first)
+                if other not in loose and model.body_rootid[other] != own:
+                    return False
+        return True
+
+
+_NEARLY = 0.9  # of it is done at most before the skill has succeeded
+_BRINGING, _STEEP = 0.3, 3.0  # the part that is bringing the hand there, and how steeply that falls, 1/m

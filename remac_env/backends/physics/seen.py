@@ -1,0 +1,135 @@
+"""What a policy sees of a skill, as one flat vector with names, units and ranges.
+
+Recording, training and playing share this file; VERSION is raised whenever a vector changes, and policies that were
+trained on another version are refused. Lengths and angles are told in the frame of the wall that the station faces,
+relative to the station: what is learnt at one wall holds at every wall.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from remac_env.backends.physics.aims import Aim, Target, feels
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings
+from remac_env.robots import panda
+from remac_env.robots.rotation import Array
+from remac_env.rules.skill_row import Skill
+from remac_env.rules.skills import SKILLS
+
+VERSION = 1
+
+RAYS = 24
+RAY_HEIGHT = 0.25  # m over the floor: through the middle of bases and of base cabinets
+FARTHEST = 4.0  # m that a ray looks
+_SOLID = np.array([0, 0, 0, 1, 0, 0], np.uint8)  # the group of colliders, see remac_env.robots.model
+_ROOM = 12.0  # m, further than any two points of a kitchen are apart
+_REACH = 2.0  # m, further than a hand gets from its station
+
+
+class Entry(NamedTuple):
+    """One number of a vector: its name, unit ("" for none) and range."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+
+
+def taught() -> tuple[Skill, ...]:
+    """The skills that a policy can carry out: those with a target."""
+    return tuple(skill for skill in SKILLS.values() if skill.target != "none")
+
+
+def _point(name: str, far: float, axes: str = "xyz") -> tuple[Entry, ...]:
+    return tuple(Entry(f"{name}_{axis}", "m", -far, far) for axis in axes)
+
+
+def _axis(name: str) -> tuple[Entry, ...]:
+    return tuple(Entry(f"{name}_{axis}", "", -1.0, 1.0) for axis in "xyz")
+
+
+_ARM = tuple(
+    Entry(f"joint{number}", "rad", float(low), float(high))
+    for number, low, high in zip(range(1, 8), panda.ARM_LOWER, panda.ARM_UPPER, strict=True)
+)
+_BODY = (
+    *_point("base", _ROOM, "xy"), Entry("base_yaw_cos", "", -1.0, 1.0), Entry("base_yaw_sin", "", -1.0, 1.0),
+    Entry("torso", "m", *panda.TORSO_RANGE), *_ARM,
+    Entry("finger_command", "m", 0.0, panda.FINGER_OPEN), Entry("opening", "m", 0.0, 2.0 * panda.FINGER_OPEN),
+    Entry("hand_feels", "", 0.0, 1.0),
+    *_point("hand", _ROOM), *_axis("hand_opening"), *_axis("hand_approach"),
+)  # fmt: skip
+_TARGET = (
+    *_point("target", _ROOM), *_point("hand_to_target", _ROOM), *_point("target_from_hand", _ROOM),
+    *(Entry(f"target_{name}", "", -1.0, 1.0) for name in ("yaw_cos", "yaw_sin", "two_yaw_cos", "two_yaw_sin")),
+    *_point("target_size", _REACH),
+    Entry("grasp_height", "m", -1.0, 1.0), Entry("grasp_width", "m", 0.0, 1.0), Entry("grasp_lean", "rad", -3.2, 3.2),
+    Entry("grasp_any_yaw", "", 0.0, 1.0),
+    Entry("target_joint", "rad or m", -3.2, 3.2), Entry("target_joint_goal", "rad or m", -3.2, 3.2),
+    Entry("target_side", "", -1.0, 1.0), Entry("target_worked", "", 0.0, 1.0),
+    *(Entry(f"skill_{skill.name.replace(' ', '_')}", "", 0.0, 1.0) for skill in taught()),
+)  # fmt: skip
+_AROUND = tuple(Entry(f"ray_{360 * number // RAYS}", "m", 0.0, FARTHEST) for number in range(RAYS))
+
+
+def entries(skill: Skill) -> tuple[Entry, ...]:
+    """What the numbers of a skill's observation are. Skills that move the base also look around."""
+    return (*_BODY, *_TARGET, *(_AROUND if skill.moves else ()))
+
+
+def joints(q: Array, home: Array) -> Array:
+    """A configuration (11,) relative to the station: base pose in its frame, torso and arm as they are."""
+    told = np.array(q, float)
+    told[:3] -= home
+    told[2] = math.remainder(told[2], math.tau)
+    return told
+
+
+def observe(here: Surroundings, aim: Aim, skill: Skill) -> NDArray[np.float32]:
+    """The observation (n,) now, within the ranges of `entries(skill)`."""
+    robot, target = here.robot, aim.target()
+    q = joints(robot.measured, here.home)
+    hand, turn = robot.grip_pose()
+    foot = np.array([here.station.x, here.station.y, 0.0])
+    way = target.at - hand
+    parts = [
+        q[:2], [math.cos(q[2]), math.sin(q[2])], q[3:], [robot.grip, robot.opening, float(feels(robot))],
+        hand - foot, turn[:, 0], turn[:, 2], target.at - foot, way, way @ turn, _facts(target),
+        [float(other.name == skill.name) for other in taught()],
+        *([_rays(here)] if skill.moves else []),
+    ]  # fmt: skip
+    low, high = _ranges(skill)
+    return np.clip(np.concatenate(parts), low, high).astype(np.float32)
+
+
+def _facts(target: Target) -> list[float]:
+    yaw = target.yaw
+    return [
+        math.cos(yaw), math.sin(yaw), math.cos(2 * yaw), math.sin(2 * yaw), *target.size, *target.grasp,
+        target.joint, target.goal, target.side, target.worked,
+    ]  # fmt: skip
+
+
+@lru_cache(maxsize=32)
+def _ranges(skill: Skill) -> tuple[Array, Array]:
+    known = entries(skill)
+    return np.array([entry.low for entry in known]), np.array([entry.high for entry in known])
+
+
+def _rays(here: Surroundings) -> Array:
+    """Distances (RAYS,) from the axis of the base to what is solid around it, m, from straight ahead to the left."""
+    model, data, robot = here.simulation.model, here.simulation.data, here.robot
+    x, y, yaw = robot.standing
+    angles = yaw + math.tau * np.arange(RAYS) / RAYS
+    ways = np.stack([np.cos(angles), np.sin(angles), np.zeros(RAYS)], axis=1).ravel()
+    met, far = np.empty(RAYS, np.int32), np.empty(RAYS)
+    own = model.body(f"{robot.name}/base").id
+    start = np.array([x, y, RAY_HEIGHT])
+    mujoco.mj_multiRay(model, data, start, ways, _SOLID, True, own, met, far, None, RAYS, FARTHEST)
+    return np.where(met < 0, FARTHEST, far)

@@ -1,0 +1,69 @@
+"""The options of a skill's environment, one row each, checked once before anything is built."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from remac_env.errors import check_choice
+from remac_env.option_rows import Choice, check_rows, option, same
+from remac_env.options import Options
+from remac_env.rules.skill_row import Skill
+from remac_env.rules.skills import SKILLS
+from remac_env.values import python_fields
+from remac_env.vocabulary import built_in
+
+CONTROLS = ("joints", "ee")
+REWARDS = ("sparse", "progress")
+
+
+def camel(name: str) -> str:
+    """A skill's name as it stands in ids: "pick up" is PickUp."""
+    return "".join(word.capitalize() for word in name.split())
+
+
+def skills() -> dict[str, Skill]:
+    """The skills that have an environment of their own, by their names in ids."""
+    return {camel(skill.name): skill for skill in SKILLS.values() if skill.target != "none"}
+
+
+def skill_named(name: str) -> Skill:
+    """The skill of that name in ids; UnknownNameError lists the names."""
+    check_choice("skill", name, skills())
+    return skills()[name]
+
+
+def targets(skill: Skill) -> tuple[str, ...]:
+    """What commands with this skill may name."""
+    vocabulary = built_in()
+    found = (vocabulary.subtask(token) for token in range(len(vocabulary)))
+    return tuple(subtask.target for subtask in found if subtask.skill == skill.name)
+
+
+@dataclass(frozen=True)
+class SkillOptions:
+    """Keywords of the environments `RemacSkill-<Skill>-v0`, beside the skill itself."""
+
+    target: str | None = option(None, "What the skill is about; by default the seed picks.")
+    style: str | None = same(Options, "style")
+    layout: str | None = same(Options, "layout")
+    obs: str = same(Options, "obs")
+    control: str = option(
+        "joints", "joints (changes of the commanded joints) or ee (of the hand's commanded pose, and of the base).",
+        Choice(CONTROLS),
+    )  # fmt: skip
+    reward: str = option(
+        "sparse", "sparse (1 on success) or progress (by how much nearer the skill is to its end; 1 in all).",
+        Choice(REWARDS),
+    )  # fmt: skip
+    image_size: int = same(Options, "image_size")
+    render_mode: str | None = same(Options, "render_mode")
+
+    def __post_init__(self) -> None:
+        """Refuse values that are not offered.
+
+        Raises:
+            UnknownNameError: for a name that is not among the valid ones.
+            OptionError: for a number outside its range.
+        """
+        python_fields(self)
+        check_rows(self)

@@ -1,0 +1,194 @@
+"""Starts of one skill: the kitchen of a task in which the skill can begin, and what brings the robot there.
+
+Doors and switches stand as the skill needs them from the beginning; the robot itself drives to its station, and takes
+into its hand what it is to hold, by the scripted skills.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.errors import OptionError, SamplingError, UnknownNameError, check_choice
+from remac_env.kitchen.fixtures.door import OPEN_TO
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.lowlevel.options import targets
+from remac_env.oracle import search_plan
+from remac_env.rules.claims import first_false
+from remac_env.rules.facts import Rules
+from remac_env.rules.places import kind_around
+from remac_env.rules.scene import public_scene
+from remac_env.rules.skill_row import Skill
+from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import Subtask
+from remac_env.seeding import generator
+from remac_env.start import Start
+from remac_env.state import WorldState
+from remac_env.tasks import BUILT_IN, known
+from remac_env.tasks import get as get_task
+from remac_env.tasks.spec import TaskSpec
+
+ROBOT = "robot_0"
+_TRIES = 100  # starts drawn until one has the target and the robot gets ready in it
+_MOST = 2_000  # states that the search for what comes before looks at
+_SEEDS = 100_000  # of the starts that are drawn where the first is of no use
+_FROM_PARKING = 0.5  # of the drives begin at a parking place, the others at a station
+
+
+@dataclass(frozen=True)
+class Ready:
+    """A kitchen in which the skill can begin now: its task, the start, and what the robot has done since."""
+
+    worlds: TaskWorlds
+    start: Start
+    subtask: Subtask
+    before: tuple[Subtask, ...]
+
+
+def get_ready(
+    backend_of: dict[str, PhysicsBackend], skill: Skill, target: str | None, seed: int, *, style: str | None,
+    layout: str | None,
+) -> tuple[Ready, PhysicsBackend]:
+    """The start of this seed, played up to where the skill begins: a pure function of all but ``backend_of``.
+
+    Args:
+        backend_of: task -> the backend in which its kitchens are played; filled here, to be used again.
+
+    Raises:
+        UnknownNameError: for an unknown target, style or layout.
+        SamplingError: if no start is found in which this skill can begin.
+    """
+    if target is not None:
+        check_choice(f"target of {skill.name!r}", target, targets(skill))
+    for attempt in range(_TRIES):
+        chance = generator(seed, "skill", skill.name, target, attempt)
+        drawn = seed if attempt == 0 else int(chance.integers(_SEEDS))
+        ready = _draw(skill, target, drawn, chance, style=style, layout=layout)
+        if ready is None:
+            continue
+        backend = backend_of.setdefault(ready.worlds.spec.name, PhysicsBackend(ready.worlds))
+        backend.reset(ready.start)
+        if all(backend.run_round({ROBOT: subtask}).outcomes[ROBOT].success for subtask in ready.before) and _may_begin(
+            ready.start.scene, backend.world, ready.subtask
+        ):
+            return ready, backend
+    where = f" in layout {layout}" if layout else ""
+    raise SamplingError(f"{skill.name} {target or 'anything'}{where}: no start was found in which it can begin")
+
+
+def _draw(
+    skill: Skill, target: str | None, seed: int, chance: np.random.Generator, *, style: str | None, layout: str | None
+) -> Ready | None:
+    """A start with what comes before, or None where this one does not do."""
+    worlds = TaskWorlds(_one(_kitchens(skill, target), chance))
+    worlds.check_cell(style, layout)
+    try:
+        start, _ = worlds.start(
+            seed, style=style, layout=layout, starts="paper", robots=(ROBOT,), perception_noise=0.0
+        )
+    except (SamplingError, UnknownNameError):
+        return None  # this layout lacks what the task needs; another task may do
+    if skill.tool is not None and not any(map(skill.tool, start.scene.objects.values())):
+        return None
+    names = [name for name in public_scene(start.scene).names(skill.target) if name in targets(skill)]  # type: ignore[arg-type]
+    if target is None:
+        names = [names[index] for index in chance.permutation(len(names))]
+    for name in names if target is None else [target] * (target in names):
+        found = _brought_about(start, Subtask(skill.name, name), chance)
+        if found is not None:
+            start, before = found
+            if skill.moves and chance.random() >= _FROM_PARKING:
+                before = (_elsewhere(start.scene, name, chance), *before)
+            return Ready(worlds, start, Subtask(skill.name, name), before)
+    return None
+
+
+def _kitchens(skill: Skill, target: str | None) -> list[TaskSpec]:
+    """The tasks in whose kitchens to look: of the table, where no tool is needed; from outside, where they alone do."""
+    built_in = [get_task(name) for name in BUILT_IN]
+    if target is None:
+        found = built_in
+    else:
+        found = [spec for spec in built_in if _speaks_of(spec, target)]
+        found = found or [spec for spec in map(get_task, known()) if _speaks_of(spec, target)] or built_in
+    return [spec for spec in found if spec.in_table and skill.tool is None] or found
+
+
+def _speaks_of(spec: TaskSpec, target: str) -> bool:
+    """Whether a task's kitchens have the target for certain, or at least often."""
+    return target in (*spec.fixtures, *(noun for role in spec.roles for noun in role.nouns))
+
+
+def _brought_about(
+    start: Start, subtask: Subtask, chance: np.random.Generator
+) -> tuple[Start, tuple[Subtask, ...]] | None:
+    """The start with doors and switches as the skill needs them, and what the robot does before it; None: no way."""
+    scene = start.scene
+    names = list(scene.objects)
+    for held in (None, *(names[index] for index in chance.permutation(len(names)))):
+        before = _plan(scene, start.world, subtask, held)
+        if before is None:
+            continue
+        world, doors = start.world, dict(start.doors)
+        for step in before:
+            if (after := _of_fixtures(scene, world, step)) is not None:
+                world = after
+        for name, state in world.fixtures.items():
+            if state.door != start.world.fixtures[name].door:
+                doors[name] = OPEN_TO if state.door == "open" else 0.0
+        changed = replace(start, world=world, doors=doors)
+        rest = _plan(scene, world, subtask, held)
+        if rest is not None and all(_of_fixtures(scene, world, step) is None for step in rest):
+            return changed, rest
+    return None
+
+
+def _of_fixtures(scene: Rules, world: WorldState, step: Subtask) -> WorldState | None:
+    """The world after a step that changes fixtures alone; None for another."""
+    if step.row.effect is None or step.row.goes is not None:
+        return None
+    after = step.row.effect(scene, world, ROBOT, step.target)
+    return after if after.robots == world.robots and after.objects == world.objects else None
+
+
+def _plan(scene: Rules, world: WorldState, subtask: Subtask, held: str | None) -> tuple[Subtask, ...] | None:
+    """The fewest subtasks after which the skill can begin with this in hand, or None."""
+    found = search_plan(
+        scene, world, lambda state: state.robots[ROBOT].holding == held and _may_begin(scene, state, subtask),
+        commands=_commands(scene, world, subtask, held), max_states=_MOST, max_rounds=8,
+    )  # fmt: skip
+    return None if found is None else tuple(joint[ROBOT] for joint in found.rounds)
+
+
+def _commands(scene: Rules, world: WorldState, subtask: Subtask, held: str | None) -> list[Subtask]:
+    """What can help: everything about the target, what is around it, and what is to be held, but putting down."""
+    nouns = [subtask.target] + [held] * (held is not None)
+    kinds = [kind_around(scene, world, noun) for noun in nouns]
+    nouns += [name for name, facts in scene.fixtures.items() if facts.kind in kinds]
+    kitchen = public_scene(scene)
+    return [
+        Subtask(skill.name, noun)
+        for skill in SKILLS.values()
+        for noun in dict.fromkeys(nouns)
+        if skill.target != "none" and not skill.puts and not skill.leaves and noun in kitchen.names(skill.target)
+    ]
+
+
+def _may_begin(scene: Rules, world: WorldState, subtask: Subtask) -> bool:
+    """Whether nothing speaks against it; of a drive, that it is not there yet."""
+    if subtask.moves and all(c.holds(scene, world) for c in subtask.achieves(ROBOT, None)):
+        return False
+    return all(first_false(scene, world, ROBOT, subtask, mark) is None for mark in ("refuse", "attempt", "advise"))
+
+
+def _elsewhere(scene: Rules, target: str, chance: np.random.Generator) -> Subtask:
+    """A drive to a fixture other than the target."""
+    drive = next(skill for skill in SKILLS.values() if skill.moves and skill.target == "thing")
+    return Subtask(drive.name, _one([name for name in scene.fixtures if name != target], chance))
+
+
+def _one(choices: Sequence, chance: np.random.Generator):  # type: ignore[no-untyped-def, type-arg]
+    return choices[int(chance.integers(len(choices)))]
