@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
-from remac_env.lowlevel.options import skills
+from remac_env.lowlevel.names import skills
 
 GYMNASIUM = "gymnasium"
 

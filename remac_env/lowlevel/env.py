@@ -11,11 +11,11 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.backends.physics.manual import Manual
 from remac_env.backends.physics.seen import Entry, entries
 from remac_env.errors import ActionError, PhysicsError, check_choice, whole_number
 from remac_env.lowlevel.control import Control, Hand, Joints
-from remac_env.lowlevel.options import SkillOptions, skill_named, targets
+from remac_env.lowlevel.names import skill_named
+from remac_env.lowlevel.options import SkillOptions, targets
 from remac_env.lowlevel.starts import ROBOT, Ready, get_ready
 from remac_env.pictures import Moment, Pictures
 from remac_env.seeding import SEED_MAX

@@ -4,32 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from remac_env.errors import check_choice
 from remac_env.option_rows import Choice, check_rows, option, same
 from remac_env.options import Options
 from remac_env.rules.skill_row import Skill
-from remac_env.rules.skills import SKILLS
 from remac_env.values import python_fields
 from remac_env.vocabulary import built_in
 
 CONTROLS = ("joints", "ee")
 REWARDS = ("sparse", "progress")
-
-
-def camel(name: str) -> str:
-    """A skill's name as it stands in ids: "pick up" is PickUp."""
-    return "".join(word.capitalize() for word in name.split())
-
-
-def skills() -> dict[str, Skill]:
-    """The skills that have an environment of their own, by their names in ids."""
-    return {camel(skill.name): skill for skill in SKILLS.values() if skill.target != "none"}
-
-
-def skill_named(name: str) -> Skill:
-    """The skill of that name in ids; UnknownNameError lists the names."""
-    check_choice("skill", name, skills())
-    return skills()[name]
 
 
 def targets(skill: Skill) -> tuple[str, ...]:

@@ -6,13 +6,13 @@ into its hand what it is to hold, by the scripted skills.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.errors import OptionError, SamplingError, UnknownNameError, check_choice
+from remac_env.errors import SamplingError, UnknownNameError, check_choice
 from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.lowlevel.options import targets
@@ -165,7 +165,7 @@ def _plan(scene: Rules, world: WorldState, subtask: Subtask, held: str | None) -
 
 def _commands(scene: Rules, world: WorldState, subtask: Subtask, held: str | None) -> list[Subtask]:
     """What can help: everything about the target, what is around it, and what is to be held, but putting down."""
-    nouns = [subtask.target] + [held] * (held is not None)
+    nouns = [subtask.target] if held is None else [subtask.target, held]
     kinds = [kind_around(scene, world, noun) for noun in nouns]
     nouns += [name for name, facts in scene.fixtures.items() if facts.kind in kinds]
     kitchen = public_scene(scene)

@@ -16,11 +16,18 @@ from gymnasium.utils.env_checker import check_env
 import remac_env  # noqa: F401 - enters the ids
 from remac_env.backends.physics.controllers.scripted.dispatch import motion
 from remac_env.errors import ActionError, OptionError, PhysicsError, UnknownNameError
-from remac_env.lowlevel.options import skills, targets
+from remac_env.lowlevel.names import skills
+from remac_env.lowlevel.options import targets
 from remac_env.lowlevel.starts import ROBOT
 from remac_env.rules.skills import SKILLS
 
 NAMES = tuple(skills())
+PICTURES = ("front", "side", "wrist")
+
+
+def first(name: str) -> list[Any]:
+    """One skill in the fast tests, all others in the long ones."""
+    return [name, *(pytest.param(other, marks=pytest.mark.long) for other in NAMES if other != name)]
 
 
 def make(skill: str, **options: Any) -> Any:
@@ -42,7 +49,7 @@ def test_every_skill_with_a_target_has_an_environment() -> None:
     assert all(targets(SKILLS[row.name]) for row in skills().values())
 
 
-@pytest.mark.parametrize("skill", ["TurnOn", *(pytest.param(n, marks=pytest.mark.long) for n in NAMES if n != "TurnOn")])
+@pytest.mark.parametrize("skill", first("TurnOn"))
 @pytest.mark.parametrize("control", ["ee", pytest.param("joints", marks=pytest.mark.long)])
 def test_gymnasiums_own_check_is_content(skill: str, control: str, recwarn: pytest.WarningsRecorder) -> None:
     env = make(skill, control=control, layout="one_wall_large").unwrapped
@@ -51,7 +58,7 @@ def test_gymnasiums_own_check_is_content(skill: str, control: str, recwarn: pyte
     assert not [str(warning.message) for warning in recwarn if "gym" in str(warning.filename)]
 
 
-@pytest.mark.parametrize("skill", ["PickUp", *(pytest.param(n, marks=pytest.mark.long) for n in NAMES if n != "PickUp")])
+@pytest.mark.parametrize("skill", first("PickUp"))
 def test_the_same_seed_and_actions_give_the_same_episode_after_any_other(skill: str) -> None:
     def play(env: Any) -> list[Any]:
         observation, info = env.reset(seed=3)
@@ -184,18 +191,17 @@ def _as_step(env: Any, q: Any, grip: float) -> tuple[float, bool, dict[str, Any]
     return reward, terminated, info
 
 
-@pytest.mark.parametrize(
-    "skill", ["TurnOn", *(pytest.param(n, marks=pytest.mark.long) for n in NAMES if n not in ("TurnOn", "NavigateTo"))]
-)
+@pytest.mark.parametrize("skill", first("TurnOn"))
 @pytest.mark.parametrize("seed", [5, pytest.param(6, marks=pytest.mark.long), pytest.param(7, marks=pytest.mark.long)])
 def test_what_the_scripted_skill_does_is_judged_as_success(skill: str, seed: int) -> None:
+    if skill == "NavigateTo":
+        pytest.skip("drives are planned for all robots together")
     env = make(skill, reward="progress").unwrapped
     steps = scripted(env, seed)
     assert steps[-1][2]["is_success"] or any(terminated for _, terminated, _ in steps)
-    first = [index for index, (_, terminated, _) in enumerate(steps) if terminated][0]
-    total = sum(reward for reward, _, _ in steps[: first + 1])
-    assert 0.7 < total <= 1.0
-    assert not any(info["is_success"] for _, _, info in steps[:first])
+    end = next(index for index, (_, terminated, _) in enumerate(steps) if terminated)
+    assert 0.7 < sum(reward for reward, _, _ in steps[: end + 1]) <= 1.0
+    assert not any(info["is_success"] for _, _, info in steps[:end])
 
 
 def test_nothing_is_achieved_by_doing_nothing_and_sparse_rewards_say_so(faucet: Any) -> None:
@@ -209,7 +215,7 @@ def test_nothing_is_achieved_by_doing_nothing_and_sparse_rewards_say_so(faucet: 
 def test_a_thing_that_is_only_touched_is_not_picked_up() -> None:
     env = make("PickUp", target="vegetable", layout="one_wall_large", style="modern_1").unwrapped
     steps = scripted(env, 2)
-    first = next(index for index, (_, terminated, _) in enumerate(steps) if terminated)
+    end = next(index for index, (_, terminated, _) in enumerate(steps) if terminated)
     env.reset(seed=2)
     held = env._manual
     calls = []
@@ -218,7 +224,7 @@ def test_a_thing_that_is_only_touched_is_not_picked_up() -> None:
     here, timeline = env._backend._timeline.surroundings(ROBOT), env._backend._timeline
     for count, _ in enumerate(motion(here, timeline.start.scene, timeline.world, ROBOT, held.subtask)):
         held.command(here.robot.q, here.robot.grip)
-        if count == first:
+        if count == end:
             break
     assert calls[0] is False and calls[-1] is True
 
@@ -244,9 +250,7 @@ def test_pictures_come_with_the_state() -> None:
     env = make("TurnOn", target="faucet", obs="state+images", image_size=32, layout="one_wall_large").unwrapped
     observation, _ = env.reset(seed=1)
     assert env.observation_space.contains(observation)
-    assert {name: value.shape for name, value in observation.items() if name != "state"} == {
-        name: (32, 32, 3) for name in ("front", "side", "wrist")
-    }
+    assert all(observation[name].shape == (32, 32, 3) for name in PICTURES)
     env.close()
 
 
@@ -258,9 +262,7 @@ def test_the_environment_for_lerobots_hub_is_what_lerobot_reads() -> None:
     envs = tasks[0]
     observations, infos = envs.reset(seed=[1, 2])
     assert observations["agent_pos"].shape[0] == 2
-    assert {name: seen.shape for name, seen in observations["pixels"].items()} == {
-        name: (2, 32, 32, 3) for name in ("front", "side", "wrist")
-    }
+    assert all(observations["pixels"][name].shape == (2, 32, 32, 3) for name in PICTURES)
     assert envs.call("task_description") == ("turn on faucet", "turn on faucet")
     *_, infos = envs.step(envs.action_space.sample())
     assert not infos["is_success"].any()
