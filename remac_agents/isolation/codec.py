@@ -33,7 +33,7 @@ DEEPEST = 40
 _MODULES = (
     *(f"remac_agents.{name}" for name in ("plan", "roles")),
     *(f"remac_env.rules.{name}" for name in ("conditions", "facts", "outcomes", "scene", "subtasks")),
-    *(f"remac_env.{name}" for name in ("state", "tasks.goals")),
+    *(f"remac_env.{name}" for name in ("state", "tasks.goals", "tasks.compound")),
 )
 """Where the dataclasses are that may travel."""
 

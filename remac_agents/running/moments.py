@@ -25,9 +25,10 @@ class Moment:
 
 
 def shown(view: View, rules: Rules, world: WorldState | None, role: object) -> View:
-    """A moment as a role may see it: with the rules and the truth only if it needs them."""
+    """A moment as a role may see it: with the rules and the truth only if it needs them, quirks being of the truth."""
     given, true = reads_rules(role), reads_truth(role)
-    return replace(view, rules=rules if given else None, world=world if true else None) if given else view
+    told = rules if true else rules.without_quirks
+    return replace(view, rules=told if given else None, world=world if true else None) if given else view
 
 
 def ran_so_far(moments: Sequence[Moment]) -> tuple[Ran, ...]:

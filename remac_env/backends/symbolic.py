@@ -11,9 +11,8 @@ from remac_env.backends.base import RoundResult, Start, check_all_idle, check_id
 from remac_env.errors import LifecycleError, OptionError
 from remac_env.rules.claims import Claim, settle_claims
 from remac_env.rules.facts import Rules
-from remac_env.rules.marks import washed
 from remac_env.rules.outcomes import Outcome, failure
-from remac_env.rules.rounds import attempts, carried, contradicted, merge
+from remac_env.rules.rounds import at_rest, attempts, carried, contradicted, merge
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.seeding import generator
@@ -146,8 +145,8 @@ class SymbolicBackend:
         return {robot: run.outcome for robot, run in ended.items()}
 
     def _came_to_rest(self, start: Start) -> WorldState:
-        """Water runs over what stands under it."""
-        self._world = washed(start.scene, self._begun("this")[1])
+        """Water runs over what stands under it, and whatever else happens by itself."""
+        self._world = at_rest(start.scene, self._begun("this")[1])
         if self.watch is not None:
             self.watch()
         return self._world

@@ -14,7 +14,7 @@ from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.scene import build_scene, resting_fixtures
 from remac_env.options import NAMINGS, STARTS
 from remac_env.rules.facts import Rules
-from remac_env.rules.marks import washed
+from remac_env.rules.rounds import at_rest
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
 from remac_env.state import FrozenMap, ObjectState, Place, RobotState, WorldState, base_place
@@ -90,7 +90,7 @@ def sample(
         raise SamplingError(f"{spec.name} in {layout.name}: no start was found in which the goal is still open")
     start = Start(
         scene=scene,
-        world=washed(scene, draft.world),
+        world=at_rest(scene, draft.world),
         layout=layout.name,
         style=style,
         categories={noun: category.name for noun, category in things.items()},

@@ -15,6 +15,7 @@ from remac_env.rules.facts import Rules
 from remac_env.rules.marks import SEASONED, WASHED
 from remac_env.rules.places import stations_of
 from remac_env.state import WorldState, contents, inside, supports
+from remac_env.tasks.compound import AnyOf, Before, Count
 from remac_env.tasks.goals import DoorIs, Goal, Inside, Marked, SwitchedOn
 
 IMPOSSIBLE = 1_000_000
@@ -58,7 +59,35 @@ class _Needs:
             return self._approach(world, self._scene.stations_of(atom.fixture)) + (1 if shut else 2)
         if isinstance(atom, DoorIs):
             return 1 + self._approach(world, self._scene.stations_of(atom.fixture))
+        if isinstance(atom, Marked):
+            return self._giving(world, atom.name, atom.mark)
+        return self._compound(world, atom)
+
+    def _compound(self, world: WorldState, goal: Goal) -> int:
+        """Of several ways the shortest; of so many of a kind, as long as the last of the nearest."""
+        if isinstance(goal, AnyOf):
+            return min(self._whole(world, part) for part in goal.goals)
+        if isinstance(goal, Count):
+            return sorted(self._whole(world, part) for part in goal.parts)[goal.least - 1]
+        if isinstance(goal, Before):
+            return IMPOSSIBLE if goal.beyond(self._scene, world) else 1
         return 1
+
+    def _whole(self, world: WorldState, goal: Goal) -> int:
+        """Of all atoms of a part that are missing, the longest."""
+        missing = [atom for atom in goal.atoms() if not atom.holds(self._scene, world)]
+        return max((self._chain(world, atom) for atom in missing), default=0)
+
+    def _giving(self, world: WorldState, name: str, mark: str) -> int:
+        """Rounds until a fixture has left its mark on an object."""
+        givers = [facts for facts in self._scene.givers if facts.gives == mark]
+        around = supports(self._scene, world, name)
+        if not givers or any(facts.name in around for facts in givers):
+            return 1
+        if not around or around[-1] not in self._scene.fixtures:
+            held = any(world.robots[robot].holding in (name, *around) for robot in self._scene.robots)
+            return 1 if held else IMPOSSIBLE
+        return 2 if any(world.objects[other].place.relation == "vessel" for other in (name,)) else 3
 
     def _carrying(self, world: WorldState, atom: Inside) -> int:
         after = self._closing(atom.container)

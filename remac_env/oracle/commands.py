@@ -11,6 +11,7 @@ from remac_env.rules.skill_row import Skill
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState, contents, occupant, supports
+from remac_env.tasks.compound import Before
 from remac_env.tasks.goals import Goal, Marked
 
 
@@ -20,6 +21,9 @@ def relevant_commands(scene: Rules, world: WorldState, goal: Goal) -> list[Subta
     Objects are put down on open surfaces, and in any vessel: an empty plate may be nearer than a free place.
     """
     objects, fixtures = relevant_nouns(scene, world, goal)
+    if scene.hides:
+        # Who goes to an object behind a shut door goes to that door: nobody may know yet that it is there.
+        fixtures, objects = [*fixtures, *objects], []
     surfaces = [name for name, facts in scene.fixtures.items() if facts.slots and not facts.door and not facts.switches]
     vessels = [name for name, facts in scene.objects.items() if facts.holds and name not in objects]
     kitchen, tried = public_scene(scene), [skill for skill in SKILLS.values() if skill.relevant != "never"]
@@ -46,7 +50,10 @@ def _about(kitchen: PublicScene, name: str, skills: Sequence[Skill]) -> list[Sub
 
 def to_mark(goal: Goal, mark: str) -> list[str]:
     """The objects to which `mark` is to happen."""
-    return [atom.name for atom in goal.atoms() if isinstance(atom, Marked) and atom.mark == mark]
+    leaves = tuple(goal.leaves())
+    wanted = [(leaf.name, leaf.mark) for leaf in leaves if isinstance(leaf, Marked)]
+    wanted += [(leaf.name, each) for leaf in leaves if isinstance(leaf, Before) for each in (leaf.first, leaf.then)]
+    return list(dict.fromkeys(name for name, each in wanted if each == mark))
 
 
 def relevant_nouns(scene: Rules, world: WorldState, goal: Goal) -> tuple[list[str], list[str]]:
@@ -58,6 +65,8 @@ def relevant_nouns(scene: Rules, world: WorldState, goal: Goal) -> tuple[list[st
             objects += [name for name, facts in scene.objects.items() if skill.tool(facts)]
     if to_mark(goal, WASHED):
         fixtures += [name for tap, facts in scene.fixtures.items() if facts.wets for name in (tap, *facts.wets)]
+    objects, fixtures = _for_marks(scene, goal, objects, fixtures)
+    objects, fixtures = _for_quirks(scene, objects, fixtures)
     for name in list(fixtures):
         facts = scene.fixtures[name]
         standing = [other for slot in facts.slots if (other := occupant(world, slot)) is not None]
@@ -71,3 +80,33 @@ def relevant_nouns(scene: Rules, world: WorldState, goal: Goal) -> tuple[list[st
         around = [scene.fixtures[other] for other in supports(scene, world, name) if other in scene.fixtures]
         fixtures += [facts.name for facts in around if facts.door]
     return list(dict.fromkeys(objects)), list(dict.fromkeys(fixtures))
+
+
+def _for_marks(
+    scene: Rules, goal: Goal, objects: list[str], fixtures: list[str]
+) -> tuple[list[str], list[str]]:
+    """With the fixtures that give a mark that the goal wants, and the vessels in which they give it."""
+    marked = [facts for facts in scene.givers if to_mark(goal, facts.gives)]
+    if not marked:
+        return objects, fixtures
+    kinds = {facts.kind for facts in marked}
+    needing = any(kinds & scene.objects[name].needs_vessel_in for name in objects)
+    vessels = [name for name, facts in scene.objects.items() if needing and kinds & facts.vessel_in]
+    return [*objects, *vessels], [*fixtures, *(facts.name for facts in marked)]
+
+
+def _for_quirks(scene: Rules, objects: list[str], fixtures: list[str]) -> tuple[list[str], list[str]]:
+    """With what else has a part in a quirk of one of them, and what it takes to get round it."""
+    objects, fixtures = list(objects), list(fixtures)
+    for quirk in scene.quirks:
+        owner = scene.slots[quirk.about].fixture if quirk.about in scene.slots else quirk.about
+        if owner not in (*objects, *fixtures):
+            continue
+        if quirk.other:
+            fixtures.append(quirk.other)
+        if owner != quirk.about:
+            objects += [name for name, facts in scene.objects.items() if facts.holds]
+        elif owner in scene.objects and scene.objects[owner].holds:
+            fixtures += [name for tap, facts in scene.fixtures.items() if facts.wets for name in (tap, *facts.wets)]
+            objects += [name for name, facts in scene.objects.items() if facts.holds]
+    return objects, fixtures

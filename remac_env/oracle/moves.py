@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 from remac_env.rules.claims import first_false
 from remac_env.rules.facts import Rules
-from remac_env.rules.marks import washed
-from remac_env.rules.rounds import attempt, merge
+from remac_env.rules.rounds import at_rest, attempt, merge
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.state import WorldState
 
@@ -48,7 +47,7 @@ def joint_moves(
         after = merge(world, {name: move.after for name, move in zip(single, choice, strict=True)})
         if after is not None and after != world:
             joint = {name: move.subtask for name, move in zip(single, choice, strict=True)}
-            yield joint, washed(scene, after), 1 + LITTER_ROUNDS * sum(move.drops for move in choice)
+            yield joint, at_rest(scene, after), 1 + LITTER_ROUNDS * sum(move.drops for move in choice)
 
 
 def _moves(scene: Rules, world: WorldState, robot: str, commands: Sequence[Subtask]) -> list[_Move]:

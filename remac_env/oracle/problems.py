@@ -28,6 +28,9 @@ def problem_id(scene: Rules, world: WorldState, goal: Goal) -> str:
         "fixtures": [_fixture(scene, world, name) for name in fixtures],
         "robots": [held, sorted(state.station != ASIDE for state in world.robots.values())],
     }
+    if scene.quirks or scene.orders or scene.hides:
+        quirks = [[quirk.kind, *(number.get(n, n) for n in (quirk.about, quirk.other))] for quirk in scene.quirks]
+        facts["kitchen"] = [sorted(quirks), scene.orders, scene.hides]
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:12]
 
 

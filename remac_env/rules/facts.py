@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from remac_env.frozen import FrozenMap
@@ -25,7 +25,7 @@ class FixtureFacts:
     """Something that stays where it is. `switches` are what `turn on` and `turn off` act on.
 
     A fixture that has one switch per slot (a stove) lists its slots. `shut_to_run`: it can only be switched on with its
-    door closed. `wets`: where its water runs.
+    door closed. `wets`: where its water runs. `gives`: the mark that it leaves on what is in it while it works.
     """
 
     name: str
@@ -36,6 +36,7 @@ class FixtureFacts:
     slots: tuple[str, ...] = ()
     shut_to_run: bool = False
     wets: tuple[str, ...] = ()
+    gives: str = ""
 
     @property
     def switch_per_slot(self) -> bool:
@@ -65,11 +66,24 @@ class ObjectFacts:
     too_deep_in: frozenset[str] = frozenset()
 
 
+@dataclass(frozen=True, slots=True)
+class Quirk:
+    """A fact about one kitchen that nobody can guess: a row of `remac_env.rules.quirks`, and what it is about."""
+
+    kind: str
+    about: str
+    other: str = ""
+
+
 @dataclass(frozen=True)
 class Rules:
     """Everything about a kitchen that an episode cannot change.
 
-    `conflicts` are pairs of stations that two robots cannot use at the same time.
+    Attributes:
+        conflicts: pairs of stations that two robots cannot use at the same time.
+        quirks: facts of this kitchen alone. Only who is given the truth is given them (`without_quirks`).
+        orders: pairs of marks, (first, then), of which it is noted where they come the other way round.
+        hides: nobody knows what is behind a shut door before it was open.
     """
 
     robots: tuple[str, ...]
@@ -77,6 +91,19 @@ class Rules:
     slots: FrozenMap[SlotFacts]
     objects: FrozenMap[ObjectFacts]
     conflicts: frozenset[frozenset[str]] = frozenset()
+    quirks: tuple[Quirk, ...] = ()
+    orders: tuple[tuple[str, str], ...] = ()
+    hides: bool = False
+
+    @cached_property
+    def without_quirks(self) -> Rules:
+        """The same kitchen as everybody takes it to be; itself where it has no quirks."""
+        return replace(self, quirks=()) if self.quirks else self
+
+    @cached_property
+    def givers(self) -> tuple[FixtureFacts, ...]:
+        """The fixtures that leave a mark on what is in them."""
+        return tuple(facts for facts in self.fixtures.values() if facts.gives)
 
     @cached_property
     def stations(self) -> tuple[str, ...]:

@@ -11,8 +11,9 @@ from typing import Any
 
 from remac_env.rules.claims import first_false, settle_claims
 from remac_env.rules.facts import Rules
-from remac_env.rules.marks import washed
+from remac_env.rules.marks import given, ordered, washed
 from remac_env.rules.outcomes import Outcome, failure
+from remac_env.rules.quirks import changed, drifted, hindered
 from remac_env.rules.skills import SKILLS, drop
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
@@ -29,10 +30,13 @@ def attempt(
     if false is not None:
         after = drop(world, robot) if false.drops else world
         return false.outcome, after
+    if rules.quirks and (hindrance := hindered(rules, world, robot, subtask)) is not None:
+        return hindrance
     row, after = SKILLS[subtask.skill], world
     if row.goes is not None and world.robots[robot].station != station:
         after = world.with_robot(robot, station=station)
-    return SUCCESS, after if row.effect is None else row.effect(rules, after, robot, subtask.target)
+    after = after if row.effect is None else row.effect(rules, after, robot, subtask.target)
+    return SUCCESS, changed(rules, after, subtask) if rules.quirks else after
 
 
 def attempts(
@@ -114,4 +118,13 @@ def transition(
     merged = merge(world, results)
     if merged is None:
         return world, refused | contradicted(results)
-    return washed(rules, merged), refused | outcomes
+    return at_rest(rules, merged), refused | outcomes
+
+
+def at_rest(rules: Rules, world: WorldState) -> WorldState:
+    """The world once everything has run its course that runs by itself: doors fall, water washes, heat heats."""
+    world = washed(rules, drifted(rules, world) if rules.quirks else world)
+    world = given(rules, world) if rules.givers else world
+    # What a dirty vessel holds does not stay washed either.
+    world = drifted(rules, world) if rules.quirks else world
+    return ordered(rules, world) if rules.orders else world

@@ -12,6 +12,9 @@ from remac_env.state import FLOOR, Door, WorldState, base_place, inside, support
 
 _NAME_FIELDS = ("name", "container", "fixture", "under")
 
+VERBS = {"washed": "wash", "seasoned": "season", "heated": "heat", "cooled": "cool", "dried": "dry"}
+"""What is asked for where a mark is wanted."""
+
 
 class Goal(ABC):
     """What has to be true at the end."""
@@ -34,8 +37,28 @@ class Goal(ABC):
         """A copy with `{role}` fields filled in."""
 
     def atoms(self) -> Iterator[Goal]:
-        """The smallest parts, each true or false by itself."""
+        """The parts that all have to hold, each true or false by itself."""
         yield self
+
+    def leaves(self) -> Iterator[Goal]:
+        """The smallest goals in it, whether or not all of them have to hold."""
+        yield self
+
+    def told(self, wording: int) -> str:
+        """The goal as a request in wording 1, 2 or 3 (`Options.wording`), without a stop; "" where it goes unsaid."""
+        return f"see to it that {self.text}"
+
+    def untold(self, wording: int) -> str:
+        """The request that it be not so."""
+        return f"see to it that it is not so that {self.text}"
+
+    def reached(self, scene: Rules, world: WorldState) -> float:
+        """How much of it is reached, 0..1; 1 where it holds."""
+        return float(self.holds(scene, world))
+
+    def beyond(self, scene: Rules, world: WorldState) -> bool:
+        """Whether an object that it cannot do without lies where no robot can reach it: a rule, not a search."""
+        return any(base_place(world, name) == FLOOR for name in self.names() if name in scene.objects)
 
 
 @dataclass(frozen=True)
@@ -75,6 +98,15 @@ class Inside(_Atom):
         vessels = [other for other in supports(scene, world, self.name) if other in scene.objects]
         return self.only_on is None or all(vessel in self.only_on for vessel in vessels)
 
+    def told(self, wording: int) -> str:
+        """To put it there."""
+        how = ("pick up the {0} and place it into the {1}", "place the {0} into the {1}", "put the {0} into the {1}")
+        return how[wording - 1].format(self.name, self.container)
+
+    def untold(self, wording: int) -> str:
+        """To keep it out."""
+        return f"keep the {self.name} out of the {self.container}"
+
     @property
     def text(self) -> str:
         """The goal in plain English."""
@@ -90,6 +122,10 @@ class Released(_Atom):
     def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether every gripper has let go of it."""
         return all(robot.holding != self.name for robot in world.robots.values())
+
+    def told(self, wording: int) -> str:
+        """Nothing: who is asked to put something down lets go of it."""
+        return ""
 
     @property
     def text(self) -> str:
@@ -109,6 +145,14 @@ class SwitchedOn(_Atom):
         on = world.fixtures[self.fixture].on
         return bool(on) if not self.under else world.objects[self.under].place.where in on
 
+    def told(self, wording: int) -> str:
+        """To turn it on."""
+        return f"turn on the {self.fixture}"
+
+    def untold(self, wording: int) -> str:
+        """To have it off."""
+        return f"turn off the {self.fixture}" if wording < 3 else f"leave the {self.fixture} off"
+
     @property
     def text(self) -> str:
         """The goal in plain English."""
@@ -126,6 +170,10 @@ class DoorIs(_Atom):
         """Whether the door is so."""
         return world.fixtures[self.fixture].door == self.door
 
+    def told(self, wording: int) -> str:
+        """To open or close it."""
+        return f"{'close' if self.door == 'closed' else 'open'} the {self.fixture} door"
+
     @property
     def text(self) -> str:
         """The goal in plain English."""
@@ -142,6 +190,11 @@ class Marked(_Atom):
     def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether it has happened."""
         return self.mark in world.objects[self.name].marks
+
+    def told(self, wording: int) -> str:
+        """To do it."""
+        verb = VERBS.get(self.mark)
+        return f"{verb} the {self.name}" if verb else super().told(wording)
 
     @property
     def text(self) -> str:
@@ -162,6 +215,21 @@ class All(Goal):
         """The parts of all parts."""
         for goal in self.goals:
             yield from goal.atoms()
+
+    def leaves(self) -> Iterator[Goal]:
+        """Those of all parts."""
+        for goal in self.goals:
+            yield from goal.leaves()
+
+    def told(self, wording: int) -> str:
+        """One request after the other; in wording 2 the last comes first."""
+        said = [told for goal in self.goals if (told := goal.told(wording))]
+        said = said[::-1] if wording == 2 else said
+        return ", ".join(said[:-1]) + f"{' and ' if said[1:] else ''}{said[-1]}" if said else ""
+
+    def beyond(self, scene: Rules, world: WorldState) -> bool:
+        """Whether that is so of any part."""
+        return any(goal.beyond(scene, world) for goal in self.goals)
 
     def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether all hold."""
@@ -186,12 +254,11 @@ class All(Goal):
 
 
 def progress(goal: Goal, scene: Rules, world: WorldState) -> float:
-    """The fraction of the goal's atoms that hold, 0..1."""
-    held = [atom.holds(scene, world) for atom in goal.atoms()]
-    return sum(held) / len(held)
+    """How much of the goal's parts is reached, 0..1."""
+    reached = [atom.reached(scene, world) for atom in goal.atoms()]
+    return sum(reached) / len(reached)
 
 
 def lost(goal: Goal, scene: Rules, world: WorldState) -> bool:
-    """True when a goal object lies where no robot can reach it: a rule, not a search."""
-    objects = (name for name in goal.names() if name in scene.objects)
-    return any(base_place(world, name) == FLOOR for name in objects)
+    """True when what the goal cannot do without lies where no robot can reach it: a rule, not a search."""
+    return goal.beyond(scene, world)

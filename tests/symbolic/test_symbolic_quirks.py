@@ -1,0 +1,135 @@
+"""Quirks of kitchens: each has its way, shows in the condition that its row names, and has the remedy that it names."""
+
+from __future__ import annotations
+
+import pytest
+from plain_kitchens import kitchen, play
+
+from remac_env.errors import UnknownNameError
+from remac_env.oracle import certify
+from remac_env.rules.conditions import condition
+from remac_env.rules.facts import Quirk
+from remac_env.rules.quirks import QUIRKS, QuirkKind, sentence_of
+from remac_env.rules.rounds import transition
+from remac_env.state import Place
+from remac_env.tasks.goals import All, DoorIs, Inside, Marked, Released, SwitchedOn
+
+FETCH = "navigate to {0}, pick up {0}, navigate to {1}, place to {1}"
+PAN_ON = FETCH.format("pan", "stove")
+CASES = {
+    "jammed door": ("cabinet", "", "navigate to cabinet, open cabinet door", "open cabinet door", ("cabinet",)),
+    "stuck object": ("carrot", "", "navigate to carrot, pick up carrot", "pick up carrot", ("robot_0", "carrot")),
+    "cold burner": ("stove.0", "", f"{PAN_ON}, turn on stove", "", ("stove",)),
+    "dead switch": ("stove", "", f"{PAN_ON}, turn on stove", "", ("stove",)),
+    "enabling switch": (
+        "stove", "faucet", "navigate to stove, turn on stove",
+        "navigate to faucet, turn on faucet, navigate to stove, turn on stove", ("stove",),
+    ),
+    "guard door": (
+        "stove", "cabinet", "navigate to cabinet, open cabinet door, navigate to stove, turn on stove",
+        "navigate to cabinet, close cabinet door, navigate to stove, turn on stove", ("stove",),
+    ),
+    "fuse": (
+        "faucet", "stove", "navigate to stove, turn on stove, navigate to faucet, turn on faucet",
+        "navigate to stove, turn on stove", ("stove",),
+    ),
+    "spring switch": (
+        "faucet", "", "navigate to faucet, turn on faucet, navigate aside", "navigate to faucet, turn on faucet, wait",
+        ("faucet",),
+    ),
+    "falling door": ("cabinet", "", "navigate to cabinet, open cabinet door, navigate aside", "", ("cabinet",)),
+    "swinging door": (
+        "cabinet", "", "navigate to cabinet, open cabinet door, close cabinet door, navigate aside",
+        "navigate to cabinet, open cabinet door, close cabinet door, wait", ("cabinet",),
+    ),
+    "full shelf": (
+        "cabinet", "", f"navigate to cabinet, open cabinet door, {FETCH.format('carrot', 'cabinet')}", "",
+        ("carrot", "cabinet"),
+    ),
+    "hot vessel": (
+        "stove", "", f"{PAN_ON}, turn on stove, pick up pan", "turn off stove, pick up pan", ("robot_0", "pan"),
+    ),
+    "dirty vessel": (
+        "plate", "", f"{FETCH.format('carrot', 'sink')}, turn on faucet, {FETCH.format('carrot', 'plate')}",
+        "", ("carrot", "washed"),
+    ),
+    "two hands": ("stove", "microwave", "navigate to stove, turn on stove", "", ("stove",)),
+}  # fmt: skip
+
+
+def test_there_are_ten_kinds_or_more_and_each_has_a_case() -> None:
+    assert len(QUIRKS) >= 10 and set(CASES) == set(QUIRKS)
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_a_quirk_shows_in_its_condition_and_nowhere_without_it(kind: str) -> None:
+    about, other, plan, remedy, names = CASES[kind]
+    shown = condition(QUIRKS[kind].shows, *names)
+    plain, world = kitchen()
+    without, _ = play(plain, world, plan)
+    assert shown.holds(plain, without)
+    scene, _ = kitchen(Quirk(kind, about, other))
+    after, ends = play(scene, world, plan)
+    assert not shown.holds(scene, after), sentence_of(scene.quirks[0])
+    if QUIRKS[kind].hinders:
+        assert not ends[-1]
+    if remedy:
+        mended, _ = play(scene, after, remedy)
+        assert shown.holds(scene, mended), QUIRKS[kind].remedy
+
+
+def test_what_it_takes_two_robots_for_they_can_do_together() -> None:
+    scene, world = kitchen(Quirk("falling door", "cabinet"), robots=2)
+    way = "navigate to carrot, pick up carrot, navigate to carrot, navigate to carrot, navigate to cabinet"
+    after, _ = play(scene, world, way, other="navigate to cabinet, open cabinet door, wait, navigate aside, wait")
+    assert after.fixtures["cabinet"].door == "closed"  # it fell before the other one came
+    scene, world = kitchen(Quirk("two hands", "stove", "microwave"), robots=2)
+    after, ends = play(scene, world, "navigate to stove, turn on stove", other="navigate to microwave, wait")
+    assert ends[-1] and after.fixtures["stove"].on
+
+
+@pytest.mark.parametrize("kind", ["cold burner", "enabling switch", "hot vessel", "jammed door", "spring switch"])
+def test_the_search_gets_round_a_quirk_and_needs_more_rounds(kind: str) -> None:
+    about, other, *_ = CASES[kind]
+    goal = {
+        "jammed door": All(Inside("carrot", "cabinet"), Released("carrot")),
+        "hot vessel": All(Marked("carrot", "heated"), Inside("pan", "counter"), Released("carrot")),
+    }.get(kind, All(Inside("pan", "stove"), SwitchedOn("stove", under="pan"), Released("pan")))
+    about = "stove" if kind == "spring switch" else about
+    if kind == "spring switch":
+        goal = All(goal, DoorIs("microwave", "open"))
+    plain, world = kitchen(gives={"stove": "heated"})
+    scene, _ = kitchen(Quirk(kind, about, other), gives={"stove": "heated"})
+    if kind == "hot vessel":
+        food = world.with_object("pan", place=Place("slot", "stove.0"))
+        world = food.with_object("carrot", place=Place("vessel", "pan"))
+    first, second = (certify(each, world, goal, max_rounds=20) for each in (plain, scene))
+    assert first.optimum is not None and second.optimum is not None
+    assert second.optimum > first.optimum or kind in ("hot vessel", "spring switch")
+    assert second.plan is not None
+    state = world
+    for joint in second.plan.rounds:
+        state, _ = transition(scene, state, joint)
+    assert goal.holds(scene, state)
+
+
+def test_a_row_that_shows_in_no_condition_is_refused() -> None:
+    with pytest.raises(UnknownNameError, match="shows"):
+        QuirkKind(name="ghost", sentence="{0}", shows="haunted", looks="", remedy="", draws=lambda rules: iter(()))
+
+
+def test_who_is_not_given_the_truth_is_given_the_kitchen_without_quirks() -> None:
+    scene, _ = kitchen(Quirk("dead switch", "stove"))
+    plain, _ = kitchen()
+    assert scene.without_quirks == plain and plain.without_quirks is plain
+
+
+def test_marks_are_given_by_fixtures_at_work_alone() -> None:
+    scene, world = kitchen(gives={"stove": "heated", "microwave": "heated"})
+    after, _ = play(scene, world, f"{FETCH.format('carrot', 'stove')}, turn on stove")
+    assert "heated" not in after.objects["carrot"].marks  # it lies on the flame itself
+    after, _ = play(scene, world, f"{PAN_ON}, {FETCH.format('carrot', 'pan')}, turn on stove")
+    assert "heated" in after.objects["carrot"].marks and "heated" in after.objects["pan"].marks
+    bare, world = kitchen()
+    after, _ = play(bare, world, f"{PAN_ON}, {FETCH.format('carrot', 'pan')}, turn on stove")
+    assert not after.objects["carrot"].marks
