@@ -66,7 +66,7 @@ class Terms:
     @cached_property
     def texts(self) -> dict[str, str]:
         """What each robot is told of itself and of the kitchen."""
-        kitchen = describe(public_scene(self.scene), list(self.commands), self.sentence)
+        kitchen = describe(public_scene(self.scene), list(self.commands), self.sentence, clock=self.options.clock)
         return {robot: f"You are {robot}.\n{kitchen}" for robot in self.scene.robots}
 
 
@@ -90,10 +90,14 @@ class Episode:
         self.outcomes = {**result.outcomes, **{name: _at(invalid[name], result.outcomes[name]) for name in invalid}}
         self.counters = self.counters + result.counters
         self.seconds += result.seconds
-        self.rounds += 1
         said = {name for name, subtask in subtasks.items() if subtask.skill == "done"}
         waits = {name for name, subtask in subtasks.items() if subtask.skill == "wait"}
         self.done = frozenset((self.done & waits) | said)
+        self.look()
+
+    def look(self) -> None:
+        """Judge the world as it is after one more round."""
+        self.rounds += 1
         for _, goal in self.terms.phases[self.phases_done :]:
             if not goal.holds(self.terms.scene, self.world):
                 break
@@ -137,7 +141,12 @@ class Episode:
             return "lost"
         if self.done >= set(terms.scene.robots):
             return "done"
-        return "truncated" if self.rounds >= terms.options.max_rounds else None
+        return "truncated" if self.out_of_time else None
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the episode is as long as it may be."""
+        return self.rounds >= self.terms.options.max_rounds
 
     def _outcome(self, robot: str) -> dict[str, Any]:
         """How the robot's last subtask ended; empty before the first."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from remac_env.actions import check_token
 from remac_env.errors import ActionError
+from remac_env.making import make_kitchen
 from remac_env.options import Options
 from remac_env.parallel import KitchenParallelEnv
 from remac_env.tasks import get as get_task
@@ -29,7 +30,7 @@ class KitchenEnv(gymnasium.Env[Any, Any]):
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 20}
 
     def __init__(self, task: str, *, robots: int = 1, **options: Any) -> None:
-        self.parallel = KitchenParallelEnv(get_task(task), Options(robots=robots, **options))
+        self.parallel: KitchenParallelEnv = make_kitchen(get_task(task), Options(robots=robots, **options))
         self.render_mode = self.parallel.render_mode
         self.vocabulary = self.parallel.vocabulary
         names, n = self.parallel.possible_agents, len(self.vocabulary)
@@ -65,9 +66,9 @@ class KitchenEnv(gymnasium.Env[Any, Any]):
         """
         if not self._running:
             raise ResetNeeded("step() needs an episode under way: call reset() first")
+        name = self.parallel.possible_agents[-1]  # all robots end together with one reward
         outputs = self.parallel.step(self._split(action))
         observations, rewards, terminations, truncations, infos = outputs
-        name = self.parallel.possible_agents[-1]  # all robots end together with one reward
         self._running = not (terminations[name] or truncations[name])
         return self._flat(observations), rewards[name], terminations[name], truncations[name], self._info(infos)
 

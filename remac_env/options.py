@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 
 from remac_env.errors import OptionError
 from remac_env.option_rows import Choice, Real, Whole, check_rows, option
+from remac_env.thinking import ThinkValues
 from remac_env.values import python_fields
 
 BACKENDS = ("physics", "symbolic")
@@ -22,6 +23,9 @@ OBSERVATIONS = ("state", "state+images")
 REWARDS = ("sparse", "progress", "distance")
 MASKS = ("grammar", "feasible")
 OBS_FORMATS = ("dict", "flat")
+CLOCKS = ("rounds", "events")
+"""rounds: all robots begin and end together; events: each is asked again when what it does has ended."""
+
 RENDER_MODES = (None, "rgb_array", "human")
 MAX_ROBOTS = 2
 
@@ -69,6 +73,17 @@ class Options:
         Choice(OBS_FORMATS), spoken=False,
     )  # fmt: skip
     failure_rate: float = option(0.0, "Probability that a subtask slips (symbolic).", Real(0.0, 1.0))
+    clock: str = option(
+        "rounds", "rounds (all robots begin and end together) or events (each is asked again when it has ended).",
+        Choice(CLOCKS),
+    )  # fmt: skip
+    max_seconds: float = option(
+        300.0, "Simulated seconds after which an episode is truncated (clock='events').", Real(1.0, 86_400.0)
+    )
+    think: str = option(
+        "off", "What thinking costs (clock='events'): off, fixed:S (seconds a command), tokens:S (seconds per 1,000 "
+        "tokens) or recorded (the time that it took).", ThinkValues(),
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         """Refuse values that are not offered.
@@ -82,6 +97,8 @@ class Options:
         if self.failure_rate and self.backend != "symbolic":
             raise OptionError("failure_rate is for backend='symbolic'; in physics use perception_noise")
 
+        if self.think != "off" and self.clock != "events":
+            raise OptionError(f"think={self.think!r} is for clock='events'; with clock='rounds' thinking costs nothing")
         if self.obs_format == "flat" and self.obs != "state":
             raise OptionError(f"obs_format='flat' has no room for the pictures of obs={self.obs!r}; valid: obs='state'")
 

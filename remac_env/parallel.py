@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,11 +14,13 @@ from remac_env.actions import check_actions, decode
 from remac_env.backends import make_backend
 from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms
-from remac_env.errors import LifecycleError, OptionError
+from remac_env.errors import LifecycleError
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.observation import Facts
+from remac_env.openings import observation_space, reset_options
 from remac_env.options import Options
 from remac_env.pictures import Moment, Pictures
+from remac_env.recordings import Recordings
 from remac_env.rewards import make_reward
 from remac_env.rules.claims import feasible
 from remac_env.seeding import generator
@@ -27,7 +28,8 @@ from remac_env.start import Start
 from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal
 from remac_env.tasks.spec import TaskSpec
-from remac_env.values import python_value, python_values
+from remac_env.values import python_value
+from remac_env.vocabulary import Vocabulary
 
 UNSEEDED_BELOW = 900_000
 """Seeds drawn for reset(seed=None) stay below this; the rest is kept for judging."""
@@ -38,7 +40,7 @@ Seen = dict[str, Any]
 Told = dict[str, dict[str, Any]]
 
 
-class KitchenParallelEnv(ParallelEnv[str, Any, int]):
+class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
     """A task with one or two robots; every step is a round in which each robot runs one subtask.
 
     Made by `remac_env.parallel_env`, which documents the options. Actions are tokens of `vocabulary`; observations are
@@ -50,7 +52,7 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
         self.worlds = TaskWorlds(spec)
         self.worlds.check_cell(options.style, options.layout)
         self.options = options
-        self.vocabulary = self.worlds.vocabulary
+        self.vocabulary = self._words()
         self.metadata = {
             "name": f"RemacKitchen-{spec.name}-v0",
             "render_modes": ["rgb_array", "human"],
@@ -63,7 +65,8 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
         self._facts = Facts(self.vocabulary)
         self._reward = make_reward(options.reward)
         self.action_spaces = {name: spaces.Discrete(len(self.vocabulary)) for name in self.possible_agents}
-        self.observation_spaces = {name: self._observation_space() for name in self.possible_agents}
+        sizes, names = {"facts": self._size, "tokens": len(self.vocabulary)}, self.possible_agents
+        self.observation_spaces = {name: observation_space(options, **sizes, cameras=CAMERAS) for name in names}
         self._backend: Backend | None = None
         self._episode: Episode | None = None
         self._pictures = Pictures(self.worlds)
@@ -105,9 +108,7 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
             seed = int(self._seeds.integers(UNSEEDED_BELOW))
         else:
             self._seeds = generator(seed, "seeds of further resets")
-        if options is not None and not isinstance(options, Mapping):
-            raise OptionError(f"options {options!r} is not valid; valid: a mapping, such as {{'style': 'modern_1'}}")
-        wanted = python_values(dict(options or {}))
+        wanted = reset_options(options)
         start, names = self.worlds.start(
             seed,
             style=wanted.get("style", self.options.style),
@@ -121,7 +122,7 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
             self._backend = make_backend(self.options, self.worlds)
             self._backend.watch = self._film
         self._pictures.rewind()
-        self._episode = Episode(Terms.of(self.worlds, self.options, start, names), self._backend.reset(start))
+        self._episode = self._begin(Terms.of(self.worlds, self.options, start, names), self._backend)
         self._film()
         self._mask = self.vocabulary.mask(start.scene)
         self._legal = {token: self.vocabulary.subtask(token) for token in self._episode.terms.commands.values()}
@@ -141,14 +142,15 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
             LifecycleError: before reset, after the end of the episode, or after close.
             ActionError: for missing or unknown robots, or values that are not whole numbers; nothing has changed then.
         """
-        self._check_open()
-        if not self.agents or self._backend is None:
-            raise LifecycleError("step() needs an episode under way: call reset() first")
-        episode = self._running()
+        backend, episode = self._playing(), self._running()
         subtasks, invalid = decode(check_actions(actions, self.agents), self._legal)
-        episode.advance(subtasks, invalid, self._backend.run_round(subtasks))
+        episode.advance(subtasks, invalid, backend.run_round(subtasks))
+        return self._answer(episode)
+
+    def _answer(self, episode: Episode) -> tuple[Seen, dict[str, float], dict[str, bool], dict[str, bool], Told]:
+        """What `step` returns of an episode that has been judged."""
         self._film()
-        reward = self._reward.pay(episode.world, success=episode.end == "success")
+        reward = self._pay(episode)
         truncated = episode.end == "truncated"
         terminated = episode.end is not None and not truncated
         outputs = (
@@ -209,24 +211,6 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
                 mask[token] = feasible(episode.terms.scene, episode.world, agent, subtask)
         return mask
 
-    def start_recording(self) -> None:
-        """Keep the motion of the next episodes, each from its reset on, for `save_recording`. Draws nothing yet."""
-        self._pictures.record()
-
-    def save_recording(self, path: str | Path) -> int:
-        """Draw what was recorded since the last reset as a time-lapse WebM video; returns its frames, at most 150.
-
-        Raises:
-            LifecycleError: without start_recording and reset before.
-            OptionError: if the path does not end in .webm or cannot be written.
-            RenderingError: if no picture can be made with the settings at hand.
-        """
-        return self._pictures.save(path)
-
-    def recorded_rounds(self) -> list[float]:
-        """When each round begins in that video, seconds from its beginning; empty where nothing was recorded."""
-        return self._pictures.begins(self._running().rounds)
-
     # -- what the episode is ----------------------------------------------------------------------------------------
 
     @property
@@ -255,6 +239,12 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
             raise LifecycleError("no episode has begun: call reset() first")
         return self._episode
 
+    def _playing(self) -> Backend:
+        self._check_open()
+        if not self.agents or self._backend is None:
+            raise LifecycleError("step() needs an episode under way: call reset() first")
+        return self._backend
+
     def _check_open(self) -> None:
         if self._closed:
             raise LifecycleError("this environment is closed: make a new one")
@@ -267,21 +257,27 @@ class KitchenParallelEnv(ParallelEnv[str, Any, int]):
         """Called by the backend once a control period, and after each round: the symbolic one has no periods."""
         self._pictures.film(self._moment)
 
-    def _observation_space(self) -> spaces.Space[Any]:
-        size = self.options.image_size
-        if self.options.obs_format == "flat":
-            return spaces.Box(0.0, 1.0, (self._facts.size,), np.float32)
-        parts: dict[str, spaces.Space[Any]] = {
-            "observation": spaces.Box(0.0, 1.0, (self._facts.size,), np.float32),
-            "action_mask": spaces.Box(0, 1, (len(self.vocabulary),), np.int8),
-        }
-        if self.options.obs == "state+images":
-            parts |= {camera: spaces.Box(0, 255, (size, size, 3), np.uint8) for camera in CAMERAS}
-        return spaces.Dict(parts)
+    # -- what a kitchen with another clock has otherwise --------------------------------------------------------------
+
+    def _words(self) -> Vocabulary:
+        return self.worlds.vocabulary
+
+    def _begin(self, terms: Terms, backend: Backend) -> Episode:
+        return Episode(terms, backend.reset(terms.start))
+
+    def _pay(self, episode: Episode) -> float:
+        return self._reward.pay(episode.world, success=episode.end == "success")
+
+    @property
+    def _size(self) -> int:
+        return self._facts.size
+
+    def _vectors(self) -> dict[str, NDArray[np.float32]]:
+        episode = self._running()
+        return self._facts.vectors(episode.terms.scene, episode.world, self.agents)
 
     def _observations(self) -> Seen:
-        episode = self._running()
-        facts = self._facts.vectors(episode.terms.scene, episode.world, self.agents)
+        facts = self._vectors()
         if self.options.obs_format == "flat":
             return dict(facts)
         seen: Told = {n: {"observation": facts[n], "action_mask": self.action_mask(n)} for n in self.agents}

@@ -12,6 +12,7 @@ from remac_env.tasks.spec import TaskSpec
 
 if TYPE_CHECKING:
     from remac_env.aec import KitchenAECEnv
+    from remac_env.event_aec import KitchenEventAEC
     from remac_env.parallel import KitchenParallelEnv
 
 
@@ -47,16 +48,22 @@ def parallel_env(task: str, **options: Any) -> KitchenParallelEnv:
         UnknownNameError: for an unknown task, style, layout or option value; lists the valid ones.
         OptionError: for a number outside its range.
     """
-    from remac_env.parallel import KitchenParallelEnv
+    from remac_env.making import make_kitchen
 
-    return KitchenParallelEnv(get(task), Options(**options))
+    return make_kitchen(get(task), Options(**options))
 
 
-def env(task: str, robots: int = 2, **options: Any) -> KitchenAECEnv:
-    """The same as a PettingZoo AEC environment; keywords as for `parallel_env`."""
+def env(task: str, robots: int = 2, **options: Any) -> KitchenAECEnv | KitchenEventAEC:
+    """The same as a PettingZoo AEC environment; keywords as for `parallel_env`.
+
+    With clock="events" it is a native one: robots are asked when they are ready, and nobody is asked who is busy.
+    """
     from remac_env.aec import KitchenAECEnv
+    from remac_env.event_aec import KitchenEventAEC
+    from remac_env.event_parallel import KitchenEventEnv
 
-    return KitchenAECEnv(parallel_env(task, robots, **options))
+    kitchen = parallel_env(task, robots, **options)
+    return KitchenEventAEC(kitchen) if isinstance(kitchen, KitchenEventEnv) else KitchenAECEnv(kitchen)
 
 
 enter_ids(known)

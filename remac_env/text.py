@@ -10,7 +10,7 @@ from remac_env.rules.scene import PublicScene
 from remac_env.state import Place, WorldState
 
 
-def describe(scene: PublicScene, commands: Sequence[str], goal: str) -> str:
+def describe(scene: PublicScene, commands: Sequence[str], goal: str, *, clock: str = "rounds") -> str:
     """The scene as names alone, how it is used, and the goal sentence; facts, and no states."""
     return "\n".join(
         (
@@ -18,15 +18,16 @@ def describe(scene: PublicScene, commands: Sequence[str], goal: str) -> str:
             f"Fixtures: {', '.join(scene.fixtures)}.",
             f"Objects: {', '.join(sorted(scene.objects))}.",
             f"Commands: {', '.join(commands)}.",
-            describe_use(scene),
+            describe_use(scene, clock=clock),
             f"Goal: {goal}.",
         )
     )
 
 
-def describe_use(scene: PublicScene) -> str:
+def describe_use(scene: PublicScene, *, clock: str = "rounds") -> str:
     """What rounds and places are, and what has room where: what everybody may know who plans here or mends a plan."""
-    return "\n".join((*_rounds(scene), *_places(scene), *describe_room(scene), *_vessels(scene)))
+    course = _rounds(scene) if clock == "rounds" else _events(scene)
+    return "\n".join((*course, *_places(scene, clock=clock), *describe_room(scene), *_vessels(scene)))
 
 
 def _rounds(scene: PublicScene) -> tuple[str, ...]:
@@ -41,7 +42,20 @@ def _rounds(scene: PublicScene) -> tuple[str, ...]:
     )
 
 
-def _places(scene: PublicScene) -> list[str]:
+def _events(scene: PublicScene) -> tuple[str, ...]:
+    """What becomes of commands where robots do not wait for each other."""
+    aside = "`navigate aside` takes the robot out of the way, where it can use nothing."
+    if len(scene.robots) == 1:
+        done = "`done` says that the robot has finished, and the episode ends."
+        return (f"Commands take time. `wait` lasts until something happens, or 5 seconds. {done} {aside}",)
+    return (
+        "Commands take time, and each robot is asked for its next one when its own has ended, whatever the others do.",
+        "`wait` lasts until something happens, or 5 seconds if all wait. `done` says that the robot has finished; the "
+        f"episode ends when all have. {aside}",
+    )
+
+
+def _places(scene: PublicScene, *, clock: str) -> list[str]:
     """What can be used from where, as far as names say it, and where two robots cannot be together."""
     shared = (scene.used_from(station) for station in scene.stations)
     groups = dict.fromkeys(_listed(names) for names in shared if len(names) > 1)
@@ -50,8 +64,12 @@ def _places(scene: PublicScene) -> list[str]:
     lines += [f"The same place serves {names}." for names in groups]
     lines += [f"Along {several} there are several places; an object there is used from one of them."] if several else []
     if len(scene.robots) > 1:
-        lines.append("Two robots cannot be in the same place, but one may leave it in the round in which the other")
-        lines.append("arrives; out of the way there is room for all.")
+        if clock == "rounds":
+            lines.append("Two robots cannot be in the same place, but one may leave it in the round in which the other")
+            lines.append("arrives; out of the way there is room for all.")
+        else:
+            lines.append("Two robots cannot be in the same place, and it is taken from when one sets out for it until")
+            lines.append("that one has left; out of the way there is room for all.")
         pairs = (sorted(_listed(scene.used_from(station)) for station in pair) for pair in scene.conflicts)
         lines += [f"While one robot is by {one}, no other can be by {other}." for one, other in sorted(pairs)]
     return [" ".join(lines)]

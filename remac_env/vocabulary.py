@@ -57,9 +57,10 @@ class Vocabulary:
     Args:
         nouns: in the order of their tokens. One that comes again has further uses: their tokens come there, so that
             those before do not move.
+        words: tokens after all others that are no subtasks and no command of a planner, such as `continue`.
     """
 
-    def __init__(self, nouns: Iterable[Noun], *, version: int) -> None:
+    def __init__(self, nouns: Iterable[Noun], *, version: int, words: Iterable[str] = ()) -> None:
         self.entries = tuple(nouns)
         found: dict[str, Noun] = {}
         for noun in self.entries:
@@ -73,10 +74,16 @@ class Vocabulary:
         self.version = version
         self._subtasks = tuple(dict.fromkeys(_subtasks(self.entries)))
         self._tokens = {subtask.text: token for token, subtask in enumerate(self._subtasks)}
+        self.words = tuple(words)
+        self._word_tokens = {word: len(self._subtasks) + place for place, word in enumerate(self.words)}
         self._targets = tuple((s.text, s.target, SKILLS[s.skill].target) for s in self._subtasks)
 
     def __len__(self) -> int:
-        return len(self._subtasks)
+        return len(self._subtasks) + len(self.words)
+
+    def with_words(self, words: Iterable[str]) -> Vocabulary:
+        """A copy with these words as its last tokens."""
+        return Vocabulary(self.entries, version=self.version, words=words)
 
     def extended(self, nouns: Iterable[Noun]) -> Vocabulary:
         """A copy with nouns of a task from outside appended; the tokens at hand do not move.
@@ -100,14 +107,21 @@ class Vocabulary:
         Raises:
             UnknownNameError: if no command reads so; the message offers the nearest ones.
         """
-        token = self._tokens.get(normalise(text)) if isinstance(text, str) else None
+        known = isinstance(text, str)
+        token = self._tokens.get(normalise(text), self._word_tokens.get(text)) if known else None
         if token is None:
             raise UnknownNameError(f"unknown subtask {text!r}; {self._nearest(text)}")
         return token
 
     def decode(self, token: int) -> str:
-        """The command of a token."""
-        return self.subtask(token).text
+        """The command or word of a token."""
+        word = self.word(token)
+        return self.subtask(token).text if word is None else word
+
+    def word(self, token: int) -> str | None:
+        """The word of a token that is no subtask; None for any other."""
+        token = python_value(token)
+        return next((word for word, number in self._word_tokens.items() if number == token), None)
 
     def subtask(self, token: int) -> Subtask:
         """The subtask of a token.
@@ -117,8 +131,8 @@ class Vocabulary:
         """
         token = python_value(token)
         whole = isinstance(token, int) and not isinstance(token, bool)
-        if not whole or not 0 <= token < len(self):
-            raise UnknownNameError(f"unknown token {token!r}; valid: 0..{len(self) - 1}")
+        if not whole or not 0 <= token < len(self._subtasks):
+            raise UnknownNameError(f"unknown token {token!r}; valid: 0..{len(self._subtasks) - 1}")
         return self._subtasks[token]
 
     def parse(self, text: str) -> Subtask | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -72,10 +73,13 @@ class Backend(Protocol):
             UnknownNameError: for a robot that is not in the kitchen.
         """
 
-    def advance(self) -> Mapping[str, Outcome]:
+    def advance(self, *, until: float = math.inf) -> Mapping[str, Outcome]:
         """Run until the next subtask ends; the outcomes of all that end then, nothing where nobody is busy.
 
         Each is judged by the world as it is then. When the last robot ends the kitchen comes to rest first.
+
+        Args:
+            until: what the `clock` shows at most, s: where nothing has ended by then, time has passed until then.
         """
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
@@ -92,6 +96,14 @@ class Backend(Protocol):
     @property
     def busy(self) -> frozenset[str]:
         """The robots whose subtasks have begun and not ended."""
+
+    @property
+    def clock(self) -> float:
+        """Simulated seconds since the start."""
+
+    @property
+    def counters(self) -> Counters:
+        """What has been counted since the start."""
 
     def positions(self) -> NDArray[np.float64] | None:
         """Joint positions now (qpos, rad and m), or None where nothing is simulated."""

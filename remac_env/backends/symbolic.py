@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
-from remac_env.backends.base import RoundResult, Start, check_all_idle, check_idle
+from remac_env.backends.base import Counters, RoundResult, Start, check_all_idle, check_idle
 from remac_env.errors import LifecycleError, OptionError
 from remac_env.rules.claims import Claim, settle_claims
 from remac_env.rules.facts import Rules
@@ -17,6 +18,17 @@ from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.seeding import generator
 from remac_env.state import WorldState
+
+CLOCK_DIGITS = 6
+"""Decimals of a second that the clock keeps, so that what should end together does."""
+
+Seconds = Callable[[Subtask], float]
+"""How long a subtask takes, s."""
+
+
+def nominal(subtask: Subtask) -> float:
+    """The seconds of the skill table: means that were seen in physics (benchmarks/skills.py)."""
+    return SKILLS[subtask.skill].seconds
 
 
 class _Running(NamedTuple):
@@ -36,13 +48,14 @@ class SymbolicBackend:
     Args:
         failure_rate: probability in 0..1 that an accepted subtask other than `wait` and `done` slips and changes
             nothing, drawn from a generator of the episode.
+        seconds: how long a subtask takes that is accepted now; those of the skill table by default.
     """
 
-    def __init__(self, *, failure_rate: float = 0.0) -> None:
+    def __init__(self, *, failure_rate: float = 0.0, seconds: Seconds = nominal) -> None:
         if not 0.0 <= failure_rate <= 1.0:
             raise OptionError(f"failure_rate {failure_rate!r} is not valid; valid: 0..1")
         self.watch: Callable[[], None] | None = None
-        self._failure_rate = failure_rate
+        self._failure_rate, self._seconds = failure_rate, seconds
         self._start: Start | None = None
         self._world: WorldState | None = None
         self._chance = np.random.default_rng(0)
@@ -65,10 +78,10 @@ class SymbolicBackend:
             self._running[robot] = _Running(subtasks[robot], stations[robot], told.pop(robot), world, after)
         return told
 
-    def advance(self) -> dict[str, Outcome]:
+    def advance(self, *, until: float = math.inf) -> dict[str, Outcome]:
         """Run until the next subtask ends; the outcomes of all that end then."""
         start, _ = self._begun("advance")
-        ended = self._next()
+        ended = self._next(until)
         if ended:
             self._came_to_rest(start)
         return ended
@@ -93,6 +106,17 @@ class SymbolicBackend:
     def busy(self) -> frozenset[str]:
         """The robots whose subtasks have begun and not ended."""
         return frozenset(self._running)
+
+    @property
+    def clock(self) -> float:
+        """Simulated seconds since the start."""
+        self._begun("clock")
+        return self._clock
+
+    @property
+    def counters(self) -> Counters:
+        """Nothing is counted."""
+        return Counters()
 
     def positions(self) -> None:
         """Nothing is simulated."""
@@ -133,11 +157,13 @@ class SymbolicBackend:
         told = {robot: self._timed(outcome, subtasks[robot]) for robot, outcome in outcomes.items()}
         return told, stations, results, merged
 
-    def _next(self) -> dict[str, Outcome]:
+    def _next(self, until: float = math.inf) -> dict[str, Outcome]:
         """Let the subtasks end whose time is over first; water has not run yet."""
-        if self._world is None or not self._running:
+        first = min((run.outcome.ended for run in self._running.values()), default=math.inf)
+        if self._world is None or first > until or math.isinf(first):
+            self._clock = self._clock if math.isinf(until) else max(self._clock, until)
             return {}
-        self._clock = min(run.outcome.ended for run in self._running.values())
+        self._clock = first
         ended = {robot: run for robot, run in self._running.items() if run.outcome.ended == self._clock}
         for robot, run in ended.items():
             self._world = carried(run.before, run.after, self._world)
@@ -160,6 +186,7 @@ class SymbolicBackend:
 
     def _timed(self, outcome: Outcome, subtask: Subtask) -> Outcome:
         """An outcome with nominal seconds from now on: a refusal takes none."""
-        seconds = 0.0 if outcome.refused else SKILLS[subtask.skill].seconds
+        seconds = 0.0 if outcome.refused else self._seconds(subtask)
         status, reason, detail, refused = outcome.status, outcome.reason, outcome.detail, outcome.refused
-        return Outcome(status, reason, detail, seconds, refused, self._clock, self._clock + seconds)
+        ended = round(self._clock + seconds, CLOCK_DIGITS)
+        return Outcome(status, reason, detail, seconds, refused, self._clock, ended)

@@ -13,6 +13,7 @@ from remac_env.testing.actions import check_actions, check_masks
 from remac_env.testing.changes import check_changes
 from remac_env.testing.commands import check_commands
 from remac_env.testing.determinism import check_determinism
+from remac_env.testing.events import check_events
 from remac_env.testing.lifecycle import check_lifecycle
 from remac_env.testing.names import check_names, swap_robots
 from remac_env.testing.play import ContractError, EnvMaker
@@ -28,6 +29,7 @@ __all__ = [
     "check_changes",
     "check_commands",
     "check_determinism",
+    "check_events",
     "check_lifecycle",
     "check_masks",
     "check_names",

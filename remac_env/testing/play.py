@@ -125,6 +125,8 @@ def scripted(script: list[Tokens], *, otherwise: int) -> Choice:
 
 
 def _workable(vocabulary: Vocabulary, token: int, info: Mapping[str, Any], robot: str) -> bool:
+    if vocabulary.word(token) is not None:
+        return False
     subtask = vocabulary.subtask(token)
     if subtask.skill == "wait":
         return False

@@ -81,6 +81,6 @@ def test_a_rule_would_be_found() -> None:
 
 def test_the_digest_of_a_start_knows_nothing_of_the_text(monkeypatch: pytest.MonkeyPatch) -> None:
     before = kitchen().start.digest
-    monkeypatch.setattr("remac_env.episode.describe", lambda *_: "another text")
+    monkeypatch.setattr("remac_env.episode.describe", lambda *_, **__: "another text")
     env = kitchen()
     assert env.start.digest == before

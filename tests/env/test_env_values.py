@@ -28,7 +28,8 @@ GIVEN: dict[str, Any] = {
     "robots": 1, "backend": "symbolic", "style": "rustic", "layout": "galley", "starts": "mixed",
     "obs": "state+images", "text": "states", "feedback": "reason", "wording": 2, "naming": "category",
     "perception_noise": 0.1, "image_size": 32, "render_mode": "rgb_array", "max_rounds": 7, "reward": "progress",
-    "failure_rate": 0.3, "masks": "feasible", "obs_format": "dict",
+    "failure_rate": 0.3, "masks": "feasible", "obs_format": "dict", "clock": "events", "max_seconds": 64.0,
+    "think": "fixed:2",
 }  # fmt: skip
 """A value of every keyword of `parallel_env`."""
 

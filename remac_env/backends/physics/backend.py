@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
@@ -33,7 +34,7 @@ class PhysicsBackend:
         self.watch: Callable[[], None] | None = None
         self.probe: Callable[[], None] | None = None
         self._timeline: Timeline | None = None
-        self._played: list[tuple[str, dict[str, Subtask]]] = []
+        self._played: list[tuple[str, dict[str, Subtask], float]] = []
 
     def __getstate__(self) -> dict[str, Any]:
         """What a copy is made from: the start and what was played. `watch` and `probe` stay behind."""
@@ -45,9 +46,9 @@ class PhysicsBackend:
         self.__init__(state["worlds"])  # type: ignore[misc]
         if state["start"] is not None:
             self.reset(state["start"])
-            for call, subtasks in state["played"]:
+            for call, subtasks, until in state["played"]:
                 if call == "advance":
-                    self.advance()
+                    self.advance(until=until)
                 else:
                     (self.begin if call == "begin" else self.run_round)(subtasks)
 
@@ -64,11 +65,11 @@ class PhysicsBackend:
         with self._playing("begin", subtasks):
             return timeline.begin(subtasks)
 
-    def advance(self) -> dict[str, Outcome]:
+    def advance(self, *, until: float = math.inf) -> dict[str, Outcome]:
         """Run until the next subtask ends; the outcomes of all that end then."""
         timeline = self._begun()
-        with self._playing("advance", {}):
-            return timeline.advance(self.watch)
+        with self._playing("advance", {}, until):
+            return timeline.advance(self.watch, until)
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """Every robot runs its subtask at the same time, until each has ended and the kitchen is at rest."""
@@ -118,12 +119,17 @@ class PhysicsBackend:
         return self._begun().busy
 
     @property
+    def clock(self) -> float:
+        """Simulated seconds since the start."""
+        return self._begun().clock
+
+    @property
     def counters(self) -> Counters:
         """What has been counted since the start."""
         return self._begun().counters
 
     @contextmanager
-    def _playing(self, call: str, subtasks: Mapping[str, Subtask]) -> Iterator[None]:
+    def _playing(self, call: str, subtasks: Mapping[str, Subtask], until: float = math.inf) -> Iterator[None]:
         """Remember a call that comes to its end; one that is broken off leaves no robot busy."""
         timeline = self._begun()
         timeline.simulation.probe = self.probe
@@ -132,7 +138,7 @@ class PhysicsBackend:
         except BaseException:
             timeline.abandon()
             raise
-        self._played.append((call, dict(subtasks)))
+        self._played.append((call, dict(subtasks), until))
 
     def _begun(self) -> Timeline:
         if self._timeline is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -98,13 +99,18 @@ class Timeline:
         self._batches += 1
         return {robot: self._timed(outcome, now) for robot, outcome in refused.items()}
 
-    def advance(self, watch: Watch) -> dict[str, Outcome]:
+    @property
+    def clock(self) -> float:
+        """Simulated seconds since the start, to the control period."""
+        return round((self.simulation.ticks - self._zero) * CONTROL_PERIOD, 2)
+
+    def advance(self, watch: Watch, until: float = math.inf) -> dict[str, Outcome]:
         """Run to the next end of a subtask; see the backend."""
         before, tasks = self.world, dict(self._tasks)
-        ended = self._run(watch)
-        if not ended:
+        ended = self._run(watch, until)
+        if not ended and math.isinf(until):
             return {}
-        if not self._attempts:
+        if ended and not self._attempts:
             self._settle()
         self.world = self._truth.read()
         return self._judge(ended, tasks, before, {robot: task.subtask for robot, task in tasks.items()})
@@ -138,10 +144,10 @@ class Timeline:
             self._crew.finished(robot)
         self._attempts, self._tasks, self._stepped, self._fell = {}, {}, set(), {}
 
-    def _run(self, watch: Watch) -> dict[str, Outcome]:
+    def _run(self, watch: Watch, until: float = math.inf) -> dict[str, Outcome]:
         """Run until a subtask ends; how each that ends then has ended, by its controller's own word."""
         ended: dict[str, Outcome] = {}
-        while self._attempts:
+        while self._attempts or not math.isinf(until):
             for robot in [robot for robot in self._attempts if robot not in self._stepped]:
                 try:
                     next(self._attempts[robot])
@@ -150,7 +156,7 @@ class Timeline:
                     ended[robot] = self._timed(end.value, self._tasks[robot].began)
                     del self._attempts[robot], self._tasks[robot]
                     self._crew.finished(robot)
-            if ended:
+            if ended or self.clock >= until:
                 break
             self.tick()
             self._stepped.clear()

@@ -1,0 +1,83 @@
+"""One running episode under the event clock: who is at what, and what each robot is told of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from remac_env.backends.base import Counters
+from remac_env.episode import Episode
+from remac_env.events.clock import EventClock
+from remac_env.rules.outcomes import Outcome
+from remac_env.state import WorldState
+
+
+@dataclass
+class Decision:
+    """A robot's last decision: when it was, s on the clock, what has been gained since, and how many it has made."""
+
+    at: float = 0.0
+    gained: float = 0.0
+    count: int = 0
+
+
+@dataclass
+class EventEpisode(Episode):
+    """The changeable side, looked at in decision points; `rounds` counts them.
+
+    Attributes:
+        clock: runs the kitchen from one decision point to the next.
+        continues: the token of a robot that is busy.
+    """
+
+    clock: EventClock = field(kw_only=True)
+    continues: int = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Nobody has decided anything yet."""
+        self._decisions = {robot: Decision() for robot in self.terms.scene.robots}
+
+    def decided(self) -> None:
+        """The robots that are ready decide now."""
+        for robot in self.clock.ready:
+            self._decisions[robot] = Decision(self.clock.now, 0.0, self._decisions[robot].count + 1)
+
+    def arrive(self, world: WorldState, outcomes: Mapping[str, Outcome], counters: Counters) -> None:
+        """Take over a decision point, and judge it."""
+        self.world, self.outcomes, self.counters = world, dict(outcomes), counters
+        self.seconds, self.done = self.clock.now, self.clock.done
+        self.look()
+
+    def gain(self, reward: float) -> None:
+        """Every robot gains what this decision point is worth."""
+        for decision in self._decisions.values():
+            decision.gained += reward
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the episode is as long as it may be."""
+        return self.clock.over
+
+    def info(self, robot: str) -> dict[str, Any]:
+        """What `infos[robot]` holds: that of an episode in rounds, and what time adds to it."""
+        doing, now, last = self.clock.doing(robot), self.clock.now, self._decisions[robot]
+        return super().info(robot) | {
+            "ready": doing is None and self.end is None,
+            "running": "" if doing is None else doing.text,
+            "elapsed": 0.0 if doing is None else round(now - doing.since, 6),
+            "tau": round(now - last.at, 6),
+            "return": float(last.gained),
+            "decision": last.count,
+            "continue": self.continues,
+            "max_seconds": float(self.terms.options.max_seconds),
+        }
+
+    def _text(self, robot: str) -> str:
+        now = self.clock.now
+        lines = [super()._text(robot), f"The clock shows {now:g} of {self.terms.options.max_seconds:g} s."]
+        for name in self.terms.scene.robots:
+            doing = self.clock.doing(name)
+            if doing is not None:
+                lines.append(f"{name}: {doing.text}, for {now - doing.since:g} s so far.")
+        return "\n".join(lines)

@@ -1,0 +1,126 @@
+"""The kitchen under the event clock as a PettingZoo ParallelEnv: a step runs to the next decision point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remac_env.actions import check_actions, decode
+from remac_env.backends.base import Backend
+from remac_env.episode import Episode, Terms
+from remac_env.errors import LifecycleError, UnknownNameError
+from remac_env.event_episode import EventEpisode
+from remac_env.events.clock import EventClock, Order
+from remac_env.events.observation import time_size, time_vector
+from remac_env.parallel import KitchenParallelEnv, Seen, Told
+from remac_env.thinking import NO_THOUGHT, Thought, thinking_seconds
+from remac_env.vocabulary import Vocabulary
+
+CONTINUE = "continue"
+"""What a busy robot is told: to go on with what it is at."""
+
+
+class KitchenEventEnv(KitchenParallelEnv):
+    """A task whose robots do not wait for each other. Every step runs to the next decision point.
+
+    The last token of the vocabulary is `continue`: a busy robot's mask holds it and nothing else, and whatever else it
+    is told changes nothing. A robot's mask is that of the rounds whenever it is ready. `infos` say beside the rest:
+    `ready`; `running`, the command that is under way, or "thinking" ("": none); `elapsed`, for how many seconds;
+    `seconds`, the clock; `tau` and `return`, seconds and rewards since the robot's last decision; `decision`, how many
+    it has made; `continue`, the token; `max_seconds`. `outcome` is {} unless the robot's subtask ended just now.
+    Observations end in figures about time: `remac_env.events.observation`.
+    """
+
+    def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Seen, Told]:
+        """Begin the episode of this seed; see KitchenParallelEnv.reset."""
+        self._thoughts: dict[str, Thought] = {}
+        return super().reset(seed=seed, options=options)
+
+    def step(
+        self, actions: Mapping[str, int]
+    ) -> tuple[Seen, dict[str, float], dict[str, bool], dict[str, bool], Told]:
+        """Run to the next decision point: a subtask ended, an event became visible, a thought arrived, or time is up.
+
+        Args:
+            actions: a token for every robot in `agents`. For a ready robot a masked or unknown token is a second lost,
+                outcome `invalid`.
+
+        Raises:
+            LifecycleError: before reset, after the end of the episode, or after close.
+            ActionError: for missing or unknown robots, or values that are not whole numbers; nothing has changed then.
+        """
+        backend, episode = self._playing(), self._timed()
+        tokens = check_actions(actions, self.agents)
+        subtasks, invalid = decode({robot: tokens[robot] for robot in episode.clock.ready}, self._legal)
+        thoughts, self._thoughts = self._thoughts, {}
+        orders = {
+            robot: Order(subtask, self._cost(thoughts.get(robot, NO_THOUGHT)), invalid.get(robot))
+            for robot, subtask in subtasks.items()
+        }
+        episode.decided()
+        outcomes = episode.clock.run(orders)
+        episode.arrive(backend.world, outcomes, backend.counters)
+        return self._answer(episode)
+
+    def note_thought(self, robot: str, thought: Thought) -> None:
+        """Say what went into the token that a robot is given in the next step; `think` says what that costs.
+
+        Raises:
+            LifecycleError: where no episode is under way.
+            UnknownNameError: for a robot that must not decide now.
+        """
+        self._playing()
+        ready = self._timed().clock.ready
+        if robot not in ready:
+            raise UnknownNameError(f"{robot!r} is not asked now; valid: {', '.join(ready) or 'none'}")
+        self._thoughts[robot] = thought
+
+    def action_mask(self, agent: str) -> NDArray[np.int8]:
+        """The tokens that this robot may choose now; 1 or 0, shape (N,). Never without a 1."""
+        if self._timed().clock.doing(agent) is None:
+            return super().action_mask(agent)
+        mask = np.zeros(len(self.vocabulary), np.int8)
+        mask[self._continue] = 1
+        return mask
+
+    def _cost(self, thought: Thought) -> float:
+        return thinking_seconds(self.options.think, thought)
+
+    def _words(self) -> Vocabulary:
+        return self.worlds.vocabulary.with_words((CONTINUE,))
+
+    @property
+    def _continue(self) -> int:
+        return self.vocabulary.encode(CONTINUE)
+
+    def _begin(self, terms: Terms, backend: Backend) -> Episode:
+        world = backend.reset(terms.start)
+        clock = EventClock(backend, self.possible_agents, deadline=self.options.max_seconds)
+        return EventEpisode(terms, world, clock=clock, continues=self._continue)
+
+    def _timed(self) -> EventEpisode:
+        episode = self._running()
+        if not isinstance(episode, EventEpisode):
+            raise LifecycleError("this episode has no clock: call reset() first")
+        return episode
+
+    def _pay(self, episode: Episode) -> float:
+        reward = super()._pay(episode)
+        self._timed().gain(reward)
+        return reward
+
+    @property
+    def _size(self) -> int:
+        return self._facts.size + time_size(len(self.possible_agents))
+
+    def _vectors(self) -> dict[str, NDArray[np.float32]]:
+        clock, robots = self._timed().clock, self.possible_agents
+        doing = {robot: clock.doing(robot) for robot in robots}
+        limits = {"now": clock.now, "deadline": self.options.max_seconds}
+        return {
+            robot: np.concatenate((facts, time_vector(robot, robots, doing, **limits)))
+            for robot, facts in super()._vectors().items()
+        }

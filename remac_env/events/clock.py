@@ -1,0 +1,168 @@
+"""The event clock: runs a backend from one decision point to the next.
+
+A decision point is a moment at which a subtask ended, an event became visible, a thought arrived, or the time is up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from remac_env.backends.base import Backend
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.subtasks import DONE, WAIT, Subtask
+
+IDLE = 5.0
+"""s until the next decision point where all robots wait and nothing else happens, so that time always moves."""
+
+REFUSAL = 1.0
+"""s that a command takes which is refused or means nothing: less than any subtask (6 s and more), and not nothing."""
+
+DIGITS = 6
+"""Decimals of a second that are kept, so that what is due together comes together."""
+
+Kind = Literal["thinking", "working", "waiting", "declined"]
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What a ready robot is told to do. `think`: s until it takes effect; `invalid`: why it means nothing."""
+
+    subtask: Subtask
+    think: float = 0.0
+    invalid: Outcome | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Doing:
+    """What a robot is at. `since`, `until`: s on the clock; `outcome`: how it ends where that is known already."""
+
+    kind: Kind
+    subtask: Subtask
+    since: float
+    until: float = math.inf
+    outcome: Outcome | None = None
+
+    @property
+    def text(self) -> str:
+        """It in words: a command, or what stands in place of one."""
+        return "thinking" if self.kind == "thinking" else self.subtask.text
+
+
+class EventClock:
+    """Runs one episode of a backend that has been reset.
+
+    Args:
+        robots: all robots of the kitchen.
+        deadline: s on the kitchen's clock at which the episode is over.
+    """
+
+    def __init__(self, backend: Backend, robots: Sequence[str], *, deadline: float) -> None:
+        self._backend, self._robots, self._deadline = backend, tuple(robots), deadline
+        self._doing: dict[str, Doing] = {}
+        self.done: frozenset[str] = frozenset()
+
+    @property
+    def now(self) -> float:
+        """s since the start."""
+        return self._backend.clock
+
+    @property
+    def ready(self) -> tuple[str, ...]:
+        """The robots that must decide now."""
+        return tuple(robot for robot in self._robots if robot not in self._doing)
+
+    @property
+    def over(self) -> bool:
+        """Whether the time is up."""
+        return self.now >= self._deadline
+
+    def doing(self, robot: str) -> Doing | None:
+        """What a robot is at; None for one that is ready."""
+        return self._doing.get(robot)
+
+    def run(self, orders: Mapping[str, Order]) -> dict[str, Outcome]:
+        """Give orders to all robots that are ready, and run to the next decision point.
+
+        Returns:
+            The outcomes of what ended, each told once; its robots are ready now.
+        """
+        now = self.now
+        for robot, order in orders.items():
+            due = round(now + order.think, DIGITS)
+            self._doing[robot] = Doing("thinking", order.subtask, now, due, order.invalid)
+        self._take_effect()
+        while not self._all_done():
+            ended = self._backend.advance(until=self._limit())
+            told = self._told(ended)
+            arrived = self._take_effect()
+            if told or arrived or self.over or self._idle_is_over():
+                break
+        else:
+            told = {}
+        return told | self._waited()
+
+    def _take_effect(self) -> bool:
+        """Let orders begin whose thinking is over; whether a thought has arrived that took its time."""
+        now, thoughts = self.now, self._doing.items()
+        due = {robot: each for robot, each in thoughts if each.kind == "thinking" and each.until <= now}
+        batch: dict[str, Subtask] = {}
+        for robot, each in due.items():
+            if each.outcome is not None:
+                self._decline(robot, each.subtask, each.outcome)
+            elif each.subtask in (WAIT, DONE):
+                self._doing[robot] = Doing("waiting", each.subtask, now)
+            else:
+                self._doing[robot] = Doing("working", each.subtask, now)
+                batch[robot] = each.subtask
+        kept = {robot for robot, each in due.items() if each.subtask == WAIT and each.outcome is None}
+        self.done = (self.done - due.keys()) | (self.done & kept) | {r for r, e in due.items() if e.subtask == DONE}
+        if batch:
+            for robot, refused in self._backend.begin(batch).items():
+                self._decline(robot, batch[robot], refused)
+        return any(each.until > each.since for each in due.values())
+
+    def _decline(self, robot: str, subtask: Subtask, outcome: Outcome) -> None:
+        """A command that comes to nothing still takes a moment."""
+        until = round(self.now + REFUSAL, DIGITS)
+        ends = replace(outcome, seconds=REFUSAL, began=self.now, ended=until)
+        self._doing[robot] = Doing("declined", subtask, self.now, until, ends)
+
+    def _told(self, ended: Mapping[str, Outcome]) -> dict[str, Outcome]:
+        """The outcomes of what has ended by now."""
+        told: dict[str, Outcome] = {}
+        for robot, outcome in ended.items():
+            if outcome.ended <= outcome.began:
+                self._decline(robot, self._doing[robot].subtask, outcome)  # given up before anything moved
+            else:
+                told[robot] = outcome
+        for robot, each in self._doing.items():
+            if each.kind == "declined" and each.until <= self.now and each.outcome is not None:
+                told[robot] = each.outcome
+        for robot in told:
+            del self._doing[robot]
+        return told
+
+    def _waited(self) -> dict[str, Outcome]:
+        """At a decision point those are asked again that have waited for it."""
+        now, over = self.now, self._all_done()
+        ended = {r: d for r, d in self._doing.items() if d.kind == "waiting" and (d.since < now or over)}
+        for robot in ended:
+            del self._doing[robot]
+        spans = {robot: (each.since, round(now - each.since, DIGITS)) for robot, each in ended.items()}
+        return {robot: Outcome("success", seconds=s, began=since, ended=now) for robot, (since, s) in spans.items()}
+
+    def _limit(self) -> float:
+        """What the clock shows at most before something is due."""
+        due = [each.until for each in self._doing.values()]
+        if all(each.kind == "waiting" for each in self._doing.values()):
+            due.append(round(self.now + IDLE, DIGITS))
+        return min((*due, self._deadline))
+
+    def _idle_is_over(self) -> bool:
+        return all(each.kind == "waiting" for each in self._doing.values())
+
+    def _all_done(self) -> bool:
+        return self.done >= set(self._robots)

@@ -1,0 +1,125 @@
+"""Kitchens under the event clock that are wrong on purpose: each breaks one promise, and check_events finds it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from remac_env.event_parallel import KitchenEventEnv
+from remac_env.options import Options
+from remac_env.tasks import get
+
+
+class Timed(KitchenEventEnv):
+    """Nothing is wrong with this one."""
+
+    def __init__(self, **options: Any) -> None:
+        made = {"backend": "symbolic", "robots": 2, "clock": "events"} | options
+        super().__init__(get("OpenCabinetPnP"), Options(**made))
+
+    def step(self, actions: Mapping[str, int]) -> Any:
+        seen, rewards, terminations, truncations, infos = super().step(actions)
+        return self.tamper(seen, rewards, infos), rewards, terminations, truncations, infos
+
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        return seen
+
+
+class AsksTheBusy(Timed):
+    """A robot that is at work is asked for its next command."""
+
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for name, info in infos.items():
+            info["ready"], info["running"] = True, ""
+            seen[name]["action_mask"] = super(KitchenEventEnv, self).action_mask(name)
+        return seen
+
+
+class MasksNothing(Timed):
+    def action_mask(self, agent: str) -> Any:
+        mask = super().action_mask(agent)
+        return mask if mask.sum() > 1 else np.zeros_like(mask)
+
+
+class ForgetsContinue(Timed):
+    """A busy robot may do whatever a ready one may."""
+
+    def action_mask(self, agent: str) -> Any:
+        return super(KitchenEventEnv, self).action_mask(agent)
+
+
+class OffersContinue(Timed):
+    """A ready robot may go on with nothing."""
+
+    def action_mask(self, agent: str) -> Any:
+        mask = super().action_mask(agent)
+        mask[-1] = 1
+        return mask
+
+
+class StandsStill(Timed):
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for info in infos.values():
+            info["seconds"], info["tau"] = 0.0, 0.0
+            info["outcome"] = info["outcome"] and info["outcome"] | {"began": 0.0, "ended": 0.0}
+        return seen
+
+
+class TellsTwice(Timed):
+    """What ended is told until something else has ended."""
+
+    def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> Any:
+        self._last: dict[str, Any] = {}
+        return super().reset(seed=seed, options=options)
+
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for name, info in infos.items():
+            info["outcome"] = self._last[name] = info["outcome"] or self._last.get(name, {})
+        return seen
+
+
+class TellsTheLastAgain(TellsTwice):
+    """A robot that is ready is told how the command before its last one ended."""
+
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for name, info in infos.items():
+            if info["outcome"]:
+                info["outcome"], self._last[name] = self._last.get(name, info["outcome"]), info["outcome"]
+        return seen
+
+
+class LosesAnOutcome(Timed):
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for info in infos.values():
+            info["outcome"] = {}
+        return seen
+
+
+class CountsFromTheStart(Timed):
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for info in infos.values():
+            info["tau"] = info["seconds"]
+        return seen
+
+
+class PaysTwice(Timed):
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for info in infos.values():
+            info["return"] += 0.5
+        return seen
+
+
+class CountsSteps(Timed):
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for info in infos.values():
+            info["decision"] = info["round"]
+        return seen
+
+
+class RunningMayBeNone(Timed):
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for info in infos.values():
+            info["running"] = info["running"] or None
+        return seen
