@@ -2,14 +2,16 @@
 # make test       install, lint, type-check and run the fast tests
 # make test-all   the same with the long tests, and robosuite's
 # make rl         install torch and libraries for learners apart, and run the tests and examples of learning there
+# make docs       install what builds the site apart, and build it into build/site
 # make robosuite  install robosuite apart, run the tests of our kitchens in it and print how fast they are
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 ROBOSUITE := .venv-robosuite
 RL := .venv-rl
+DOCS := .venv-docs
 
-.PHONY: demo test test-all rl robosuite robosuite-test tables tables-check lint install clean
+.PHONY: demo test test-all rl docs robosuite robosuite-test tables tables-check lint install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -65,5 +67,13 @@ $(RL)/.installed: pyproject.toml
 rl: $(RL)/.installed
 	$(RL)/bin/python -m pytest -n 2 tests/integrations/test_learning.py
 
+$(DOCS)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(DOCS)
+	$(DOCS)/bin/pip install --quiet --disable-pip-version-check --editable ".[docs]"
+	touch $@
+
+docs: $(DOCS)/.installed
+	$(DOCS)/bin/python docs/make_site.py
+
 clean:
-	rm -rf $(VENV) $(ROBOSUITE) $(RL) demo_output .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) build .cache demo_output .pytest_cache .mypy_cache .ruff_cache

@@ -12,6 +12,7 @@ from remac_bench.command import run_script
 from remac_bench.extensions import load_extensions
 from remac_bench.flags import takes
 from remac_bench.job_lists import make_jobs
+from remac_bench.judging.published import published
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.plans.ask import Cell, kitchen, optimum
 from remac_bench.runner import Settings, run_jobs
@@ -26,7 +27,7 @@ OUTSIDERS = Path(__file__).resolve().parents[1] / "tests" / "agents" / "outsider
 
 @takes("offline_tables.seeds")
 def main(
-    name: Annotated[str, typer.Argument(help="Which table: tasks, mixed, floors, methods, noisy or outsiders.")],
+    name: Annotated[str, typer.Argument(help="Which table: tasks, mixed, floors, methods, noisy, paper or outsiders.")],
     *,
     seeds: int | None,
 ) -> None:
@@ -94,6 +95,19 @@ def noisy(seeds: int = 50) -> None:
     _print(["task", "method", *(f"P = {rate:g}" for rate in rates)], lines, words=2)
 
 
+def paper(seeds: int = 10) -> None:
+    """The paper's first table, each of its numbers after ours."""
+    names, table = ("BASE", "CC", "RE", "REMAC"), published()["table_1"]
+    rows, lines = _rows(names, seeds=seeds, starts="paper"), []
+    for task in TASKS:
+        for name in names:
+            ours, theirs = rows[task, name], table[task][name]
+            scr = "-" if ours.scr is None else f"{ours.scr:.0%}"
+            rates = [f"{_rate(ours)} / {theirs['tsr']:.0%}", f"{scr} / {theirs['scr']:.0%}"]
+            lines.append([task, name, *rates, _mean(ours.ipl), f"{_mean(ours.fpl)} / {theirs.get('length', '-')}"])
+    _print(["task", "method", "TSR: ours / paper's", "SCR", "IPL: ours", "FPL: ours / paper's IPL"], lines, words=2)
+
+
 def outsiders(seeds: int = 20) -> None:
     """Tasks made up without knowing the rule-based roles: rounds over the optimum for one robot, means."""
     load_extensions((str(OUTSIDERS),))
@@ -156,6 +170,7 @@ TABLES: dict[str, Callable[..., None]] = {
     "floors": floors,
     "methods": methods,
     "noisy": noisy,
+    "paper": paper,
     "outsiders": outsiders,
 }
 """Name -> what prints the table."""

@@ -19,7 +19,9 @@ from remac_bench.command import Command
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted(
-    str(path.relative_to(ROOT)) for folder in (".", "docs", "benchmarks") for path in (ROOT / folder).glob("*.md")
+    str(path.relative_to(ROOT))
+    for folder in (".", "docs", "docs/tutorials", "benchmarks")
+    for path in (ROOT / folder).glob("*.md")
 )
 SHELL = ("sh", "bash", "console", "")
 PROGRAMS = ("remac", "python", "make", "pip")
@@ -40,11 +42,15 @@ class NoSubcommandError(DocumentError):
 
 @dataclass(frozen=True)
 class Block:
-    """Code of a document: its language ("" where none is named), and the page and line where it begins."""
+    """Code of a document: its language ("" where none is named), and the page and line where it begins.
+
+    `prints`: what a block of Python prints, where a block of text stands right under it.
+    """
 
     language: str
     code: str
     where: str
+    prints: str | None = None
 
     @property
     def file(self) -> str | None:
@@ -61,17 +67,23 @@ class Block:
         return [line.strip() for line in joined.splitlines() if line.strip().split(" ")[0] in PROGRAMS]
 
 
+def first(row: tuple[Any, ...]) -> Any:
+    """By what rows are sorted."""
+    return row[0]
+
+
 def blocks(page: str, text: str | None = None) -> list[Block]:
     """The fenced blocks of a page, and its indented commands, in order."""
     text = (ROOT / page).read_text("utf-8") if text is None else text
-    fenced = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
+    fenced = re.compile(r"^```(\w*)\n(.*?)^```(?=(?:\n\n```text\n(.*?)^```)?)", re.M | re.S)
     indented = re.compile(rf"(?<=\n\n)((?: {{4}}(?:{'|'.join(PROGRAMS)}) .*\n(?: {{8}}.*\n)*)+)")
-    found = [(match.start(), match[1], match[2]) for match in fenced.finditer(text)]
+    found = [(m.start(), m[1], m[2], m[3] if m[1] == "python" else None) for m in fenced.finditer(text)]
     inside = [range(match.start(), match.end()) for match in fenced.finditer(text)]
     for match in indented.finditer(text):
         if not any(match.start() in part for part in inside):
-            found.append((match.start(), "", re.sub(r"^ {4}", "", match[1], flags=re.M)))
-    return [Block(name, code, f"{page}:{text.count(chr(10), 0, at) + 1}") for at, name, code in sorted(found)]
+            found.append((match.start(), "", re.sub(r"^ {4}", "", match[1], flags=re.M), None))
+    line = {at: text.count("\n", 0, at) + 1 for at, *_ in found}
+    return [Block(name, code, f"{page}:{line[at]}", prints) for at, name, code, prints in sorted(found, key=first)]
 
 
 def spans(page: str) -> Iterator[tuple[str, str]]:

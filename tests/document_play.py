@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import re
 import socket
@@ -46,7 +48,8 @@ class Play:
 
     def begin(self) -> None:
         """Put there what pages take for granted: the tests, a memory, records, providers at the model's address."""
-        (self.folder / "tests").symlink_to(ROOT / "tests")
+        for name in ("tests", "examples"):
+            (self.folder / name).symlink_to(ROOT / name)
         (self.folder / "docs").mkdir()
         for name in ("memory.jsonl", "other.jsonl"):
             Memory(self.folder / name).append(Run("HeatOnStove", "heat it", {}, [], [], [], True, [f"of {name}"]))
@@ -88,7 +91,10 @@ class Play:
     def _python(self, block: Block) -> None:
         if block.file is None:
             code = re.sub(r"robots=2\)", 'robots=2, backend="symbolic")', block.code)
-            exec(compile(code, block.where, "exec"), {"__name__": "page"})  # noqa: S102 - alone, as it is copied
+            with contextlib.redirect_stdout(io.StringIO()) as said:
+                exec(compile(code, block.where, "exec"), {"__name__": "page"})  # noqa: S102 - alone, as it is copied
+            if block.prints is not None and said.getvalue().strip() != block.prints.strip():
+                raise DocumentError(f"{block.where} prints\n{said.getvalue()}and not\n{block.prints}")
             return
         path = self.folder / block.file
         code = block.code
@@ -168,7 +174,8 @@ def smaller(made: list[str]) -> list[str]:
 
 def _asks(made: list[str]) -> bool:
     """Whether a command may speak to a language model, so that it must be told of the one on loopback."""
-    return "--model" in made or made[0] == "doctor"
+    named = any(word.partition(":")[0] in read_catalogue().providers for word in made)
+    return named or "--model" in made or made[0] == "doctor"
 
 
 def _take(made: list[str], flag: str) -> str | None:

@@ -14,7 +14,7 @@ from document_pages import PAGES
 from document_pages import blocks as all_blocks
 
 ROOT = Path(__file__).parent.parent
-FOLDERS = (".", "docs", "benchmarks")
+FOLDERS = (".", "docs", "docs/tutorials", "benchmarks")
 LINKED = [str(path.relative_to(ROOT)) for folder in FOLDERS for path in (ROOT / folder).glob("*.md")]
 
 

@@ -113,6 +113,7 @@ FAILING = {
     "Python that raises": "```python\nimport remac_env\nremac_env.parallel_env('HeatOnStove', robot=2)\n```\n",
     "a server that never serves": "```python\n# server.py\nfrom http.server import HTTPServer, BaseHTTPRequestHandler\n"
     'server = HTTPServer(("127.0.0.1", 8000), BaseHTTPRequestHandler)\n```\n',
+    "Python that prints something else": "```python\nprint(6 * 9)\n```\n\n```text\n42\n```\n",
     "a suite with a wrong key": '```toml\nname = "mine"\nversion = 1\nmethod = ["CC"]\n```\n',
     "a suite that does not exist": "```sh\nremac bench run --suite papers\n```\n",
     "a planner that is not there": "```sh\nremac bench run --planner mine.py:plan --methods BASE --out x\n```\n",

@@ -68,7 +68,8 @@ class ChatClient:
             manners: what was learnt of how endpoints want to be asked; clients of a run share it.
             versions: what else answers hang on, such as the prompts' version; kept apart on the cassette.
             caps: how much of an answer is read.
-            clock, jitter: time, and draws from [0, 1); given by tests.
+            clock: the time; given by tests.
+            jitter: draws from [0, 1); given by tests.
             environ: where the key is looked up; None: the environment.
             tries: requests that one call sends at most.
         """
