@@ -33,6 +33,12 @@ def periods_between(start: Array, corner: Array, speed: float = 1.0) -> int:
     return int(np.ceil(max(longest, pull) / CONTROL_PERIOD))
 
 
+def smooth(count: int) -> Array:
+    """Shares (count,) of a way that starts and ends at rest, after each of so many control periods."""
+    u = np.arange(1, count + 1) / max(1, count)
+    return np.asarray(u * u * (3 - 2 * u))
+
+
 class StuckError(Exception):
     """The robot has been held off its command for too long; caught by the skill runner, never by users."""
 

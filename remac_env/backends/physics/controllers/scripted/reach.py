@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.collision import HELD_MARGIN
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
+from remac_env.backends.physics.controllers.scripted.motion import periods_between, smooth
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, drive_to, stances
 from remac_env.robots import panda
@@ -24,6 +27,9 @@ _STEEP, _TURNS = (0.42, 0.48, 0.55, 0.36), (0.0, 0.3, -0.3)  # m, rad
 CHECKS = 9000  # collision checks (about 80 us each) after which a search gives up
 _BETTER = 1500  # of the same, with which to look for a way that keeps clear once there is one that does not
 _CLOSE = 0.003  # m around the arm where nothing else reaches into a basin
+_LEANS, _LEVEL_STEP = 0.4, 0.15  # rad by which a held vessel may lean, and of a joint's turn between looks at that
+_CARRYING, _CALMLY = 0.25, 0.5  # m/s, of the hand on a straight way with a vessel; share of the usual joint speeds
+_CALMEST = 2  # of ways: 0, 1 where a vessel stays level, 2 where what is held keeps clear of everything too
 _SET_DOWN = 0.04  # m before the goal from where a held thing may come near to others
 
 BACK = 0.10
@@ -48,7 +54,7 @@ def plan_reach(
     here: Surroundings, stands: Sequence[Array], grasps: Sequence[Grasp], after: After, *, carry: Array | None = None,
     most: int = 6, checks: int = CHECKS,
 ) -> Reach:
-    """The first free combination, or one found soon after it on which a held thing keeps clear of all others too.
+    """The first free combination, or one found soon after it on which a held thing stays level and clear of others too.
 
     ``carry``: the configuration to start from instead of the folded arm. Raises SkillFailure: ``unreachable`` when no
     pose can be reached, ``blocked`` when things are in the way.
@@ -56,7 +62,7 @@ def plan_reach(
     planner, scratch, robot = here.planner, here.scratch, here.robot
     why: Counter[str] = Counter()
     limit = scratch.limit(checks)
-    tight: Reach | None = None
+    tight, steady = None, 0
     for base in stands:
         ready = panda.tucked(*base) if carry is None else np.concatenate([base, carry[3:]])
         if not scratch.free(ready):
@@ -76,11 +82,11 @@ def plan_reach(
                 if not drivable:
                     why["drive: {} meets {}".format(*scratch.touching)] += 1
                     break
-                reach = Reach(base, *found, grasp)
-                if _keeps_clear(here, reach):
+                reach, calm = _calmed(here, ready, Reach(base, *found, grasp))
+                if calm == _CALMEST:
                     return reach
-                if tight is None:
-                    tight, limit = reach, min(limit, scratch.checks + _BETTER)
+                if tight is None or calm > steady:
+                    tight, steady, limit = reach, calm, min(limit, scratch.checks + _BETTER)
             if drivable is False:
                 break
     return _settled(tight, why)
@@ -132,12 +138,64 @@ def _try_goal(
     return way, approach[1:], following
 
 
-def _keeps_clear(here: Surroundings, reach: Reach) -> bool:
-    """Whether what is held stays well clear of everything on the straight way, up to where it is set down."""
+def _calmed(here: Surroundings, ready: Array, reach: Reach) -> tuple[Reach, int]:
+    """A way, or the same with straight lines where a vessel is better carried on these, and how calm it is."""
+    level = _keeps_level(here, ready, reach)
+    if level and _keeps_clear(here, ready, reach):
+        return reach, _CALMEST
+    straight = _straight(here, ready, reach) if _vessel(here) else None
+    if straight is None or not _keeps_level(here, ready, straight):
+        return reach, int(level)
+    return straight, _CALMEST if _keeps_clear(here, ready, straight) else 1
+
+
+def _vessel(here: Surroundings) -> bool:
+    """Whether a vessel is held."""
+    held = here.scratch.held
+    return held is not None and here.things[held.body].vessel
+
+
+def _keeps_level(here: Surroundings, ready: Array, reach: Reach) -> bool:
+    """Whether a vessel that is held leans little on its way: else it turns in the fingers, and what it holds slides."""
+    held = here.scratch.held
+    if held is None or not _vessel(here):
+        return True
+    corners = [ready, *reach.way, *reach.approach]
+    for start, end in pairwise(corners):
+        for share in np.linspace(0.0, 1.0, 2 + int(np.abs(end - start)[4:].max() / _LEVEL_STEP))[1:]:
+            _, rotation = here.kinematics.forward(start + share * (end - start))
+            if (rotation @ held.rotation)[2, 2] < math.cos(_LEANS):
+                return False
+    return True
+
+
+def _straight(here: Surroundings, ready: Array, reach: Reach) -> Reach | None:
+    """The same with the hand on straight lines, on which a vessel stays level: at once, from above, or from the front."""
+    planner, before = here.planner, reach.way[-1]
+    (start, _), (end, turned) = here.kinematics.forward(ready), here.kinematics.forward(before)
+    above, aside = np.array([end[0], end[1], start[2]]), np.array([end[0], start[1], start[2]])
+    low = np.array([end[0], start[1], end[2]])
+    for corners in ([end], [above, end], [aside, above, end], [low, end]):
+        path = [ready]
+        for corner in corners:
+            line = planner.line(path[-1], corner, turned, speed=_CARRYING)
+            if line is None:
+                break
+            path += line
+        else:
+            if planner.edge(path[-1], before):
+                shares = smooth(periods_between(path[-1], before, _CALMLY))
+                turn = [path[-1] + share * (before - path[-1]) for share in shares]
+                return Reach(reach.base, [], [*path[1:], *turn, *reach.approach], reach.after, reach.grasp)
+    return None
+
+
+def _keeps_clear(here: Surroundings, ready: Array, reach: Reach) -> bool:
+    """Whether what is held stays well clear of everything on the way, up to where it is set down."""
     if here.scratch.held is None:
         return True
     with here.scratch.clearance(HELD_MARGIN, gripper=False):
-        return all(
+        return all(here.planner.edge(start, end) for start, end in pairwise([ready, *reach.way])) and all(
             here.scratch.free(q)
             for q in reach.approach[::2]
             if np.linalg.norm(here.kinematics.forward(q)[0] - reach.grasp.position) > _SET_DOWN
