@@ -78,9 +78,8 @@ class Mover:
         for corner in corners:
             start = self.robot.q.copy()
             count = max(2, periods_between(start, corner, speed))
-            for k in range(1, count + 1):
-                u = k / count
-                yield from self.step(start + u * u * (3 - 2 * u) * (corner - start))
+            for share in smooth(count):
+                yield from self.step(start + share * (corner - start))
         yield from self.settle(0.004, 8)
 
     def play(self, path: Sequence[Array]) -> Steps:

@@ -170,7 +170,7 @@ def _keeps_level(here: Surroundings, ready: Array, reach: Reach) -> bool:
 
 
 def _straight(here: Surroundings, ready: Array, reach: Reach) -> Reach | None:
-    """The same with the hand on straight lines, on which a vessel stays level: at once, from above, or from the front."""
+    """The same with the hand on straight lines, which keep a vessel level: at once, from above, or from the front."""
     planner, before = here.planner, reach.way[-1]
     (start, _), (end, turned) = here.kinematics.forward(ready), here.kinematics.forward(before)
     above, aside = np.array([end[0], end[1], start[2]]), np.array([end[0], start[1], start[2]])
