@@ -77,6 +77,7 @@ ROWS: dict[str, Row] = {
     "report.pages": Row(
         help="Also write FOLDER/leaderboard.html with one page per episode.", default=True, values=Switch()
     ),
+    "report.out": Row(help="Folder for the pages; needed where several folders are reported together."),
     "blame.rescue": Row(
         help="Also test whether the oracle's steps from the bad round on reach the goal.", default=True, values=Switch()
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import itertools
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from remac_bench import judging
+from remac_bench.blame.labels import Blame
 from remac_bench.blame.sheet import read_blames
 from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.console import plain
@@ -24,7 +26,7 @@ from remac_bench.judging.readers import with_readers
 from remac_bench.judging.results import results_sheets
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.records import Record
-from remac_bench.store import FILE, Store
+from remac_bench.store import FILE, Store, latest
 from remac_env.files import prepare_file, prepare_folder
 
 COMPACT = (
@@ -72,6 +74,20 @@ def read_records(folder: str | Path) -> list[Record]:
     return records
 
 
+def read_folders(folders: Sequence[str | Path]) -> list[Record]:
+    """The records of several folders together; an episode that is in more than one counts once, as the last has it.
+
+    Raises: as `read_records`.
+    """
+    return latest(record for folder in folders for record in read_records(folder))
+
+
+def read_labels(folders: Sequence[str | Path]) -> list[Blame]:
+    """The labels of several folders together; RecordFileError where they cannot be read."""
+    found = {(blame.job, blame.iteration): blame for folder in folders for blame in read_blames(folder)}
+    return list(found.values())
+
+
 def read_rows(folder: str | Path) -> list[Row]:
     """The rows of a folder's main table; errors as those of `read_records`."""
     return _with_overall(read_records(folder))
@@ -83,9 +99,10 @@ def main_table(folder: str | Path) -> list[RenderableType]:
     return tables(_with_overall(records), note=code_note(records))
 
 
-def read_board(folder: str | Path) -> Board:
-    """All tables of a folder, the labels of `remac bench blame` among them; errors as those of `read_records`."""
-    return judging.board(read_records(folder), blames=read_blames(folder), folder=str(folder))
+def read_board(*folders: str | Path) -> Board:
+    """All tables of folders together, the labels of `remac bench blame` among them; errors as of `read_records`."""
+    named = shlex.join(map(str, folders))
+    return judging.board(read_folders(folders), blames=read_labels(folders), folder=named)
 
 
 def tables(rows: Sequence[Row], *, note: str = "") -> list[RenderableType]:

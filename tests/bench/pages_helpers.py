@@ -93,6 +93,30 @@ def spoken(folder: Path, **changes: Any) -> Record:
     return record(**{**facts, **changes})
 
 
+def mixed() -> list[Record]:
+    """Records of three agents, two tasks, three styles and two layouts, won and lost by a rule that mixes them."""
+    agents = {"CC": 1, "BASE": 1, "REMAC": 2}
+    kitchen = {"kitchen": {"max_rounds": 10}}
+    found = []
+    for task in ("HeatOnStove", "OpenCabinetPnP"):
+        for seed in range(18):
+            for rank, (agent, robots) in enumerate(agents.items()):
+                won = (seed * 7 + rank * 5 + len(task)) % (3 + 2 * rank) != 0 if agent != "BASE" else seed % 6 == 0
+                length = 4 + (seed + rank) % 5
+                found.append(
+                    record(
+                        job=f"{agent}{task}{seed}", agent=agent, method=agent, robots=robots, task=task, seed=seed,
+                        style=("coastal", "rustic", "modern_1")[seed % 3],
+                        layout=("one_wall_small", "l_shaped_large")[seed // 3 % 2], success=won,
+                        end="success" if won else ("lost", "done", "truncated")[seed % 3], rounds=length + 1,
+                        sim_seconds=8.1 * length, final_plan_length=length, initial_plan_length=length - 1,
+                        subtasks_done=length if won else seed % length, problem=f"p{seed // 2}", options=kitchen,
+                        error=ErrorEntry(kind="agent", type="KeyError", message="x") if not won and seed == 5 else None,
+                    )  # fmt: skip
+                )
+    return found
+
+
 @dataclass
 class Element:
     """A start tag with the text up to its end tag."""

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pages_helpers import hostile, real_run, spoken
+from pages_helpers import hostile, mixed, real_run, spoken
 from remac_bench.pages import write_pages
 from remac_bench.pages.episode_page import page_name
 from remac_bench.report import read_records
@@ -45,6 +45,14 @@ def driver() -> Iterator[Any]:
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = real_run(tmp_path_factory.mktemp("run"), video="last")
     Store(folder).append([spoken(folder)])
+    write_pages(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def many(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("many")
+    Store(folder).append(mixed())
     write_pages(folder)
     return folder
 
@@ -105,17 +113,136 @@ def column(driver: Any, key: str) -> list[str]:
     )
 
 
+def choose(driver: Any, **filters: str) -> None:
+    """Write into filters as a person does, and wait until the page has followed."""
+    for name, text in filters.items():
+        field = driver.find_element("css selector", f"input[data-filter={name}]")
+        field.clear()
+        field.send_keys(text)
+    driver.execute_async_script("setTimeout(arguments[0], 300)")
+
+
+def cells(driver: Any, kind: str) -> dict[str, dict[str, str]]:
+    """Agent (and task) -> column -> what the tables of a kind show; with the numbers behind it."""
+    return driver.execute_script(
+        """const found = {};
+        for (const table of document.querySelectorAll(`table[data-sheet^=${arguments[0]}]`)) {
+          for (const row of [...table.tBodies[0].rows].filter((row) => row.offsetParent)) {
+            const told = found[`${row.dataset.agent} ${row.dataset.task ?? ""}`.trim()] = {};
+            for (const head of table.tHead.rows[0].cells) {
+              const cell = row.cells[head.cellIndex];
+              if (head.hidden || head.classList.contains("extra")) continue;
+              const end = (name) => Number(cell.dataset[name] ?? "NaN").toFixed(9);
+              told[head.dataset.key] = [cell.querySelector(".cell").textContent, end("value"), end("low")].join(" ");
+            }
+          }
+        }
+        return found;""",
+        kind,
+    )
+
+
 def test_a_filter_leaves_only_its_rows(driver: Any, run: Path) -> None:
     visit(driver, run / "leaderboard.html")
     assert {"CC", "REMAC"} <= set(column(driver, "agent"))
-    driver.find_element("css selector", "select[data-filter=method] option[value=REMAC]").click()
+    choose(driver, method="REMAC")
     assert set(column(driver, "agent")) == {"REMAC"}
     shown = "return [...document.querySelectorAll('#episodes tbody tr')].filter((row) => row.offsetParent).length"
     assert driver.execute_script(shown) == 2
+    assert driver.current_url.endswith("#method=REMAC")
     driver.find_element("css selector", "button[type=reset]").click()
     driver.execute_async_script("setTimeout(arguments[0], 50)")
     assert "CC" in column(driver, "agent")
+    assert "method" not in driver.current_url and complaints(driver) == []
+
+
+def test_filters_stand_in_the_address_and_are_searched_by_a_part(driver: Any, run: Path) -> None:
+    visit(driver, run / "leaderboard.html", "#task=heaton&result=success")
+    assert set(column(driver, "task")) == {"HeatOnStove"}
+    assert driver.execute_script("return document.querySelector('[data-filter=task]').value") == "heaton"
+    choose(driver, task="", method="CC, nobody")
+    assert set(column(driver, "agent")) == {"CC", "CC (checker=some:model)"}
+    choose(driver, method="c, remac")
+    assert {"CC", "REMAC"} <= set(column(driver, "agent"))
+
+
+FILTERED = [
+    {"style": "coastal"},
+    {"layout": "one_wall_small", "task": "Heat"},
+    {"robots": "2"},
+    {"method": "CC", "style": "rustic"},
+]
+
+
+@pytest.mark.parametrize("wanted", FILTERED, ids=str)
+def test_what_is_counted_again_is_what_a_report_of_these_records_says(
+    driver: Any, many: Path, tmp_path: Path, wanted: dict[str, str]
+) -> None:
+    kept = [r for r in read_records(many) if all(text in str(getattr(r, name)) for name, text in wanted.items())]
+    assert 0 < len(kept) < len(read_records(many))
+    Store(tmp_path).append(kept)
+    write_pages(tmp_path)
+    seen = []
+    for folder, filters in ((tmp_path, {}), (many, wanted)):
+        visit(driver, folder / "leaderboard.html")
+        choose(driver, **filters)
+        seen.append({kind: cells(driver, kind) for kind in ("matrix", "ranking", "results")})
+    alone, filtered = seen
+    # A report of one agent ranks nobody.
+    assert alone["ranking"] == (filtered["ranking"] if len(alone["matrix"]) > 1 else {})
+    for name, row in alone["matrix"].items():
+        assert list(row.values()) == list(filtered["matrix"][name].values()), name
+    for name, row in alone["results"].items():
+        assert {key: filtered["results"][name][key] for key in row} == row, name
     assert complaints(driver) == []
+
+
+def test_clearing_the_filters_brings_back_what_the_report_said(driver: Any, many: Path) -> None:
+    visit(driver, many / "leaderboard.html")
+    kinds = ("matrix", "ranking", "results")
+    before = {kind: cells(driver, kind) for kind in kinds}
+    choose(driver, result="failed")
+    changed = {kind: cells(driver, kind) for kind in kinds}
+    assert all(changed[kind] != before[kind] for kind in kinds)
+    assert "share of episodes" in driver.find_element("css selector", ".recounted:not([hidden])").text
+    driver.find_element("css selector", "button[type=reset]").click()
+    driver.execute_async_script("setTimeout(arguments[0], 50)")
+    assert {kind: cells(driver, kind) for kind in kinds} == before
+
+
+def test_bars_and_chart_follow_the_filters(driver: Any, many: Path) -> None:
+    look = """const full = [...document.querySelectorAll(".bars .line:not([hidden]) .full")];
+      const dots = [...document.querySelectorAll(".scatter .entry:not([hidden]) circle")];
+      return [full.map((each) => each.getAttribute("width")), dots.map((each) => each.getAttribute("cy"))];"""
+    visit(driver, many / "leaderboard.html")
+    before = driver.execute_script(look)
+    choose(driver, style="coastal")
+    after = driver.execute_script(look)
+    assert before[0] != after[0] and before[1] != after[1]
+
+
+def test_two_agents_side_by_side(driver: Any, many: Path) -> None:
+    visit(driver, many / "leaderboard.html", "#first=CC&second=BASE")
+    told = driver.find_element("css selector", "#compare .told").text
+    records = read_records(many)
+    won = {name: {(r.task, r.seed) for r in records if r.agent == name and r.success} for name in ("CC", "BASE")}
+    both, alone = len(won["CC"] & won["BASE"]), len(won["CC"] - won["BASE"])
+    assert f"{both} were solved by both, {alone} by the first alone" in told
+    lines = driver.find_elements("css selector", "#compare tbody tr")
+    assert len(lines) == sum(r.agent == "CC" for r in records)
+    driver.find_element("css selector", "[data-differing]").click()
+    differ = driver.find_elements("css selector", "#compare tbody tr")
+    assert len(differ) == len(won["CC"] ^ won["BASE"])
+    differ[0].find_element("css selector", "a").click()
+    assert "/episodes/" in driver.current_url
+
+
+def test_main_tables_fit_a_phone(driver: Any, run: Path, many: Path) -> None:
+    wide = """return [...document.querySelectorAll("main > section > .scroll")].filter((each) =>
+      each.querySelector("table") && each.scrollWidth > each.clientWidth + 1).map((each) => each.ariaLabel)"""
+    for folder in (run, many):
+        visit(driver, folder / "leaderboard.html", width=375)
+        assert driver.execute_script(wide) == []
 
 
 def test_sorting_by_mouse_and_by_keyboard(driver: Any, run: Path) -> None:

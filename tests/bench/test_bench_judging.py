@@ -10,9 +10,11 @@ from bench_helpers import record
 from remac_bench import judging, report
 from remac_bench.board import Board, Sheet
 from remac_bench.judging.alarms import derailments, detour_tokens, detours, tally
+from remac_bench.judging.endings import ending
 from remac_bench.judging.episodes import idle_share, setting
 from remac_bench.judging.published import published
 from remac_bench.judging.ranking import compare, ranks
+from remac_bench.judging.statistics import wilson
 from remac_bench.metrics import overall, summarise
 from remac_bench.records import CheckEntry, ErrorEntry, ExchangeEntry, OutcomeEntry, Record, UsageEntry
 from remac_bench.sight import checked_by
@@ -44,6 +46,55 @@ def entry(method: str, won: str, **changes: Any) -> list[Record]:
         )
         for seed, mark in enumerate(won)
     ]
+
+
+# -- matrix, endings -------------------------------------
+
+
+def test_the_matrix_holds_every_agent_on_every_task() -> None:
+    records = [*entry("CC", "+++-", task="HeatOnStove"), *entry("BASE", "----", task="HeatOnStove")]
+    records += [each.model_copy(update={"job": f"{each.job}x", "task": "PickPlace"}) for each in entry("CC", "+-")]
+    matrix = sheet(judging.board(records), "matrix")
+    assert [column.title for column in matrix.columns] == ["Method", "all tasks", "HeatOnStove", "PickPlace"]
+    assert texts(matrix, "agent", "task-0", "task-1", "task-2") == [
+        ("BASE", "0%", "0%", "-"),
+        ("CC", "67%", "75%", "50%"),
+    ]
+    cell = matrix.rows[1]["task-1"]
+    assert (cell.note, cell.low, cell.high) == ("3 of 4", *wilson(3, 4))
+
+
+def test_nobody_is_first_who_solved_nothing() -> None:
+    board = judging.board([*entry("CC", "--"), *entry("BASE", "--")])
+    assert texts(sheet(board, "ranking"), "agent", "rank") == [("BASE", "-"), ("CC", "-")]
+    mixed = judging.board([*entry("CC", "-+"), *entry("BASE", "--")])
+    assert texts(sheet(mixed, "ranking"), "agent", "rank") == [("CC", "1"), ("BASE", "-")]
+
+
+def test_scr_says_why_it_is_not_tsr() -> None:
+    plans = {"subtasks_done": 3, "final_plan_length": 4}
+    (row,) = sheet(judging.board(entry("CC", "--", **plans)), "results").rows
+    assert (row["tsr"].text, row["scr"].text) == ("0%", "75%") and "part, or all, of their plans" in row["scr"].note
+    (row,) = sheet(judging.board(entry("CC", "++", **plans)), "results").rows
+    assert (row["tsr"].text, row["scr"].text) == ("100%", "75%") and row["scr"].note.startswith("below TSR")
+    (row,) = sheet(judging.board(entry("CC", "++", **{**plans, "subtasks_done": 4})), "results").rows
+    assert row["scr"].note == ""
+
+
+@pytest.mark.parametrize(
+    ("facts", "told"),
+    [
+        ({}, "success"),
+        ({"success": False, "end": "lost"}, "failed: goal out of reach"),
+        ({"success": False, "end": "done"}, "failed: stopped too early"),
+        ({"success": False, "end": "truncated"}, "failed: out of rounds"),
+        ({"success": False, "end": "elsewhere"}, "failed: elsewhere"),
+        ({"success": False, "error": CRASH}, "crashed"),
+        ({"success": False, "error": BROKEN, "scored": False}, "not scored"),
+    ],
+)
+def test_endings_are_told_in_words(facts: dict[str, Any], told: str) -> None:
+    assert ending(record(**facts)) == told
 
 
 # -- survivor bias ----------------------------------------

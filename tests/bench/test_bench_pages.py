@@ -275,6 +275,29 @@ def test_the_command_writes_pages_unless_told_not_to(tmp_path: Path) -> None:
     assert {path.name for path in (tmp_path / "episodes").iterdir()} == {"j0-0.html"}
 
 
+def test_several_folders_make_one_report(tmp_path: Path) -> None:
+    first, second, out = (tmp_path / name for name in ("first", "second", "all runs"))
+    for folder, agent in ((first, "CC"), (second, "REMAC")):
+        folder.mkdir()
+        Store(folder).append([record(job=agent, agent=agent, method=agent), record(job="both")])
+    Store(second).append([spoken(second, video=VideoEntry(path="videos/a.webm"))])
+    (second / "videos").mkdir()
+    (second / "videos" / "a.webm").write_bytes(b"film")
+    refused = CliRunner().invoke(app, ["bench", "report", str(first), str(second)])
+    assert refused.exit_code == 2 and "--out is missing" in refused.stderr
+    result = CliRunner().invoke(app, ["bench", "report", str(first), str(second), "--out", str(out), "--all"])
+    assert result.exit_code == 0 and "REMAC" in result.stdout
+    html = leaderboard(out)
+    assert "4 scored episodes of 4 played" in html and f"{first} {second} --all" in html
+    assert {path.name for path in (out / "episodes").iterdir()} == {
+        "CC-0.html", "REMAC-0.html", "both-0.html", "spoken-0.html",
+    }  # fmt: skip
+    pages = [out / "leaderboard.html", *(out / "episodes").iterdir()]
+    assert {path.name: dead_links(out, path) for path in pages if dead_links(out, path)} == {}
+    assert "../videos/a.webm" in (out / "episodes" / "spoken-0.html").read_text("utf-8")
+    assert not (first / "leaderboard.html").exists() and not (second / "leaderboard.html").exists()
+
+
 def test_a_folder_that_cannot_be_written_is_said_in_one_line(tmp_path: Path) -> None:
     Store(tmp_path).append([record()])
     (tmp_path / "episodes").write_text("in the way", "utf-8")

@@ -8,23 +8,32 @@ from typing import Annotated
 import typer
 
 from remac_bench.console import console
+from remac_bench.errors import UsageError
 from remac_bench.flags import takes
+from remac_env.files import prepare_folder
 
 Folder = Annotated[str, typer.Argument(help="The --out of a run.")]
+Folders = Annotated[list[str], typer.Argument(help="The --out of a run; of several, one report together.")]
 
 
-@takes("records.as_markdown", "report.everything", "report.csv", "report.pages")
-def report(folder: Folder, *, as_markdown: bool, everything: bool, csv: str | None, pages: bool) -> None:
-    """Print the tables of a folder's records, and write them as pages: FOLDER/leaderboard.html."""
+@takes("records.as_markdown", "report.everything", "report.csv", "report.pages", "report.out")
+def report(
+    folders: Folders, *, as_markdown: bool, everything: bool, csv: str | None, pages: bool, out: str | None
+) -> None:
+    """Print the tables of records, and write them as pages: FOLDER/leaderboard.html, or OUT/leaderboard.html."""
     from remac_bench.report import board_markdown, board_tables, prepare_csv, read_board, write_csv
 
     if csv is not None:
         prepare_csv(csv)
-    board = read_board(folder)
+    if out is not None:
+        prepare_folder(out, "--out")
+    if len(folders) > 1 and pages and out is None:
+        raise UsageError("--out is missing: a folder for the pages of several folders; or give --no-pages")
+    board = read_board(*folders)
     if pages:
         from remac_bench.pages import write_pages
 
-        typer.echo(f"pages: {write_pages(folder, board)}", err=True)
+        typer.echo(f"pages: {write_pages(out or folders[0], board, of=folders)}", err=True)
     if csv is not None:
         for path in write_csv(board, csv):
             typer.echo(str(path), err=True)

@@ -184,7 +184,7 @@ PAIR_COLUMNS = (
 RANK_CAPTION = (
     "An entry is significantly better than another where, on the episodes that both have played, Holm's p of the exact "
     "sign-flip test over problems is below 0.05 and the 95% interval of the bootstrap over problems lies above 0. "
-    "Entries with different checkers are not ranked together."
+    "Entries with different checkers are not ranked together; one that solved nothing is not ranked first."
 )
 
 
@@ -217,7 +217,9 @@ def _rank_sheet(where: str, scored: Sequence[Record], pairs: Sequence[Comparison
     for record in scored:
         groups.setdefault(record.agent, []).append(record)
     place = ranks(pairs, list(groups))
-    order = sorted(groups, key=lambda name: (place[name], -_rate(groups[name]), name))
+    # Nobody is first who solved nothing, though nobody may have been found to be better.
+    unranked = {name for name in groups if place[name] == 1 and not _rate(groups[name])}
+    order = sorted(groups, key=lambda name: (name in unranked, place[name], -_rate(groups[name]), name))
     rows, facts = [], []
     for name in order:
         better = sorted(pair.first for pair in pairs if pair.separated and pair.second == name)
@@ -225,7 +227,7 @@ def _rank_sheet(where: str, scored: Sequence[Record], pairs: Sequence[Comparison
         rows.append(
             only_known(
                 {
-                    "rank": count(place[name]),
+                    "rank": DASH if name in unranked else count(place[name]),
                     "agent": word(name),
                     "n": count(len(groups[name])),
                     "problems": count(len({problem(record) for record in groups[name]})),

@@ -46,7 +46,9 @@ COLUMNS: tuple[Column, ...] = (
 CAPTION = (
     "Columns with `all` count a failure at the cap: max_rounds rounds, each as long as the longest skill takes by the "
     "skill table; the others are means over successes. Calls, tokens, money and wall time are of a job with all its "
-    "iterations. Crashed episodes are failures; jobs under Infra are not scored and are run again."
+    "iterations. Crashed episodes are failures; jobs under Infra are not scored and are run again. SCR counts rounds "
+    "of plans and TSR episodes: SCR is above TSR where failed episodes had done part, or all, of their plans, and "
+    "below it where the goal was reached before the plan's end, or long plans failed more often."
 )
 
 
@@ -111,7 +113,7 @@ def cells(row: Row) -> Cells:
             "interval": interval(row.low, row.high),
             **plain,
             **ratios,
-            "scr": percent(row.scr),
+            "scr": percent(row.scr, note=_scr_note(row)),
             "scr_all": percent(row.scr_all),
             "progress": percent(row.progress),
             "idle": percent(row.idle),
@@ -129,6 +131,15 @@ def cells(row: Row) -> Cells:
 
 def _alarm(value: int) -> Cell:
     return count(value, note="look at `error` in the records" if value else "")
+
+
+def _scr_note(row: Row) -> str:
+    """Why the share of plans that was done is not the share of episodes that succeeded, where they differ."""
+    if row.scr is None or row.tsr is None or f"{row.scr:.2f}" == f"{row.tsr:.2f}":
+        return ""
+    if row.scr > row.tsr:
+        return "above TSR: episodes that failed had done part, or all, of their plans"
+    return "below TSR: goals were reached with rounds of the final plan undone, or long plans failed more often"
 
 
 def _note(row: Row) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,16 +14,18 @@ if TYPE_CHECKING:
 __all__ = ["EPISODES", "LEADERBOARD", "TABLES", "write_pages"]
 
 
-def write_pages(folder: str | Path, board: Board | None = None) -> Path:
-    """Write DIR/leaderboard.html, DIR/episodes/*.html and DIR/tables/*.svg|png anew; returns the first.
+def write_pages(folder: str | Path, board: Board | None = None, *, of: Sequence[str | Path] = ()) -> Path:
+    """Write FOLDER/leaderboard.html, FOLDER/episodes/*.html and FOLDER/tables/*.svg|png anew; returns the first.
 
     Args:
-        board: the folder's tables, where they have been computed already.
+        board: the tables, where they have been computed already.
+        of: the folders with the records; by default the folder itself. Videos and pictures that lie in others come
+            along, so that the folder can be sent as it is.
 
     Raises:
-        UsageError, RecordFileError: if the folder has no records, or they cannot be read.
+        UsageError, RecordFileError: if a folder has no records, or they cannot be read.
         StorageError: if the pages cannot be written.
     """
     from remac_bench.pages.writing import write
 
-    return write(Path(folder), board)
+    return write(Path(folder), board, tuple(map(Path, of)) or (Path(folder),))

@@ -11,6 +11,7 @@ from typing import Any
 
 from remac_bench.asked import Asked
 from remac_bench.blame.labels import Blame
+from remac_bench.judging.endings import ending
 from remac_bench.pages.gantt import Gantt, draw
 from remac_bench.pages.rendering import TEXT_MAX, render
 from remac_bench.pages.text import slug
@@ -20,6 +21,8 @@ from remac_bench.store import PICTURES, VIDEOS
 
 PAGE_MAX = 9_000_000
 """Bytes of a page: mail and browsers take it; pages stay below 10 MB."""
+
+SCRIPTS = ("tables.js", "timeline.js")
 
 LIST_MAX = 400
 """Entries of one list on a page; how many more there are is said."""
@@ -95,6 +98,11 @@ class EpisodePage:
     options: str
 
     @property
+    def result(self) -> str:
+        """How it ended, in words."""
+        return ending(self.record)
+
+    @property
     def checker(self) -> str:
         """Who judged the conditions; "" where nobody did."""
         return checked_by(self.record)
@@ -135,7 +143,7 @@ def page(record: Record, *, folder: Path, siblings: Sequence[Record] = (), blame
     """
     limit, view = _fitting(record), _view(record, folder, siblings, blame)
     while True:
-        html = render("episode.html", limit=limit, view=view, record=record, most=LIST_MAX)
+        html = render("episode.html", limit=limit, scripts=SCRIPTS, view=view, record=record, most=LIST_MAX)
         if limit < 100 or len(html.encode("utf-8", "replace")) <= PAGE_MAX:
             return html
         limit //= 4

@@ -36,6 +36,7 @@ class Dot:
     """An entry of the plot. `label_y`: where its name stands, clear of the others'."""
 
     name: str
+    agent: str
     x: float
     y: float
     low: float
@@ -47,9 +48,11 @@ class Dot:
 
 @dataclass(frozen=True, kw_only=True)
 class Scatter:
-    """Success against what it cost. `axis`: what x is; `note`: why, where it is not money."""
+    """Success against `cost`, "money" or "time". `axis`: what x is; `note`: why, where it is not money."""
 
     key: str
+    setting: str
+    cost: str
     title: str
     axis: str
     note: str
@@ -91,6 +94,8 @@ def scatter(sheet: Sheet) -> Scatter | None:
     points = [(row["agent"].text, row[key].value or 0.0, row["tsr"]) for row in known]
     return Scatter(
         key=sheet.key,
+        setting=sheet.facts[0].get("setting", "") if sheet.facts else "",
+        cost="money" if paid else "time",
         title=f"Success against {'money' if paid else 'time'}: {task}",
         axis=axis,
         note=note,
@@ -126,6 +131,7 @@ def _dots(points: Sequence[tuple[str, float, Cell]], most: float) -> list[Dot]:
         dots.append(
             Dot(
                 name=short,
+                agent=name,
                 x=x,
                 y=y,
                 low=_y(cell.low or 0.0),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import json
 from functools import cache, partial
 from importlib import resources
 from typing import Any
@@ -22,16 +23,26 @@ POLICY = (
 )
 """`file:` is for pages that are opened from a disk, where browsers differ on what 'self' is."""
 
+ASKING = "; connect-src 'self'"
+"""What a page may also do that asks the server that it comes from."""
+
 TEXT_MAX = 200_000
 """Characters of one text on a page."""
 
 
-def render(template: str, *, limit: int = TEXT_MAX, **facts: Any) -> str:
-    """A template of this package, filled; every text in it is escaped, made visible, and cut to the limit."""
+def render(
+    template: str, *, limit: int = TEXT_MAX, scripts: tuple[str, ...] = (), asks: bool = False, **facts: Any
+) -> str:
+    """A template of this package, filled; every text in it is escaped, made visible, and cut to the limit.
+
+    Args:
+        scripts: files of scripts/ that the page has, in this order.
+        asks: whether its scripts may ask the server that it comes from.
+    """
     environment = _environment(limit)
-    style, script = _file("style.css"), _file("script.js")
-    policy = POLICY.format(style=_hash(style), script=_hash(script))
-    # Both are files of this package, and their hashes are what the policy allows.
+    style, script = _file("style.css"), "".join(_file(f"scripts/{name}") for name in scripts)
+    policy = POLICY.format(style=_hash(style), script=_hash(script)) + (ASKING if asks else "")
+    # All are files of this package, and their hashes are what the policy allows.
     own = {"style": Markup(style), "script": Markup(script)}  # noqa: S704
     return environment.get_template(template).render(policy=policy, font=FONT, **own, **facts)
 
@@ -48,6 +59,7 @@ def _environment(limit: int) -> jinja2.Environment:
     )
     made.filters["slug"] = slug
     made.filters["dollars"] = dollars
+    made.filters["json"] = json.dumps
     return made
 
 
