@@ -77,7 +77,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         """A copy: the same episode and generators, with renderers of its own that are made when they are needed."""
         self.__dict__.update(state)
         if self._backend is not None:
-            self._backend.watch = self._film
+            self._backend.watch, self._backend.pictures = self._film, self._look
 
     def __repr__(self) -> str:
         """The task, the options that are not the default ones, and how far the episode is."""
@@ -120,7 +120,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         )
         if self._backend is None:
             self._backend = make_backend(self.options, self.worlds)
-            self._backend.watch = self._film
+            self._backend.watch, self._backend.pictures = self._film, self._look
         self._pictures.rewind()
         self._episode = self._begin(Terms.of(self.worlds, self.options, start, names), self._backend)
         self._film()
@@ -253,6 +253,10 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         positions = None if self._backend is None else self._backend.positions()
         return Moment(self.start, self.world, positions, self._running().rounds)
 
+    def _look(self, robot: str) -> dict[str, NDArray[np.uint8]]:
+        """What a robot's cameras show now."""
+        return self._pictures.observe(self._moment(), robot, size=self.options.image_size)
+
     def _film(self) -> None:
         """Called by the backend once a control period, and after each round: the symbolic one has no periods."""
         self._pictures.film(self._moment)
@@ -281,9 +285,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         if self.options.obs_format == "flat":
             return dict(facts)
         seen: Told = {n: {"observation": facts[n], "action_mask": self.action_mask(n)} for n in self.agents}
-        if self.options.obs == "state+images":
-            for name in self.agents:
-                seen[name] |= self._pictures.observe(self._moment(), name, size=self.options.image_size)
+        for name in self.agents if self.options.obs == "state+images" else ():
+            seen[name] |= self._look(name)
         return seen
 
     def _infos(self) -> Told:

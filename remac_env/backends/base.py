@@ -52,10 +52,12 @@ class Backend(Protocol):
     """A kitchen that can be put into a start and run round by round, or subtask by subtask.
 
     A round is: `begin` all, `advance` until nobody is busy, let the kitchen come to rest, judge. `watch` is called once
-    a control period (in the symbolic backend once a round, or once an `advance`) while something moves.
+    a control period (in the symbolic backend once a round, or once an `advance`) while something moves. `pictures`
+    draws what a robot's cameras show, for controllers that look.
     """
 
     watch: Callable[[], None] | None
+    pictures: Callable[[str], Mapping[str, NDArray[np.uint8]]] | None
 
     def reset(self, start: Start) -> WorldState:
         """Put the kitchen into this start; the world that results."""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from remac_env.backends.base import Counters, RoundResult, Start, check_all_idle, check_idle
 from remac_env.errors import LifecycleError, OptionError
@@ -55,6 +56,7 @@ class SymbolicBackend:
         if not 0.0 <= failure_rate <= 1.0:
             raise OptionError(f"failure_rate {failure_rate!r} is not valid; valid: 0..1")
         self.watch: Callable[[], None] | None = None
+        self.pictures: Callable[[str], Mapping[str, NDArray[np.uint8]]] | None = None
         self._failure_rate, self._seconds = failure_rate, seconds
         self._start: Start | None = None
         self._world: WorldState | None = None

@@ -38,6 +38,11 @@ LOWER = np.concatenate([[-9.0, -9.0, -9.0, TORSO_RANGE[0]], ARM_LOWER + LIMIT_MA
 UPPER = np.concatenate([[9.0, 9.0, 9.0, TORSO_RANGE[1]], ARM_UPPER - LIMIT_MARGIN])
 # Speeds used by the controllers (m/s, rad/s); the arm's own limits are 2.175 and 2.61 rad/s.
 SPEED = np.array([0.5, 0.5, 0.8, 0.2, *[1.6] * 7])
+# How fast set-points move at most: the arm's own limits (Franka Emika, FCI documentation); base and torso as assumed.
+TOP_SPEED = np.array([1.0, 1.0, 1.6, 0.4, *[2.175] * 4, *[2.61] * 3])
+# Where set-points are at most: the manufacturer's limits of arm and torso; a base stands anywhere and goes round.
+LOWEST = np.concatenate([[-np.inf] * 3, [TORSO_RANGE[0]], ARM_LOWER])
+HIGHEST = np.concatenate([[np.inf] * 3, [TORSO_RANGE[1]], ARM_UPPER])
 
 # Position servos: stiffness, damping, largest force.
 ARM_STIFFNESS = (4500.0, 4500.0, 3500.0, 3500.0, 2000.0, 2000.0, 2000.0)

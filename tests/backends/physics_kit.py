@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.base import MakeController
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings
+from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
@@ -17,6 +22,7 @@ ROBOT = "robot_0"
 def kitchen(
     things: Mapping[str, str], seed: int, *, noise: float = 0.0, layout: str = "one_wall_large",
     style: str = "modern_1", robots: tuple[str, ...] = (ROBOT,),
+    controllers: Mapping[str, MakeController] | None = None,
 ) -> tuple[PhysicsBackend, Start, TaskWorlds]:
     """A kitchen with these objects (noun -> fixture where it starts), at its start."""
     roles = tuple(Role(noun, (noun,), at=at) for noun, at in things.items())
@@ -26,9 +32,16 @@ def kitchen(
     start, _ = worlds.start(
         seed, style=style, layout=layout, starts="paper", robots=robots, perception_noise=noise
     )
-    backend = PhysicsBackend(worlds)
+    backend = PhysicsBackend(worlds, controllers=controllers)
     backend.reset(start)
     return backend, start, worlds
+
+
+def stand(simulation: Simulation, here: Surroundings, q: np.ndarray) -> None:
+    """Pose a robot at once, in the frame of the room."""
+    here.leave()
+    simulation.robots[here.robot.name].put(q)
+    here.robot.catch_up()
 
 
 def command(worlds: TaskWorlds, text: str) -> Subtask:

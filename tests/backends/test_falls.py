@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from physics_kit import ROBOT, command, kitchen, run
 
-from remac_env.backends.physics.controllers.scripted import dispatch
+from remac_env.backends.physics.controllers.scripted import controller
+from remac_env.backends.physics.controllers.scripted.skill import Steps, Surroundings
 from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen import layout as layouts
@@ -91,10 +91,10 @@ def test_a_skill_that_only_says_that_it_took_something_slipped_and_took_its_time
     backend, _, worlds = kitchen({"mug": "counter"}, 120700)
     assert run(backend, worlds, ["navigate to mug"]) == [None]
 
-    def idle(*_: Any) -> Iterator[None]:
-        yield from [None] * 10
+    def idle(here: Surroundings, *_: Any) -> Steps:
+        yield from [here.robot.command] * 10
 
-    monkeypatch.setattr(dispatch, "motion", idle)
+    monkeypatch.setattr(controller, "motion", idle)
     result = backend.run_round({ROBOT: command(worlds, "pick up mug")})
     assert result.outcomes[ROBOT].reason == "slipped"
     assert result.outcomes[ROBOT].seconds == result.seconds == pytest.approx(10 * CONTROL_PERIOD)

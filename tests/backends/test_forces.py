@@ -10,7 +10,7 @@ from forces import Measured, Probe, together
 from physics_kit import ROBOT, kitchen, run
 
 from remac_env.backends.physics import timeline
-from remac_env.backends.physics.controllers.scripted import doors, leaf
+from remac_env.backends.physics.controllers.scripted import arc, leaf
 from remac_env.robots import model, panda
 
 TORQUES = np.array([87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0])
@@ -86,8 +86,8 @@ def test_gravity_counts(fresh_models: None) -> None:
 
 
 def test_a_hand_that_presses_on_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(doors, "_YIELD", 0.0)
-    monkeypatch.setattr(doors, "_SQUEEZE", 140.0)
+    monkeypatch.setattr(arc, "_YIELD", 0.0)
+    monkeypatch.setattr(arc, "_SQUEEZE", 140.0)
     monkeypatch.setattr(leaf.Leaf, "clear_of_palm", lambda self, pitch: 0.0)
     assert strongest(measured(DOORS[:2])) > DOOR
 

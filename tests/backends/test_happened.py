@@ -10,7 +10,7 @@ from physics_kit import ROBOT, command, kitchen, run
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.scripted import dispatch, season
-from remac_env.backends.physics.controllers.scripted.skill import Steps
+from remac_env.backends.physics.controllers.scripted.skill import Steps, Surroundings
 from remac_env.backends.physics.happened import Happened
 from remac_env.rules.marks import SEASONED
 from remac_env.state import WorldState
@@ -19,10 +19,10 @@ MEAT = {"meat": "counter", "seasoning": "counter"}
 BEFORE_SEASONING = ["navigate to seasoning", "pick up seasoning", "navigate to meat"]
 
 
-def idle(*args: object, **options: object) -> Steps:
-    """A controller that does nothing and says that all went well."""
+def idle(here: Surroundings, *args: object, **options: object) -> Steps:
+    """A motion that does nothing and says that all went well."""
     for _ in range(20):
-        yield
+        yield here.robot.command
 
 
 def runs(world: WorldState) -> bool:

@@ -58,10 +58,10 @@ def test_slots_are_where_their_fixture_is_seen(looks: list[tuple[PhysicsBackend,
 
 
 def test_paths_are_checked_in_the_world_as_seen(looks: list[tuple[PhysicsBackend, Surroundings]]) -> None:
-    for _, here in looks[:3]:
+    for backend, here in looks[:3]:
         here.begin()
         truth = mujoco.MjData(here.simulation.model)
-        truth.qpos[:] = here.simulation.data.qpos
+        truth.qpos[:] = backend.data.qpos
         mujoco.mj_kinematics(here.simulation.model, truth)
         mujoco.mj_kinematics(here.scratch.model, here.scratch.data)
         moved = here.scratch.data.xpos - truth.xpos
@@ -120,7 +120,7 @@ def test_each_round_looks_anew_and_each_episode_alike() -> None:
 
 def test_without_noise_nothing_is_off() -> None:
     backend, here = looking(0.0)
-    assert not here.simulation.perception.things and not here.simulation.perception.fixtures
+    assert not here.simulation.senses.perception.things and not here.simulation.senses.perception.fixtures
     np.testing.assert_array_equal(here.scratch.model.body_pos, here.simulation.model.body_pos)
     np.testing.assert_array_equal(here.scratch.model.body_quat, here.simulation.model.body_quat)
     assert here.simulation.turned("microwave/door") == 0.0

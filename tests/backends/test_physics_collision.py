@@ -8,9 +8,12 @@ import pytest
 
 from remac_env.backends.physics.controllers.scripted.collision import Fence, Scratch
 from remac_env.backends.physics.controllers.scripted.paths import Planner
-from remac_env.backends.physics.simulation import Simulation, View
+from remac_env.backends.physics.controllers.scripted.robot import Robot, View
+from remac_env.backends.physics.sensing import Senses
+from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.objects import catalogue
 from remac_env.robots import panda
 from remac_env.robots.ik import Kinematics
 
@@ -25,8 +28,10 @@ def kitchen() -> tuple[Simulation, Scratch, Planner]:
     simulation.robots["robot_1"].put(panda.tucked(1.5, -2.3, 0.5 * np.pi))
     simulation.place("vegetable", np.array([0.11, 0.24, 0.928]), np.array([1.0, 0.0, 0.0, 0.0]))
     mujoco.mj_forward(model, simulation.data)
-    robot = simulation.robots["robot_0"]
-    scratch = Scratch(View(simulation, robot), robot, Kinematics())
+    layout, handle = layouts.load("one_wall_large"), simulation.robots["robot_0"]
+    robot = Robot(handle)
+    objects = {"vegetable": catalogue.get("potato")}
+    scratch = Scratch(View(Senses(simulation, handle, layout, objects), robot), robot, Kinematics())
     return simulation, scratch, Planner(scratch, np.random.default_rng(0))
 
 
@@ -81,7 +86,7 @@ def test_released_things_go_back_to_where_they_are(kitchen: tuple[Simulation, Sc
     simulation, scratch, _ = kitchen
     scratch.begin()
     before = scratch.data.qpos.copy()
-    scratch.hold("vegetable", simulation.robots["robot_0"].grip_pose(), simulation.pose("vegetable"))
+    scratch.hold("vegetable", scratch.robot.grip_pose(), simulation.pose("vegetable"))
     scratch.free(panda.tucked(0.1, -1.0, 0.5 * np.pi))
     scratch.release()
     address = int(simulation.model.joint("vegetable").qposadr[0])

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
+from physics_kit import stand
 
 from remac_env.backends.physics.controllers.scripted.grasps import candidates
 from remac_env.backends.physics.crew import Crew
@@ -26,7 +27,7 @@ NO_THINGS: Mapping[str, str] = {}
 
 
 @pytest.fixture(scope="module")
-def crew() -> Crew:
+def crew() -> tuple[Simulation, Crew]:
     layout = layouts.load("u_shaped_large")
     scene = build_scene(layout, {}, (ROBOT,))
     world = WorldState(FrozenMap({ROBOT: RobotState()}), FrozenMap({}), resting_fixtures(scene))
@@ -36,18 +37,21 @@ def crew() -> Crew:
     )
     simulation = Simulation(build_model(layout, robots=(ROBOT,), objects={}), (ROBOT,))
     pose_start(simulation, layout, {}, start)
-    return Crew(simulation, layout, {}, start)
+    return simulation, Crew(simulation, layout, {}, start, {})
 
 
 @pytest.mark.parametrize("rounds", [-2, -1, 0, 1, 2])
-def test_a_robot_that_has_gone_round_does_not_turn_back_to_come_home(crew: Crew, rounds: int) -> None:
-    here, layout = crew.robots[ROBOT], layouts.load("u_shaped_large")
+def test_a_robot_that_has_gone_round_does_not_turn_back_to_come_home(
+    crew: tuple[Simulation, Crew], rounds: int
+) -> None:
+    simulation, robots = crew
+    here, layout = robots.robots[ROBOT], layouts.load("u_shaped_large")
     assert len({station.wall for station in layout.stations.values()}) == 3
     for station in layout.stations.values():
         here.leave()
         q = here.robot.q.copy()
         q[:3] = station.x, station.y, station.yaw + rounds * math.tau
-        here.robot.put(q)
+        stand(simulation, here, q)
         here.enter(station)
         assert here.station.yaw == pytest.approx(float(here.robot.q[2]), abs=1e-9), station.name
 

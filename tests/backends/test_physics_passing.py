@@ -9,6 +9,7 @@ from itertools import permutations
 import mujoco
 import numpy as np
 import pytest
+from physics_kit import stand
 
 import remac_env
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure
@@ -20,7 +21,6 @@ from remac_env.backends.physics.traffic import Convoy
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout, Station
-from remac_env.kitchen.frame import WORLD
 from remac_env.robots import panda
 
 ROBOTS = ("robot_0", "robot_1")
@@ -74,7 +74,7 @@ def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
     env.reset(seed=1)
     layout, chance = layouts.load(name), np.random.default_rng(1)
     simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, looks=False), ROBOTS)
-    crew = Crew(simulation, layout, {}, env.start)
+    crew = Crew(simulation, layout, {}, env.start, {})
 
     def near(place: str) -> Station:
         dx, dy, turn = chance.uniform(-1.0, 1.0, 3) * OFF
@@ -84,8 +84,7 @@ def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
     def way(drive: Drive) -> bool:
         for here, place in zip(crew.robots.values(), drive, strict=False):
             station = near(place)
-            here.robot.enter(WORLD)
-            here.robot.put(panda.tucked(station.x, station.y, station.yaw))
+            stand(simulation, here, panda.tucked(station.x, station.y, station.yaw))
             here.enter(station)
         mujoco.mj_forward(simulation.model, simulation.data)
         errand = Errand(crew.robots["robot_1"], near(drive[2]))
@@ -105,11 +104,11 @@ def test_many_pairs_of_ways_are_not_tried_before_one_robot_makes_room(monkeypatc
     env.reset(seed=1)
     layout = layouts.load(name)
     simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, looks=False), ROBOTS)
-    crew = Crew(simulation, layout, {}, env.start)
+    crew = Crew(simulation, layout, {}, env.start, {})
     swap = {"robot_0": ("sink", "stove"), "robot_1": ("stove", "sink")}
     for robot, (place, _) in swap.items():
         station, here = layout.stations[place], crew.robots[robot]
-        here.robot.put(panda.tucked(station.x, station.y, station.yaw))
+        stand(simulation, here, panda.tucked(station.x, station.y, station.yaw))
         here.enter(station)
     mujoco.mj_forward(simulation.model, simulation.data)
     crew.separation.refresh()

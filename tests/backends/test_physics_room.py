@@ -120,11 +120,11 @@ def test_slots_are_free_or_taken_as_they_seem() -> None:
     places = {name: item.place.where for name, item in start.world.objects.items()}
     assert seen_on_slots(here) == {slot: [name] for name, slot in places.items()}
     away = np.array([0.0, 0.0, 1.0])
-    here.simulation.perception.things["mug"] = Error(away, 0.0, np.zeros(3))
+    here.simulation.senses.perception.things["mug"] = Error(away, 0.0, np.zeros(3))
     assert seen_on_slots(here) == {places["bowl"]: ["bowl"]}
     # Where the fixture seems to be off by as much, the object still seems to stand on it.
     for name in ("mug", "bowl"):
-        here.simulation.perception.things[name] = Error(away, 0.0, np.zeros(3))
+        here.simulation.senses.perception.things[name] = Error(away, 0.0, np.zeros(3))
     for name in here.layout.fixtures:
-        here.simulation.perception.fixtures[name] = Error(away, 0.0, np.zeros(3))
+        here.simulation.senses.perception.fixtures[name] = Error(away, 0.0, np.zeros(3))
     assert seen_on_slots(here) == {slot: [name] for name, slot in places.items()}

@@ -11,14 +11,16 @@ import solids
 from physics_kit import kitchen, run
 
 from remac_env.backends.physics.controllers.scripted.collision import Scratch
-from remac_env.backends.physics.simulation import Simulation, View
+from remac_env.backends.physics.controllers.scripted.robot import Robot, View
+from remac_env.backends.physics.sensing import Senses
+from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.canvas import COLLIDER_GROUP
 from remac_env.kitchen.fixtures import models
 from remac_env.kitchen.fixtures.base import COUNTER_Z
 from remac_env.kitchen.fixtures.door import OPENED, Door
-from remac_env.kitchen.objects import colliders
+from remac_env.kitchen.objects import catalogue, colliders
 from remac_env.robots import panda
 from remac_env.robots.ik import Kinematics
 from remac_env.state import FrozenMap
@@ -63,10 +65,12 @@ def test_a_door_that_turns_about_its_back_edge_jams_between_its_neighbours(monke
 def test_what_is_held_keeps_clear_on_its_way() -> None:
     model = build_model(LAYOUT, robots=("robot_0",), objects={"bowl": "bowl"})
     simulation = Simulation(model, ("robot_0",))
-    robot = simulation.robots["robot_0"]
+    handle = simulation.robots["robot_0"]
     stand = panda.tucked(0.1, -0.85, 0.5 * np.pi)
-    robot.put(stand)
-    scratch = Scratch(View(simulation, robot), robot, Kinematics())
+    handle.put(stand)
+    robot = Robot(handle)
+    objects = {"bowl": catalogue.get("bowl")}
+    scratch = Scratch(View(Senses(simulation, handle, LAYOUT, objects), robot), robot, Kinematics())
     spot = next(slot for slot in LAYOUT.slots.values() if slot.kind == "surface").center
     for height, clear in ((0.004, False), (0.02, True)):
         simulation.place("bowl", np.array([spot[0], spot[1], COUNTER_Z + height]), np.array([1.0, 0.0, 0.0, 0.0]))

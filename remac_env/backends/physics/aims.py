@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remac_env.backends.physics.controllers.scripted.robot import Robot
 from remac_env.backends.physics.controllers.scripted.skill import EMPTY, Surroundings
-from remac_env.backends.physics.simulation import RobotHandle, pose_in
 from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
 from remac_env.kitchen.fixtures.slide import Slide
@@ -91,7 +91,7 @@ def aim_of(here: Surroundings, scene: Rules, world: WorldState, robot: str, subt
     return _Thing(here, name) if place is None else _Put(here, place)
 
 
-def feels(robot: RobotHandle) -> bool:
+def feels(robot: Robot) -> bool:
     """Whether a hand feels something between its fingers."""
     return robot.opening > EMPTY and robot.grip < 0.5 * robot.opening - _SQUEEZED
 
@@ -156,20 +156,13 @@ class _Leaves(Aim):
         return float(np.mean([_share(self._at(leaf), first, self._opened) for leaf, first in ways]))
 
     def _handle(self, leaf: Door | Slide) -> Array:
-        return _seen(self._here, leaf.joint, leaf.grip)
+        return self._here.simulation.pose(leaf.grip)[0]
 
     def _at(self, leaf: Door | Slide) -> float:
         return leaf.opened(self._here.simulation.joint(leaf.joint))
 
     def _there(self, leaf: Door | Slide) -> bool:
         return self._at(leaf) >= OPEN_MIN if self._opened > 0.0 else self._at(leaf) <= CLOSED_MAX
-
-
-def _seen(here: Surroundings, part: str, site: str) -> Array:
-    """Where a site (3,) of a fixture's part is seen."""
-    data = here.simulation.data
-    at, _ = pose_in(here.robot.frame, np.array(data.site(site).xpos), np.array(data.site(site).xmat).reshape(3, 3))
-    return here.simulation.located(part, at)
 
 
 def _share(now: float, first: float, goal: float) -> float:
@@ -198,7 +191,7 @@ class _Switch(Aim):
         upright = abs(simulation.model.joint(joint).axis[2]) > 0.5
         worked = actuator.springs_back and self._furthest >= actuator.counts
         return Target(
-            _seen(self._here, joint, actuator.site), simulation.turned(joint), joint=simulation.joint(joint),
+            simulation.pose(actuator.site)[0], simulation.turned(joint), joint=simulation.joint(joint),
             goal=self._goal, side=float(upright), worked=float(worked),
         )  # fmt: skip
 

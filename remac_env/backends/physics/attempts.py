@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 
-from remac_env.backends.physics.controllers.scripted import dispatch
-from remac_env.backends.physics.controllers.scripted.motion import StuckError
-from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, go_home
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings
 from remac_env.backends.physics.litter import lying, pressed
+from remac_env.backends.physics.pilot import SKILL_TIME, Attempt, Pilot
+from remac_env.backends.physics.sensing import Briefed
 from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
 from remac_env.backends.physics.timetable import Errand
@@ -22,17 +22,13 @@ from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.layout_checks import work_floor
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
-from remac_env.seeding import generator
-from remac_env.start import Start
 from remac_env.state import WorldState
 
-SKILL_TIME = 60.0  # s, after which a skill is stopped
-_RECOVERY_TIME = 20.0  # s for coming home after a failure
 _DETOURS = 3  # times that a drive starts anew which things on the floor have stopped
 _THOUGHT = 20  # control periods within which a skill has only planned and closed or opened its hand
-NEIGHBOUR = 1.3  # m between stations whose robots could reach one another
+Waiting = Generator[None, None, None]
 
-Attempt = Generator[None, None, Outcome]
+NEIGHBOUR = 1.3  # m between stations whose robots could reach one another
 
 
 @dataclass(frozen=True)
@@ -74,11 +70,11 @@ class Attempts:
     """Runs subtasks of ``robots``. ``aims``: robot -> where it will stand, of those that drive (None: nowhere)."""
 
     def __init__(
-        self, simulation: Simulation, separation: Separation, robots: Mapping[str, Surroundings], layout: Layout,
-        start: Start,
+        self, simulation: Simulation, separation: Separation, pilots: Mapping[str, Pilot], layout: Layout
     ) -> None:
-        self._simulation, self._separation, self._layout, self._start = simulation, separation, layout, start
-        self._robots = robots
+        self._simulation, self._separation, self._layout = simulation, separation, layout
+        self._pilots = pilots
+        self._robots: dict[str, Surroundings] = {name: pilot.here for name, pilot in pilots.items()}
         self.aims: dict[str, Station | None] = {}
         self._busy: set[str] = set()  # without those that have begun and still give way
         self._working: set[str] = set()
@@ -93,11 +89,16 @@ class Attempts:
         self._busy |= now.active
         self._working |= now.active - now.driving
         self.aims |= {name: goals.get(name) for name in now.driving}
-        errands = {name: Errand(self._robots[name], goal) for name, goal in goals.items()}
+        own = {name: self._pilots[name].own.get(subtask.skill) for name, subtask in now.subtasks.items()}
+        errands = {name: Errand(self._robots[name], goal) for name, goal in goals.items() if own[name] is None}
         convoy = self._convoy(errands, self._rooms())
         found: dict[str, Attempt] = {}
         for robot, subtask in now.subtasks.items():
-            if robot in now.driving:
+            controller, pilot = own[robot], self._pilots[robot]
+            if robot in now.driving and controller is not None:
+                briefed = pilot.briefed(now.number, subtask, now.world, goals.get(robot))
+                found[robot] = pilot.drive(controller, subtask, briefed)
+            elif robot in now.driving:
                 found[robot] = self._drive(convoy, robot, errands, earlier)
             elif robot in now.active:
                 found[robot] = self._skill(robot, subtask, now, earlier)
@@ -141,17 +142,17 @@ class Attempts:
             ends = [end for each in errands.values() for end in (each.here.place, each.goal)]
             yield from self._give_way(robot, lambda: self._beside(ends, earlier))
             convoy.keep_off(self._rooms())
-        outcome = yield from self._bounded(robot, convoy.steps(robot), SKILL_TIME)
+        outcome = yield from self._pilots[robot].steps(convoy.steps(robot), SKILL_TIME)
         if outcome.reason == "blocked" and convoy.held_up(robot):
             yield from self._turn(robot)
             convoy = self._convoy({robot: errand}, ())
-            outcome = yield from self._bounded(robot, convoy.steps(robot), SKILL_TIME)
+            outcome = yield from self._pilots[robot].steps(convoy.steps(robot), SKILL_TIME)
         for _ in range(_DETOURS):
             if outcome.success or not convoy.jammed:
                 break
             yield from self._turn(robot)
             convoy = self._convoy({robot: errand}, (), convoy.jammed)
-            outcome = yield from self._bounded(robot, convoy.steps(robot), SKILL_TIME)
+            outcome = yield from self._pilots[robot].steps(convoy.steps(robot), SKILL_TIME)
         return outcome
 
     def _skill(self, robot: str, subtask: Subtask, now: Orders, earlier: Earlier) -> Attempt:
@@ -160,51 +161,47 @@ class Attempts:
         A skill that finds no way within the fence towards a robot working next to it waits until that one is done; then
         it goes on, by way of its home pose if it has begun to move.
         """
-        here = self._robots[robot]
+        here, pilot = self._robots[robot], self._pilots[robot]
         if earlier:
             place = here.place
             yield from self._give_way(
                 robot, lambda: self._beside((place,), earlier) or self._crossed(place, earlier)
             )
         began = self._simulation.ticks
-        here.planner.random = generator(self._start.seed, "search", now.number, subtask.text)
-        outcome = yield from self._among_litter(robot, subtask, now)
+        sensing, own = pilot.briefed(now.number, subtask, now.world), pilot.own.get(subtask.skill)
+        if own is not None:
+            return (yield from pilot.skill(own, subtask, sensing))
+        outcome = yield from self._among_litter(robot, subtask, sensing, now)
         if here.scratch.fences and outcome.reason in ("blocked", "unreachable"):
             moved = self._simulation.ticks - began > _THOUGHT
             yield from self._turn(robot)
             here.scratch.fences = ()
             if moved:
-                here.robot.q = here.robot.measured
-                outcome = yield from self._bounded(robot, go_home(here), _RECOVERY_TIME)
+                outcome = yield from pilot.home()
             if not moved or (outcome.success and not now.achieved(robot, subtask)):
-                outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
+                outcome = yield from pilot.scripted(subtask, sensing)
         if not outcome.success and outcome.reason != "door_closed":
-            here.robot.q = here.robot.measured
-            yield from self._bounded(robot, go_home(here), _RECOVERY_TIME)
+            yield from pilot.home()
         return outcome
 
-    def _among_litter(self, robot: str, subtask: Subtask, now: Orders) -> Attempt:
+    def _among_litter(self, robot: str, subtask: Subtask, sensing: Briefed, now: Orders) -> Attempt:
         """Run a skill clear of what lies on the floor; try again once that has been pushed away, in the end over it."""
-        here = self._robots[robot]
+        here, pilot = self._robots[robot], self._pilots[robot]
         for last in (False, False, True):
             litter = lying(here)
             if litter and not last:
                 here.begin(avoid=litter)
                 here.keep_off = litter if here.scratch.free(here.robot.q) else litter - pressed(here)
-            outcome = yield from self._bounded(robot, self._motion(robot, subtask, now), SKILL_TIME)
+            outcome = yield from pilot.scripted(subtask, sensing)
             here.keep_off = frozenset()
             if last or not litter or outcome.reason not in ("blocked", "unreachable"):
                 break
-            here.robot.q = here.robot.measured
-            home = yield from self._bounded(robot, go_home(here), _RECOVERY_TIME)
+            home = yield from pilot.home()
             if not home.success or now.achieved(robot, subtask):
                 break
         return outcome
 
-    def _motion(self, robot: str, subtask: Subtask, now: Orders) -> Steps:
-        return dispatch.motion(self._robots[robot], self._start.scene, now.world, robot, subtask)
-
-    def _turn(self, robot: str) -> Steps:
+    def _turn(self, robot: str) -> Waiting:
         """Wait until every other robot is done; of robots that all wait the leftmost goes first."""
         place = self._robots[robot].place
         self._waiting[robot] = (place.x, place.y)
@@ -216,7 +213,7 @@ class Attempts:
             yield
         del self._waiting[robot]
 
-    def _give_way(self, robot: str, hindered: Callable[[], bool]) -> Steps:
+    def _give_way(self, robot: str, hindered: Callable[[], bool]) -> Waiting:
         """Wait for robots that began earlier; none of those waits for this one."""
         while hindered():
             self._busy.discard(robot)
@@ -237,23 +234,6 @@ class Attempts:
         room = work_floor(self._layout.facing(place), place)
         drives = [drive for convoy in earlier.convoys for drive in convoy.under_way()]
         return any(drive.driver.outline.meets(drive.bases, room) for drive in drives)
-
-    def _bounded(self, robot: str, steps: Steps, seconds: float) -> Attempt:
-        """Run steps for at most so long; failures become outcomes."""
-        here = self._robots[robot]
-        for _ in range(int(seconds / CONTROL_PERIOD)):
-            try:
-                next(steps)
-            except StopIteration:
-                return Outcome("success")
-            except SkillFailure as failed:
-                return failure(failed.reason, failed.detail)
-            except StuckError as stuck:
-                here.robot.q = here.robot.measured
-                return failure("blocked", str(stuck))
-            yield
-        steps.close()
-        return failure("timeout", f"not done after {seconds:.0f} s")
 
 
 def _nothing() -> Attempt:

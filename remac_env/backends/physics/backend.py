@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.backends.base import Counters, RoundResult, check_all_idle, check_idle
+from remac_env.backends.physics.controllers.base import MakeController, check_controllers
 from remac_env.backends.physics.manual import Manual
+from remac_env.backends.physics.sensing import Draw
 from remac_env.backends.physics.timeline import Timeline
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.worlds import Worlds
@@ -25,25 +27,33 @@ from remac_env.state import WorldState
 class PhysicsBackend:
     """A kitchen in MuJoCo. ``model`` and ``data`` are for rendering and measuring only.
 
-    ``worlds``: where layouts and categories are found; those of the package where None. ``watch`` is called after
-    every control step while a subtask runs, ``probe`` after every step of 5 ms.
+    ``worlds``: where layouts and categories are found; those of the package where None. ``controllers``: skill -> what
+    makes a controller for it, for each robot and episode; all others are scripted. ``watch`` is called after every
+    control step while a subtask runs, ``probe`` after every step of 5 ms; ``pictures`` draws what
+    a robot's cameras show.
     """
 
-    def __init__(self, worlds: Worlds | None = None) -> None:
-        self._worlds = worlds or Worlds()
+    def __init__(
+        self, worlds: Worlds | None = None, *, controllers: Mapping[str, MakeController] | None = None
+    ) -> None:
+        self._worlds, self._controllers = worlds or Worlds(), dict(controllers or {})
+        check_controllers(self._controllers, 1)
         self.watch: Callable[[], None] | None = None
         self.probe: Callable[[], None] | None = None
+        self.pictures: Draw | None = None
         self._timeline: Timeline | None = None
         self._played: list[tuple[str, dict[str, Subtask], float]] = []
 
     def __getstate__(self) -> dict[str, Any]:
-        """What a copy is made from: the start and what was played. `watch` and `probe` stay behind."""
+        """What a copy is made from: the start and what was played. `watch`, `probe` and `pictures` stay behind."""
         start = None if self._timeline is None else self._timeline.start
-        return {"worlds": self._worlds, "start": start, "played": list(self._played)}
+        return {
+            "worlds": self._worlds, "controllers": self._controllers, "start": start, "played": list(self._played)
+        }
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
         """Play it again: copies of MjData are inexact while parts of the kitchen sleep, replays are exact."""
-        self.__init__(state["worlds"])  # type: ignore[misc]
+        self.__init__(state["worlds"], controllers=state["controllers"])  # type: ignore[misc]
         if state["start"] is not None:
             self.reset(state["start"])
             for call, subtasks, until in state["played"]:
@@ -55,7 +65,7 @@ class PhysicsBackend:
     def reset(self, start: Start) -> WorldState:
         """Put the kitchen into this start; what follows depends on nothing that went before."""
         before = None if self._timeline is None else self._timeline.simulation
-        self._timeline, self._played = Timeline(start, self._worlds, before), []
+        self._timeline, self._played = Timeline(start, self._worlds, before, self._controllers), []
         return self._timeline.world
 
     def begin(self, subtasks: Mapping[str, Subtask]) -> dict[str, Outcome]:
@@ -132,7 +142,7 @@ class PhysicsBackend:
     def _playing(self, call: str, subtasks: Mapping[str, Subtask], until: float = math.inf) -> Iterator[None]:
         """Remember a call that comes to its end; one that is broken off leaves no robot busy."""
         timeline = self._begun()
-        timeline.simulation.probe = self.probe
+        timeline.simulation.probe, timeline.simulation.pictures = self.probe, self.pictures
         try:
             yield
         except BaseException:

@@ -7,14 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from remac_env.backends.physics.attempts import NEIGHBOUR, Attempt, Attempts, Orders
+from remac_env.backends.physics.attempts import NEIGHBOUR, Attempts, Orders
+from remac_env.backends.physics.controllers.base import MakeController
 from remac_env.backends.physics.controllers.scripted.collision import Fence, Scratch
 from remac_env.backends.physics.controllers.scripted.motion import Mover
 from remac_env.backends.physics.controllers.scripted.paths import Planner
+from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.backends.physics.controllers.scripted.skill import Hand, Surroundings
 from remac_env.backends.physics.navigate import parking
+from remac_env.backends.physics.pilot import Attempt, Pilot
+from remac_env.backends.physics.sensing import Senses
 from remac_env.backends.physics.separation import Separation
-from remac_env.backends.physics.simulation import Simulation, View
+from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.ik import Kinematics
@@ -29,14 +33,17 @@ class Crew:
     """All robots. ``robots`` holds each one's surroundings by name."""
 
     def __init__(
-        self, simulation: Simulation, layout: Layout, things: Mapping[str, Category], start: Start
+        self, simulation: Simulation, layout: Layout, things: Mapping[str, Category], start: Start,
+        controllers: Mapping[str, MakeController],
     ) -> None:
         self._layout, self._start = layout, start
         self.separation = Separation(simulation)
         kinematics = Kinematics()
         self.robots: dict[str, Surroundings] = {}
-        for name, robot in simulation.robots.items():
-            view = View(simulation, robot)
+        pilots: dict[str, Pilot] = {}
+        for name, handle in simulation.robots.items():
+            robot = Robot(handle)
+            view = View(Senses(simulation, handle, layout, things), robot)
             scratch = Scratch(view, robot, kinematics)
             planner = Planner(scratch, np.random.default_rng(0))
             x, y, yaw = (float(value) for value in robot.q[:3])
@@ -44,7 +51,9 @@ class Crew:
                 view, robot, layout, things, kinematics, scratch, planner, Mover(robot, kinematics), Hand(),
                 Station(ASIDE, x, y, yaw),
             )
-        self._attempts = Attempts(simulation, self.separation, self.robots, layout, start)
+            own = {skill: make() for skill, make in controllers.items()}
+            pilots[name] = Pilot(simulation, self.robots[name], start.scene, own, start.seed)
+        self._attempts = Attempts(simulation, self.separation, pilots, layout)
 
     def hold(self, things: Mapping[str, str | None]) -> None:
         """Tell robots what their hands hold now."""
@@ -89,9 +98,7 @@ class Crew:
         for here in (here for name, here in self.robots.items() if name not in busy):
             place = [round(float(value), 3) for value in here.robot.standing[:2]]
             chance = generator(self._start.seed, "perception", now.number, *place)
-            here.simulation.perception.draw(chance, noise, self._layout, here.things, here.hand.body)
-            if here.hand.body is not None:
-                here.simulation.hold(here.hand.body)
+            here.simulation.senses.look(chance, noise, here.hand.body)
             here.scratch.look()
 
     def _goals(self, now: Orders) -> dict[str, Station]:

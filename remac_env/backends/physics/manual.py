@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.backends.physics.aims import Aim, aim_of
+from remac_env.backends.physics.controllers.base import Command, CommandError, set_points
 from remac_env.backends.physics.seen import observe
 from remac_env.backends.physics.timeline import Timeline
+from remac_env.errors import PhysicsError
 from remac_env.robots.ik import Kinematics
 from remac_env.robots.rotation import Array
 from remac_env.rules.conditions import Condition
@@ -60,13 +62,17 @@ class Manual:
         return self._here.kinematics
 
     def command(self, q: Array, grip: float) -> None:
-        """Bring the servos' setpoints to ``q`` (11,) and ``grip`` (m) within one control period.
+        """Bring the set-points to ``q`` (11,) and ``grip`` (m) in one period, within the maker's limits.
 
         Raises:
             PhysicsError: for a command that is not finite, or if MuJoCo warns.
         """
         robot = self._here.robot
-        robot.q, robot.grip = np.array(q, float), float(grip)
+        try:
+            self._timeline.simulation.robots[self._robot].take(*set_points(Command(q, grip, robot.frame)))
+        except CommandError as wrong:
+            raise PhysicsError(f"{self._robot}: {wrong}") from wrong
+        robot.catch_up()
         self._timeline.tick()
         self.aim.update()
         self.world = self._timeline.seen()

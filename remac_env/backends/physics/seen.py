@@ -11,7 +11,6 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,7 +26,6 @@ VERSION = 1
 RAYS = 24
 RAY_HEIGHT = 0.25  # m over the floor: through the middle of bases and of base cabinets
 FARTHEST = 4.0  # m that a ray looks
-_SOLID = np.array([0, 0, 0, 1, 0, 0], np.uint8)  # the group of colliders, see remac_env.robots.model
 _ROOM = 12.0  # m, further than any two points of a kitchen are apart
 _REACH = 2.0  # m, further than a hand gets from its station
 
@@ -124,12 +122,4 @@ def _ranges(skill: Skill) -> tuple[Array, Array]:
 
 def _rays(here: Surroundings) -> Array:
     """Distances (RAYS,) from the axis of the base to what is solid around it, m, from straight ahead to the left."""
-    model, data, robot = here.simulation.model, here.simulation.data, here.robot
-    x, y, yaw = robot.standing
-    angles = yaw + math.tau * np.arange(RAYS) / RAYS
-    ways = np.stack([np.cos(angles), np.sin(angles), np.zeros(RAYS)], axis=1).ravel()
-    met, far = np.empty(RAYS, np.int32), np.empty(RAYS)
-    own = model.body(f"{robot.name}/base").id
-    start = np.array([x, y, RAY_HEIGHT])
-    mujoco.mj_multiRay(model, data, start, ways, _SOLID, True, own, met, far, None, RAYS, FARTHEST)
-    return np.where(met < 0, FARTHEST, far)
+    return here.simulation.senses.scan(math.tau * np.arange(RAYS) / RAYS, height=RAY_HEIGHT, farthest=FARTHEST)

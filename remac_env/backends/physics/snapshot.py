@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import Protocol
 
 import numpy as np
 
 from remac_env.backends.physics.bodies import Bodies, Standing
-from remac_env.backends.physics.simulation import View
 from remac_env.kitchen.fixtures import Slot
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
@@ -26,6 +26,13 @@ _CAVITY_HEIGHT = 0.5
 _NEAR = 0.6  # m, along and across, within which all of a slot lies
 _VESSEL_BAND = (-0.01, 0.14)  # m of a thing's frame over that of the vessel it is in
 _UPRIGHT = 0.8  # z component of a vessel's axis
+
+
+class Posed(Protocol):
+    """Whatever says where bodies are, or are seen."""
+
+    def pose(self, body: str) -> tuple[Array, Array]:
+        """Position (3,) and rotation (3, 3) of a body."""
 
 
 def read_world(
@@ -90,7 +97,7 @@ def _place(
 
 
 def vessel_around(
-    simulation: Bodies | View, things: Mapping[str, Category], name: str, position: Array
+    simulation: Posed, things: Mapping[str, Category], name: str, position: Array
 ) -> str | None:
     """The nearest upright vessel in or on which the thing's frame lies."""
     found = []
@@ -107,7 +114,7 @@ def vessel_around(
     return min(found)[1] if found else None
 
 
-def shifted(simulation: Bodies | View, layout: Layout, slot: str) -> Array:
+def shifted(simulation: Bodies, layout: Layout, slot: str) -> Array:
     """By how much (3,) a slot has moved with its drawer, m, world frame."""
     fixture = layout.fixtures[layout.slots[slot].fixture]
     opened = max(fixture.read(simulation.model, simulation.data).door_angles, default=0.0)

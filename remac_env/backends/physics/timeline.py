@@ -10,10 +10,12 @@ from functools import cached_property, lru_cache
 import mujoco
 
 from remac_env.backends.base import Counters, RoundResult
-from remac_env.backends.physics.attempts import Attempt, Orders
+from remac_env.backends.physics.attempts import Orders
+from remac_env.backends.physics.controllers.base import MakeController, check_controllers
 from remac_env.backends.physics.controllers.scripted.skill import Surroundings
 from remac_env.backends.physics.crew import Crew
 from remac_env.backends.physics.falls import fallen
+from remac_env.backends.physics.pilot import Attempt
 from remac_env.backends.physics.separation import NEAR_MISS
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, SUBSTEPS, Simulation
 from remac_env.backends.physics.stage import pose_start
@@ -52,8 +54,11 @@ class _Task:
 class Timeline:
     """A start in physics. ``begin`` subtasks and ``advance`` to the next end, or ``run_round``."""
 
-    def __init__(self, start: Start, worlds: Worlds, before: Simulation | None) -> None:
-        self.start = start
+    def __init__(
+        self, start: Start, worlds: Worlds, before: Simulation | None, controllers: Mapping[str, MakeController]
+    ) -> None:
+        check_controllers(controllers, len(start.scene.robots))
+        self.start, self._controllers = start, controllers
         self._layout: Layout = worlds.layout(start.layout, start.style)
         self._things: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
         robots = tuple(start.scene.robots)
@@ -72,7 +77,7 @@ class Timeline:
     @cached_property
     def _crew(self) -> Crew:
         """Made for the first subtask, as it takes longer and more memory than all the rest."""
-        return Crew(self.simulation, self._layout, self._things, self.start)
+        return Crew(self.simulation, self._layout, self._things, self.start, self._controllers)
 
     @property
     def busy(self) -> frozenset[str]:

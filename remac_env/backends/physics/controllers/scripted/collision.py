@@ -15,9 +15,9 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from remac_env.backends.physics.simulation import RobotHandle, View
+from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.robots.ik import Kinematics
-from remac_env.robots.rotation import Array, about_z, quaternion
+from remac_env.robots.rotation import Array, quaternion
 
 ARM_MARGIN = 0.008  # m, around arm links, column and base
 TOUCH_MARGIN = 0.001  # m, around the gripper where it works; more would forbid every grasp on a counter
@@ -68,7 +68,7 @@ class Fence:
 class Scratch:
     """Answers whether a configuration of one robot, expressed in the robot's frame, is free of forbidden contact."""
 
-    def __init__(self, simulation: View, robot: RobotHandle, kinematics: Kinematics) -> None:
+    def __init__(self, simulation: View, robot: Robot, kinematics: Kinematics) -> None:
         self.simulation, self.robot, self.kinematics = simulation, robot, kinematics
         model = simulation.model
         self.model = copy.copy(model)
@@ -116,11 +116,7 @@ class Scratch:
         ``contents`` ride in a held vessel and are ignored. ``held_meets=False`` ignores the held object's contacts.
         """
         self.release()
-        self.data.qpos[:] = self.simulation.data.qpos
-        for body in self.simulation.perception.things:
-            address = int(self.simulation.model.joint(body).qposadr[0])
-            position, rotation = self.simulation.in_world(body)
-            self.data.qpos[address : address + 7] = [*position, *quaternion(rotation)]
+        self.data.qpos[:] = self.simulation.positions()
         self._start = self.data.qpos.copy()
         self.classes[:] = self._classes
         self.mark(target, TARGET)
@@ -132,19 +128,7 @@ class Scratch:
 
     def look(self) -> None:
         """Stand the fixtures where the robot sees them."""
-        model, truth = self.model, self.simulation.model
-        for body, name in enumerate(self._body_names):
-            error = self.simulation.perception.fixtures.get(name.partition("/")[0])
-            ground = truth.body_parentid[body]
-            if error is None or truth.body_parentid[ground] != 0 or not self._body_names[ground].startswith("wall/"):
-                continue
-            turn = np.empty(9)
-            mujoco.mju_quat2Mat(turn, truth.body_quat[ground])
-            out = turn.reshape(3, 3)
-            seen = error.point(truth.body_pos[ground] + out @ truth.body_pos[body])
-            model.body_pos[body] = out.T @ (seen - truth.body_pos[ground])
-            # All of them are turned about the vertical alone, so the order of turns does not matter.
-            mujoco.mju_mulQuat(model.body_quat[body], quaternion(about_z(error.turn)), truth.body_quat[body])
+        self.simulation.stand(self.model)
 
     def mark(self, geoms: Iterable[int], kind: int) -> None:
         """Class ``kind`` for these geoms until the next :meth:`begin`."""

@@ -9,6 +9,7 @@ from itertools import product
 
 import numpy as np
 
+from remac_env.backends.physics.controllers.base import Command
 from remac_env.backends.physics.controllers.scripted.arc import NARROW_GRIP, DoorGrasp, arc_is_free, follow_arc
 from remac_env.backends.physics.controllers.scripted.collision import OTHER, TARGET
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
@@ -75,7 +76,7 @@ def _swing(here: Surroundings, name: str, target: float) -> Steps:
         raise SkillFailure("slipped", f"the {name} door stopped at {shown(angles)}")
 
 
-def _make_room(here: Surroundings, leaves: list[Leaf]) -> Generator[None, None, list[Leaf]]:
+def _make_room(here: Surroundings, leaves: list[Leaf]) -> Generator[Command, None, list[Leaf]]:
     """The order in which to close leaves; beside one that is ajar there is no room for the hand, so it is opened."""
     orders = [leaves, leaves[::-1]]
     for order in orders:

@@ -1,4 +1,4 @@
-"""Motion primitives: generators that set the robot's command and yield once per control period (0.05 s)."""
+"""Motion primitives: generators that yield a command for each control period (0.05 s)."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from collections.abc import Generator, Sequence
 
 import numpy as np
 
-from remac_env.backends.physics.simulation import CONTROL_PERIOD, RobotHandle
+from remac_env.backends.physics.controllers.base import Command
+from remac_env.backends.physics.controllers.scripted.robot import Robot
+from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.robots import panda
 from remac_env.robots.ik import Kinematics
 from remac_env.robots.rotation import Array
 
-Steps = Generator[None, None, None]
+Steps = Generator[Command, None, None]
 
 LAG_LIMIT = 0.08  # rad or m by which a joint may miss all of the latest commands
 LAG_PERIODS = 6  # the servos follow 0.1 s late at steady speed, and later while they accelerate
@@ -46,7 +48,7 @@ class StuckError(Exception):
 class Mover:
     """Plays back motions on one robot and watches that it follows."""
 
-    def __init__(self, robot: RobotHandle, kinematics: Kinematics) -> None:
+    def __init__(self, robot: Robot, kinematics: Kinematics) -> None:
         self.robot, self._kinematics = robot, kinematics
         self._late = 0
         self._commands: deque[Array] = deque(maxlen=LAG_PERIODS)
@@ -54,7 +56,7 @@ class Mover:
     def step(self, q: Array) -> Steps:
         """Command ``q`` for one period. Raises StuckError when the robot has long been held off its command."""
         self.robot.q = np.array(q, float)
-        yield
+        yield self.robot.command
         self._commands.append(self.robot.q)
         now = self.robot.measured
         lag = float(np.abs(self.robot.q - now).max())

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.skill import Surroundings, lowest
-from remac_env.backends.physics.snapshot import shifted, slot_under, vessel_around
+from remac_env.backends.physics.snapshot import slot_under, vessel_around
 from remac_env.kitchen.fixtures import Slot
 from remac_env.kitchen.objects.catalogue import DISH_ROOM, EDIBLE, Category
 from remac_env.robots.rotation import Array, about_x, about_y
@@ -99,8 +99,8 @@ def seen_on_slots(here: Surroundings) -> dict[str, list[str]]:
 
 def _off(here: Surroundings, slot: str) -> Array:
     """By how much (3,) a slot seems to be off, m, world frame."""
-    off = here.simulation.off(here.layout.slots[slot].fixture, here.layout.middle(slot))
-    return off + shifted(here.simulation, here.layout, slot)
+    off = here.simulation.off(here.layout.slots[slot].fixture, np.array(here.layout.middle(slot)))
+    return off + here.simulation.senses.moved(slot)
 
 
 def _around(here: Surroundings, body: str) -> str | None:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Generator, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import mujoco
 import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.collision import IGNORED, Scratch
-from remac_env.backends.physics.controllers.scripted.motion import Mover
+from remac_env.backends.physics.controllers.scripted.motion import Mover, Steps
 from remac_env.backends.physics.controllers.scripted.paths import Planner
-from remac_env.backends.physics.simulation import RobotHandle, View
+from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.kitchen.fixtures import Fixture, FixtureReading
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import WORLD
@@ -21,8 +21,6 @@ from remac_env.robots import panda
 from remac_env.robots.ik import Kinematics
 from remac_env.robots.rotation import Array
 from remac_env.rules.outcomes import Reason
-
-Steps = Generator[None, None, None]
 
 _FACING = 0.5 * math.pi  # rad, heading of a robot that faces its wall, in the wall's frame
 STATION_REACH = 0.34  # m, how far aside of its station a robot may stand within a skill
@@ -60,7 +58,7 @@ class Surroundings:
     """
 
     simulation: View
-    robot: RobotHandle
+    robot: Robot
     layout: Layout
     things: Mapping[str, Category]
     kinematics: Kinematics
@@ -103,7 +101,7 @@ class Surroundings:
 
     def reading(self, name: str) -> FixtureReading:
         """What a fixture's joints say now."""
-        return self.fixture(name).read(self.simulation.model, self.simulation.data)
+        return self.simulation.senses.reading(name)
 
     def on_floor(self, body: str) -> bool:
         """Whether a thing lies on the floor, as the robot sees it."""

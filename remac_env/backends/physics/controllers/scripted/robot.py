@@ -1,0 +1,104 @@
+"""The robot as its skills see it: set-points and proprioception, both in the frame of the wall that it faces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remac_env.backends.physics.controllers.base import Command, in_room, seen_from
+from remac_env.backends.physics.sensing import Senses
+from remac_env.backends.physics.simulation import RobotHandle
+from remac_env.kitchen.frame import WORLD, Frame
+from remac_env.robots.rotation import Array
+
+
+class Robot:
+    """``q`` (11,) and ``grip`` (m of each finger) are commanded by the next :attr:`command`, expressed in ``frame``."""
+
+    def __init__(self, handle: RobotHandle) -> None:
+        self._handle = handle
+        self.name, self.qpos, self.finger_qpos = handle.name, handle.qpos, handle.finger_qpos
+        self.frame = WORLD
+        self.catch_up()
+
+    def catch_up(self) -> None:
+        """Go on from the set-points that are in force."""
+        self.q, self.grip = self.in_frame(self._handle.commanded), self._handle.grip
+
+    @property
+    def command(self) -> Command:
+        """The set-points as they are now."""
+        return Command(self.q, self.grip, self.frame)
+
+    @property
+    def measured(self) -> Array:
+        """The configuration (11,) in which the robot is."""
+        return self.in_frame(self._handle.q)
+
+    @property
+    def standing(self) -> Array:
+        """The base pose (3,) in which the robot is, in the world."""
+        return self._handle.standing
+
+    def enter(self, frame: Frame) -> None:
+        """Tell configurations and poses in another frame from now on."""
+        q = self.in_world(self.q)
+        self.frame = frame
+        self.q = self.in_frame(q)
+
+    def in_world(self, q: Array) -> Array:
+        """A configuration of the robot's frame, in the world."""
+        return in_room(q, self.frame)
+
+    def in_frame(self, q: Array) -> Array:
+        """A configuration of the world, in the robot's frame."""
+        return seen_from(q, self.frame)
+
+    @property
+    def push(self) -> float:
+        """The force (N) that the base gives along the floor now."""
+        return self._handle.push
+
+    @property
+    def opening(self) -> float:
+        """Distance between the fingertip pads (m)."""
+        return self._handle.opening
+
+    def grip_pose(self) -> tuple[Array, Array]:
+        """Measured position (3,) and rotation (3, 3) of the grip site."""
+        pose = self._handle.grip_pose.seen_from(self.frame)
+        return pose.position, pose.rotation
+
+    @property
+    def heading(self) -> Array:
+        """Unit vector (3,) in which the commanded base looks, in the robot's frame."""
+        return np.array([np.cos(self.q[2]), np.sin(self.q[2]), 0.0])
+
+
+class View:
+    """What the robot sees, in its frame."""
+
+    def __init__(self, senses: Senses, robot: Robot) -> None:
+        self.senses, self._robot = senses, robot
+        self.model, self.robots = senses.model, senses.robots
+        self.geoms, self.joint, self.hold = senses.geoms, senses.joint, senses.hold
+        self.positions, self.off, self.turned, self.stand = senses.positions, senses.off, senses.turned, senses.stand
+
+    def pose(self, body: str) -> tuple[Array, Array]:
+        """Position (3,) and rotation (3, 3) of an object, in the robot's frame."""
+        pose = self.senses.pose(body).seen_from(self._robot.frame)
+        return pose.position, pose.rotation
+
+    def in_world(self, body: str) -> tuple[Array, Array]:
+        """The same in the world."""
+        pose = self.senses.pose(body)
+        return pose.position, pose.rotation
+
+    def located(self, part: str, point: Array) -> Array:
+        """Where a point (3,) of a fixture, robot's frame, is seen; ``part``: a name that begins with the fixture's."""
+        frame = self._robot.frame
+        here = np.array([*frame.point(float(point[0]), float(point[1])), point[2]])
+        seen = self.senses.located(part, here)
+        if seen is here:
+            return point
+        x, y, z = seen
+        return np.array([*frame.local(x, y), z])

@@ -1,0 +1,121 @@
+"""The way of one robot's commands to its servos: each is checked here, and nothing else moves a robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Mapping
+
+from remac_env.backends.physics.controllers.base import Command, CommandError, Controller, set_points
+from remac_env.backends.physics.controllers.guard import guarded
+from remac_env.backends.physics.controllers.scripted.controller import Scripted, ended
+from remac_env.backends.physics.controllers.scripted.motion import Steps
+from remac_env.backends.physics.controllers.scripted.skill import Surroundings, go_home, take
+from remac_env.backends.physics.pose import Pose
+from remac_env.backends.physics.sensing import Briefed, Felt
+from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
+from remac_env.backends.physics.snapshot import STATION_DISTANCE, holding
+from remac_env.kitchen.floor_plan import Station
+from remac_env.rules.facts import Rules
+from remac_env.rules.outcomes import Outcome, failure
+from remac_env.rules.subtasks import Subtask
+from remac_env.seeding import generator
+from remac_env.state import WorldState, contents
+
+SKILL_TIME = 60.0  # s, after which a skill is stopped
+RECOVERY_TIME = 20.0  # s for coming home after a failure
+
+Attempt = Generator[None, None, Outcome]
+
+
+class Pilot:
+    """Runs motions of one robot. ``own``: the controllers, by skill, that take the place of scripted ones."""
+
+    def __init__(
+        self, simulation: Simulation, here: Surroundings, rules: Rules, own: Mapping[str, Controller], seed: int
+    ) -> None:
+        self._simulation, self._handle = simulation, simulation.robots[here.robot.name]
+        self.here, self.own, self._seed = here, own, seed
+        self._scripted = Scripted(here, rules)
+
+    def briefed(self, number: int, subtask: Subtask, world: WorldState, goal: Station | None = None) -> Briefed:
+        """What the robot is told about a subtask that begins now; ``number``: of the batch in which it was given."""
+        chance = generator(self._seed, "search", number, subtask.text)
+        return Briefed(self.here.simulation.senses, Felt(self._handle), self.here.place, goal, world, chance)
+
+    def scripted(self, subtask: Subtask, sensing: Briefed) -> Attempt:
+        """Run the scripted controller."""
+        return self._kept(self._scripted.run(subtask, sensing), SKILL_TIME)
+
+    def steps(self, steps: Steps, seconds: float) -> Attempt:
+        """Run scripted steps."""
+        return self._kept(ended(self.here, steps), seconds)
+
+    def home(self) -> Attempt:
+        """Come home from where the robot is, if that can be done."""
+        self.here.robot.q = self.here.robot.measured
+        return self.steps(go_home(self.here), RECOVERY_TIME)
+
+    def skill(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:
+        """Run a controller of the robot's own at a station, and bring the robot home from wherever that leaves it."""
+        outcome = yield from self._owned(controller, subtask, sensing)
+        if outcome.success:
+            yield from self.steps(go_home(self.here), RECOVERY_TIME)
+        else:
+            yield from self.home()
+        return outcome
+
+    def drive(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:
+        """The same for a drive: the last bit to the station's home pose is scripted, where it has come near."""
+        here, goal = self.here, sensing.goal
+        if goal is None:
+            return failure("blocked", "no parking place is free")
+        here.leave()
+        outcome = yield from self._owned(controller, subtask, sensing)
+        x, y, _ = self._handle.standing
+        if math.hypot(x - goal.x, y - goal.y) > STATION_DISTANCE:
+            here.enter(here.place)
+            return outcome if not outcome.success else failure("blocked", f"the drive did not end at {goal.name}")
+        here.enter(goal)
+        yield from self.steps(go_home(here), RECOVERY_TIME)
+        return outcome
+
+    def _owned(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:
+        """Run a controller of the robot's own; scripted motions can then go on from what it has left."""
+        stood = {name: sensing.pose(name) for name in sensing.objects}
+        outcome = yield from self._bounded(guarded(controller, subtask, sensing), SKILL_TIME)
+        self.here.robot.catch_up()
+        self._feel(sensing.told, stood)
+        return outcome
+
+    def _feel(self, told: WorldState, stood: Mapping[str, Pose]) -> None:
+        """Note what the hand holds by now. ``stood``: how everything stood before."""
+        here = self.here
+        held = holding(self._simulation, self._handle, here.things)
+        if held is None:
+            here.hand.body, here.hand.contents = None, ()
+        elif held != here.hand.body:
+            take(here, held, stood[held].seen_from(here.robot.frame).rotation, tuple(contents(told, held)))
+
+    def _kept(self, run: Generator[Command, None, Outcome], seconds: float) -> Attempt:
+        """Run scripted motions; the set-points at which they leave the robot stay in force."""
+        outcome = yield from self._bounded(run, seconds)
+        robot = self.here.robot
+        self._handle.hold(robot.in_world(robot.q), robot.grip)
+        return outcome
+
+    def _bounded(self, run: Generator[Command, None, Outcome], seconds: float) -> Attempt:
+        """Pass commands on for at most so long; a wrong one ends the run, and reaches no servo."""
+        for _ in range(int(seconds / CONTROL_PERIOD)):
+            try:
+                command = next(run)
+            except StopIteration as end:
+                outcome: Outcome = end.value
+                return outcome
+            try:
+                self._handle.take(*set_points(command))
+            except CommandError as wrong:
+                run.close()
+                return failure("invalid", str(wrong))
+            yield
+        run.close()
+        return failure("timeout", f"not done after {seconds:.0f} s")
