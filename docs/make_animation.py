@@ -1,0 +1,133 @@
+"""Makes the looping animation at the top of the README: two robots at work, seen from near.
+
+    python docs/make_animation.py [--to FILE.webp] [--task TASK] [--seed N] [--layout NAME] [--style NAME]
+
+A team's shortest plan is played in physics and drawn with OpenGL, or with rays where there is none, from a camera
+that follows the robots, as near as it can be while both are in the picture.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import cv2
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+import remac_env
+from remac_env.kitchen import style
+from remac_env.kitchen.builder import build_spec
+from remac_env.oracle import solve
+from remac_env.pictures import Moment
+from remac_env.rendering.cameras import axes, fitted
+from remac_env.rendering.renderer import BEAUTY, Renderer
+
+FILE = Path(__file__).parent / "pictures" / "team.webp"
+SIZE = (640, 360)
+"""Width and height, pixels."""
+
+FRAMES, MILLISECONDS, LAST = 90, 80, 1600
+"""Pictures, how long each is shown, and how long the last one, before it begins anew."""
+
+QUALITY = 50
+"""Of WebP's 100; with it the file stays below 1.5 MB."""
+
+VIEW = (-0.38, -1.0, 0.42)
+"""From where the camera looks: left of, before and above what it looks at, as a direction in the kitchen's frame."""
+
+FIELD = 36.0
+"""Vertical field of view, degrees."""
+
+FRAMED = 0.8
+"""How much of the picture the middles of the robots' bodies may fill."""
+
+AROUND, SMOOTH = 10, 6.0
+"""Pictures before and after one that its camera has in view too; standard deviation of its smoothing, pictures."""
+
+
+def main() -> None:
+    """Play, draw and write the animation."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--to", type=Path, default=FILE)
+    parser.add_argument("--task", default="OpenCabinetPnP")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--layout", default="one_wall_small")
+    parser.add_argument("--style", default="scandinavian")
+    given = parser.parse_args()
+    env, moments = played(given.task, given.seed, layout=given.layout, style=given.style)
+    write(given.to, drawn(env, moments))
+    env.close()
+    print(f"{given.to}: {given.to.stat().st_size / 1e6:.2f} MB")
+
+
+def played(task: str, seed: int, **kitchen: Any) -> tuple[Any, list[Moment]]:
+    """A team's shortest plan in physics: the environment, and moments evenly spread over the episode."""
+    env = remac_env.parallel_env(task, robots=2, **kitchen)
+    env.start_recording()
+    env.reset(seed=seed)
+    for joint in solve(env.start.scene, env.world, env.goal).rounds:
+        env.step({name: env.vocabulary.encode(subtask.text) for name, subtask in joint.items()})
+    moments = env._pictures._tape.frames
+    return env, [moments[at] for at in np.linspace(0, len(moments) - 1, FRAMES).round().astype(int)]
+
+
+def drawn(env: Any, moments: list[Moment]) -> list[NDArray[np.uint8]]:
+    """The moments as pictures, uint8 (height, width, 3)."""
+    start = env.start
+    categories = {noun: env.worlds.categories[name] for noun, name in start.categories.items()}
+    spec = build_spec(
+        env.worlds.layout(start.layout, start.style), robots=start.scene.robots, objects=categories,
+        style=style.load(start.style), looks=True,
+    )  # fmt: skip
+    turn = axes(np.array(VIEW), np.array([0.0, 0.0, 1.0]))
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, turn.ravel())
+    holder = spec.worldbody.add_body(name="near", mocap=True)
+    holder.add_camera(name="near", fovy=FIELD, quat=quaternion)
+    model = spec.compile()
+    data, pictures = mujoco.MjData(model), []
+    places = followed([_robots(model, data, moment, start.scene.robots) for moment in moments], turn)
+    with Renderer(model, *SIZE, quality=BEAUTY) as renderer:
+        for moment, place in zip(moments, places, strict=True):
+            data.qpos[:] = moment.positions
+            data.mocap_pos[0] = place
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_camlight(model, data)
+            pictures.append(renderer.render(data, "near").copy())
+    return pictures
+
+
+def _robots(model: Any, data: Any, moment: Moment, robots: tuple[str, ...]) -> NDArray[np.float64]:
+    """Where the robots' bodies are at a moment, m, (n, 3)."""
+    data.qpos[:] = moment.positions
+    mujoco.mj_kinematics(model, data)
+    bodies = [model.body(at) for at in range(model.nbody)]
+    return np.array([data.xpos[body.id] for body in bodies if body.name.partition("/")[0] in robots])
+
+
+def followed(points: list[NDArray[np.float64]], turn: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where the camera is at each moment: with the robots of all moments about it in its picture, and in no hurry."""
+    aspect, count = SIZE[0] / SIZE[1], len(points)
+    near = [np.concatenate(points[max(0, at - AROUND) : at + AROUND + 1]) for at in range(count)]
+    places = np.array([fitted(one, turn, FIELD, aspect=aspect, framed=FRAMED) for one in near])
+    away = np.arange(count)[:, None] - np.arange(count)[None, :]
+    weights = np.exp(-0.5 * (away / SMOOTH) ** 2)
+    smoothed: NDArray[np.float64] = weights @ places / weights.sum(axis=1, keepdims=True)
+    return smoothed
+
+
+def write(path: Path, pictures: list[NDArray[np.uint8]]) -> None:
+    """A WebP file that begins anew when it has ended."""
+    animation = cv2.Animation()
+    animation.frames = [np.ascontiguousarray(picture[..., ::-1]) for picture in pictures]
+    animation.durations = np.array([MILLISECONDS] * (len(pictures) - 1) + [LAST])
+    animation.loop_count = 0
+    if not cv2.imwriteanimation(str(path), animation, [cv2.IMWRITE_WEBP_QUALITY, QUALITY]):
+        raise SystemExit(f"{path} could not be written")
+
+
+if __name__ == "__main__":
+    main()
