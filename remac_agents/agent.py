@@ -3,33 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import replace
 
-from remac_agents.memory import Memory, Run
+from remac_agents.memory import Memory
 from remac_agents.methods import Method
-from remac_agents.plan import Commands, Plan
+from remac_agents.plan import Commands
 from remac_agents.planning.coalitions import skills_of
-from remac_agents.report import Check, EpisodeReport
-from remac_agents.roles import Report, Roles, StopEpisode, View
-from remac_agents.roles.grants import isolation, readers, reads_rules, reads_truth
+from remac_agents.report import EpisodeReport
+from remac_agents.roles import Roles, StopEpisode, View
+from remac_agents.roles.grants import declared_seconds, isolation, readers, reads_rules, reads_truth
 from remac_agents.running.bookkeeper import Bookkeeper
 from remac_agents.running.briefing import Bounds, Briefing
-from remac_agents.running.ledger import Ledger
+from remac_agents.running.looking import look
 from remac_agents.running.method_run import MethodRun
-from remac_agents.running.moments import ran_so_far
+from remac_agents.running.pace import Pace, Told, ready
+from remac_agents.running.remembering import remembered
 from remac_agents.running.tries import Try
 from remac_agents.wiring.checked import checked, everyone
 from remac_agents.wiring.correspondence import Correspondence
 from remac_env.errors import LifecycleError, OptionError, check_choice
-from remac_env.rules.scene import public_scene
 from remac_env.rules.subtasks import DONE, STEP_ASIDE, WAIT, Subtask
 from remac_env.seeding import digest
-from remac_env.state import WorldState
+from remac_env.thinking import Thought
 
-Told = Mapping[str, Mapping[str, Any]]
-
-_NOT_PICTURES = ("observation", "action_mask")
 SEEDS = 2**31
 """Seeds that are made for roles lie below it."""
 
@@ -88,7 +84,7 @@ class Agent:
         briefing = replace(briefing, last=self._iteration == self._last_iteration)
         for role in everyone(self._checked):
             role.begin_episode(int(briefing.episode.get("seed", 0)), _public_seed(briefing), self._iteration)
-        view, world = _look(obs, infos, briefing, {})
+        view, world = look(obs, infos, briefing, {})
         self._check_pictures(view)
         book = Bookkeeper(view, world, infos[briefing.lead]["scene"])
         run = MethodRun(briefing, self._checked, book, bounds=self.bounds, memory=self.memory)
@@ -99,12 +95,15 @@ class Agent:
         self._infrastructure = None
         self._run, self._turns = run, self.method.run(run)
         self._tokens = {robot: dict(infos[robot]["commands"]) for robot in infos}
+        self._pace = Pace(in_step=not self.method.by_events)
+        self._thoughts: dict[str, Thought] = {}
+        self._spent = (0, 0.0)
         self._played: dict[str, Subtask] | None = None
         self._sent: dict[str, Subtask] = {}
         self._open, self._success, self._ended = True, False, False
 
     def act(self, obs: Told, infos: Told) -> dict[str, int]:
-        """The tokens of the next round, one for every robot in `infos`.
+        """The tokens of the next round or decision point, one for every robot in `infos`.
 
         Raises:
             LifecycleError: before reset or after close_episode.
@@ -114,13 +113,26 @@ class Agent:
         if not self._open:
             raise LifecycleError("act() needs an episode under way: call reset(obs, infos) first")
         _check_infos(infos, ())
-        turn = self._next_turn(obs, infos)
+        self._thoughts = {}
+        if not self._pace.take_in(infos):
+            return self._tokens_of({}, infos, WAIT)
+        turn = self._next_turn(obs, self._pace.gathered(infos))
         first, self._played = self._played is None, turn
+        self._pace.asked_for(turn, infos)
+        run.book.begin(turn)
+        self._thoughts = self._costs(ready(infos))
         if not turn and self._ended:
-            return {robot: self._token(robot, DONE) for robot in infos}
-        idle = STEP_ASIDE if first else WAIT
-        self._sent = {robot: turn.get(robot, idle) for robot in infos if robot in run.briefing.robots}
-        return {robot: self._token(robot, subtask) for robot, subtask in self._sent.items()}
+            return self._tokens_of({}, infos, DONE)
+        idle = STEP_ASIDE if first and not self.method.by_events else WAIT
+        asked = (robot for robot in ready(infos) if robot in run.briefing.robots)
+        turn = {robot: turn.get(robot, idle) for robot in asked}
+        self._sent |= turn
+        self._pace.sent(turn)
+        return self._tokens_of(turn, infos, WAIT)
+
+    def thoughts(self) -> dict[str, Thought]:
+        """What went into the tokens that `act` gave last, robot by robot; nothing where nobody was asked for them."""
+        return dict(self._thoughts)
 
     def close_episode(self, obs: Told, infos: Told) -> None:
         """End the episode with what came last, if known (it may have crashed), and write the memory."""
@@ -129,8 +141,9 @@ class Agent:
             return
         self._open = False
         if infos:
+            self._pace.take_in(infos)
             if self._played is not None:
-                run.observe(*_look(obs, infos, run.briefing, self._sent), self._played)
+                run.observe(*look(obs, self._pace.gathered(infos), run.briefing, self._sent), self._pace.played())
             self._success = any(bool(info.get("success")) for info in infos.values())
         review = getattr(self._checked.reflector, "review", None)
         if review is not None:
@@ -139,7 +152,7 @@ class Agent:
             kept = Try.of(run.book.ledger, run.plan, run.commands)
             self._won.setdefault(self._label, kept)
         if self.method.remembers and self._infrastructure is None:
-            self.memory.append(_remembered(run, success=self._success))
+            self.memory.append(remembered(run, success=self._success))
 
     def report(self) -> EpisodeReport:
         """What the episode, running or closed, has come to so far."""
@@ -186,8 +199,8 @@ class Agent:
         try:
             if self._played is None:
                 return next(self._turns)
-            view, world = _look(obs, infos, run.briefing, self._sent)
-            run.observe(view, world, self._played)
+            view, world = look(obs, infos, run.briefing, self._sent)
+            run.observe(view, world, self._pace.played())
             self._correspondence.begin_round(run.book.rounds)
             return self._turns.send(view)
         except StopIteration:
@@ -197,6 +210,23 @@ class Agent:
             run.book.ledger.errors.append(str(stop))
             self._infrastructure = str(stop) if stop.infrastructure else None
         return {}
+
+    def _costs(self, robots: tuple[str, ...]) -> dict[str, Thought]:
+        """What was thought since, for each of the robots: as the method says whose it was, or for all of them."""
+        before, (tokens, seconds) = self._spent, self._correspondence.spent
+        self._spent = (tokens, seconds)
+        whole = Thought(tokens - before[0], round(seconds - before[1], 6), declared_seconds(self.roles.named()))
+        own = self._running().thoughts
+        return {robot: own.get(robot, whole) for robot in robots}
+
+    def _tokens_of(self, turn: Mapping[str, Subtask], infos: Told, otherwise: Subtask) -> dict[str, int]:
+        """A token for every robot: what it is to do, or to go on with what it is at."""
+        able = set(ready(infos))
+        return {
+            robot: self._token(robot, turn.get(robot, otherwise)) if robot in able else int(info["continue"])
+            for robot, info in infos.items()
+            if robot in self._running().briefing.robots
+        }
 
     def _running(self) -> MethodRun:
         if self._run is None:
@@ -249,50 +279,3 @@ def _check_infos(infos: object, needed: tuple[str, ...]) -> None:
 def _public_seed(briefing: Briefing) -> int:
     """A seed made of what roles are told anyway: nobody learns from it which start this is."""
     return int(digest([briefing.task, briefing.goal, briefing.text, sorted(briefing.commands)]), 16) % SEEDS
-
-
-def _look(
-    obs: Told, infos: Told, briefing: Briefing, sent: Mapping[str, Subtask]
-) -> tuple[View, WorldState | None]:
-    """What roles see now, and apart from it the truth. `sent`: robot -> the subtask that its report is about."""
-    told = infos.get(briefing.lead) or next(iter(infos.values()))
-    world: WorldState | None = told.get("world")
-    holding = {} if world is None else {name: state.holding for name, state in world.robots.items()}
-    images = {
-        robot: {name: value for name, value in seen.items() if name not in _NOT_PICTURES}
-        for robot, seen in obs.items()
-    }
-    reports = {robot: _report(info, sent.get(robot)) for robot, info in infos.items()}
-    scene = public_scene(told["scene"])
-    return View(briefing.goal, scene, holding, reports, images, text=str(told.get("text", ""))), world
-
-
-def _report(info: Mapping[str, Any], subtask: Subtask | None) -> Report | None:
-    outcome = info.get("outcome")
-    if not outcome:
-        return None
-    told_why = info.get("feedback") == "reason"
-    reason = (outcome.get("reason") or None) if told_why else None
-    return Report(str(outcome["status"]), reason, "" if subtask is None else subtask.text)
-
-
-def _remembered(run: MethodRun, *, success: bool) -> Run:
-    """The episode as the memory keeps it."""
-    ledger: Ledger = run.book.ledger
-    initial: Plan = ledger.initial
-    return Run(
-        task_description=run.briefing.task,
-        task_goal=run.briefing.goal,
-        initial_plan={robot: list(row) for robot, row in initial.as_text().items()},
-        action_list=[ran.line for ran in ran_so_far(run.book.moments)],
-        pre_check_results=[_checked(check) for check in ledger.pre_checks if not check.asked],
-        post_check_results=[_checked(check) for check in ledger.post_checks],
-        success=success,
-        reflection=list(ledger.reflections),
-    )
-
-
-def _checked(check: Check) -> dict[str, Any]:
-    """A check as the memory keeps it: without the truth, which the agent is not to learn from."""
-    kept = ("round", "robot", "subtask", "condition", "verdict")
-    return {name: value for name, value in asdict(check).items() if name in kept}

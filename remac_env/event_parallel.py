@@ -13,7 +13,7 @@ from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms
 from remac_env.errors import LifecycleError, UnknownNameError
 from remac_env.event_episode import EventEpisode
-from remac_env.events.clock import EventClock, Order
+from remac_env.events.clock import EventClock, Order, Span
 from remac_env.events.observation import time_size, time_vector
 from remac_env.parallel import KitchenParallelEnv, Seen, Told
 from remac_env.thinking import NO_THOUGHT, Thought, thinking_seconds
@@ -64,6 +64,11 @@ class KitchenEventEnv(KitchenParallelEnv):
         outcomes = episode.clock.run(orders)
         episode.arrive(backend.world, outcomes, backend.counters)
         return self._answer(episode)
+
+    @property
+    def timeline(self) -> tuple[Span, ...]:
+        """What lasted how long in the episode by now: subtasks, waits, thoughts."""
+        return self._timed().clock.timeline
 
     def note_thought(self, robot: str, thought: Thought) -> None:
         """Say what went into the token that a robot is given in the next step; `think` says what that costs.

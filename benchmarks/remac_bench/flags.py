@@ -46,6 +46,9 @@ ASKED: dict[str, dict[str, Any]] = {
 """What command lines have otherwise than keywords: what is not said follows from the method, the suite or the machine.
 """
 
+NAMES = {"kitchen.max_seconds": "episode_seconds"}
+"""What command lines call a keyword otherwise, because another home had its name first."""
+
 _PANELS = {"kitchen": "The kitchen", "agent": "The agent", "models": "Language models", "run": "The run"}
 
 
@@ -106,7 +109,8 @@ def _of_homes() -> Iterator[tuple[str, Flag]]:
             if row.spoken and not (home == "access" and name in rows(AgentOptions)):
                 also = {"default": None} if home == "agent" and row.values.kind is not bool else {}
                 said = row.but(**{**also, **ASKED.get(f"{home}.{name}", {})})
-                parameter = f"agent_{name}" if home == "agent" and name in rows(Options) else name
+                shared = home == "agent" and name in rows(Options) and f"kitchen.{name}" not in NAMES
+                parameter = NAMES.get(f"{home}.{name}", f"agent_{name}" if shared else name)
                 yield parameter, Flag(parameter=parameter, home=home, keyword=name, row=said)
 
 

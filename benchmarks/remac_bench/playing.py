@@ -20,11 +20,12 @@ from remac_bench.interrupts import is_stop
 from remac_bench.jobs import Job
 from remac_bench.machine import versions
 from remac_bench.recording import Recorder
-from remac_bench.records import ErrorEntry, OutcomeEntry, Record, VideoEntry
+from remac_bench.records import ErrorEntry, OutcomeEntry, Record, SpanEntry, VideoEntry
 from remac_bench.redaction import printable_values, redact
 from remac_bench.shared import Agent
+from remac_bench.timing import StepBook, timed, timeline
 from remac_bench.worlds import as_values, fallen
-from remac_env.errors import ActionError, UnknownNameError
+from remac_env.errors import ActionError
 from remac_env.oracle import Certificate, certify, problem_id
 
 FRAMES_MAX = 12
@@ -82,6 +83,8 @@ class Course:
     certificate: Certificate | None = None
     problem: str | None = None
     joined: bool = False
+    book: StepBook = field(default_factory=StepBook)
+    timeline: list[SpanEntry] = field(default_factory=list)
 
     @property
     def shared(self) -> Mapping[str, Any]:
@@ -164,13 +167,16 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, 
         with blaming("agent"):
             deadline.check()
             actions = agent.act(observations, course.infos)
+            thoughts = agent.thoughts() if timed(course.infos) else {}
+            course.book.order(env, actions, course.infos, thoughts)
         try:
             observations, _, _, _, course.infos = env.step(actions)
         except ActionError as error:
             raise BlamedError("agent", error) from error
-        course.outcomes.append(read_outcomes(env, actions, course.infos))
+        course.outcomes.append(course.book.ended(env, actions, course.infos))
         course.progress = env.progress
         course.worlds.append(as_values(env.world))
+        course.timeline = timeline(env)
         if job.options.render_mode == "human":
             env.render()
     with blaming("agent"):
@@ -185,26 +191,6 @@ def _proven(certificate: Certificate | None) -> dict[str, Any]:
         "optimum_lower": certificate.lower,
         "optimum_proof": certificate.proof,
     }
-
-
-def read_outcomes(env: Any, actions: Mapping[str, int], infos: Mapping[str, Any]) -> dict[str, OutcomeEntry]:
-    """How every robot's subtask of the round that was just played ended."""
-    return {
-        robot: OutcomeEntry(subtask=_text(env, actions[robot]), **_outcome(info["outcome"]))
-        for robot, info in infos.items()
-    }
-
-
-def _outcome(told: Mapping[str, Any]) -> dict[str, Any]:
-    """An outcome as records have it: None where there is no reason."""
-    return {**told, "reason": told["reason"] or None} if told else {"status": "failure"}
-
-
-def _text(env: Any, token: int) -> str:
-    try:
-        return str(env.vocabulary.decode(int(token)))
-    except UnknownNameError:
-        return f"token {int(token)}"
 
 
 def make_record(
@@ -245,6 +231,9 @@ def make_record(
         wall_seconds=wall_seconds,
         outcomes=course.outcomes,
         worlds=course.worlds,
+        clock=job.options.clock,
+        orders=course.book.orders,
+        timeline=course.timeline,
         robot_contacts=int(shared.get("robot_contacts", 0)),
         near_misses=int(shared.get("near_misses", 0)),
         physics_steps=int(shared.get("physics_steps", 0)),

@@ -31,6 +31,34 @@ class OutcomeEntry(Model):
     ended: float | None = None
 
 
+class OrderEntry(Model):
+    """What a robot was told that had to decide: its command, and what went into it.
+
+    `tokens`, `seconds`: what language models wrote and took; `declared`: seconds that other roles say they take.
+    """
+
+    command: str
+    tokens: int = 0
+    seconds: float = 0.0
+    declared: float = 0.0
+
+
+class SpanEntry(Model):
+    """Something that lasted from `began` to `ended`, s on the kitchen's clock.
+
+    `kind`: subtask, wait, thought or process; `who`: the robot, or what a process is about; `status` "cut": the episode
+    was over first.
+    """
+
+    who: str
+    kind: str
+    what: str
+    began: float
+    ended: float
+    status: str = "success"
+    reason: str | None = None
+
+
 class CheckEntry(Model):
     """A checker's verdict on one condition beside the truth (None where the kitchen did not tell it).
 
@@ -130,6 +158,10 @@ class Record(Model):
         outcomes: a round an entry, robot -> how its subtask ended.
         robot_contacts, near_misses: control steps in which robots touched, or were within 0.05 m.
         worlds: the WorldState at the start and after each round, as plain values.
+        clock: rounds, or events: then a round of `rounds`, `outcomes` and `worlds` is a decision point, and an outcome
+            stands in that at which its subtask had ended.
+        orders: what the robots that were ready were told in each step, and `timeline`: what lasted how long; both empty
+            with rounds.
         truth_readers, rule_readers: the roles that were given the WorldState, and those that were given what the skill
             table enforces or advises; older records say nothing of the latter.
         isolated: whether code from outside ran in processes of its own; None where there is none, or nobody knows.
@@ -176,6 +208,9 @@ class Record(Model):
     final_plan: dict[str, list[str]] = Field(default_factory=dict)
     outcomes: list[dict[str, OutcomeEntry]] = Field(default_factory=list)
     worlds: list[dict[str, Any]] = Field(default_factory=list)
+    clock: str = "rounds"
+    orders: list[dict[str, OrderEntry]] = Field(default_factory=list)
+    timeline: list[SpanEntry] = Field(default_factory=list)
     pre_checks: list[CheckEntry] = Field(default_factory=list)
     post_checks: list[CheckEntry] = Field(default_factory=list)
     adjusted: bool = False

@@ -11,6 +11,7 @@ from remac_bench import agents
 from remac_bench.deadline import Deadline
 from remac_bench.jobs import Job
 from remac_bench.outside import Servers, plugins
+from remac_env.thinking import Thought
 
 
 class Shared:
@@ -61,6 +62,9 @@ class Agent(Protocol):
 
     def act(self, observations: Any, infos: Any) -> dict[str, int]:
         """A token for every robot."""
+
+    def thoughts(self) -> Mapping[str, Thought]:
+        """What went into the last tokens, robot by robot."""
 
     def close_episode(self, observations: Any, infos: Any) -> None:
         """End an episode; what was learnt goes into the memory."""

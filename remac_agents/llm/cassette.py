@@ -103,7 +103,7 @@ class Cassette:
             "played": isinstance(outcome, ChatReply) or not KINDS[outcome.kind].infrastructure,
             "request": canonical,
             "outcome": "reply" if isinstance(outcome, ChatReply) else "error",
-            "value": asdict(outcome),
+            "value": {name: value for name, value in asdict(outcome).items() if name != "took"},
         }
         entry["check"] = _check(entry)
         line = json.dumps(entry, ensure_ascii=True).encode() + b"\n"

@@ -192,7 +192,7 @@ class ChatClient:
 
     def _played(self, canonical: Mapping[str, Any]) -> ChatReply | ChatError | None:
         outcome = None if self.cassette is None else self.cassette.play(canonical)
-        return None if outcome is None else replace(outcome, attempts=0, seconds=0.0)
+        return None if outcome is None else replace(outcome, attempts=0, seconds=0.0, took=outcome.seconds)
 
     def _clean(self, outcome: ChatReply | ChatError) -> ChatReply | ChatError:
         """The outcome without keys; an endpoint may echo what it was sent."""

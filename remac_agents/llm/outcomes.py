@@ -100,6 +100,7 @@ class ChatReply:
         bill: what all requests of the call took; tokens_in, tokens_out and money are those of the last one.
         adaptations: how the request that was answered departed from the one that was to be sent, because of what the
             endpoint refused, such as "max_tokens -> max_completion_tokens".
+        took: seconds that it took when it was recorded, of one that is played from a cassette.
     """
 
     text: str
@@ -117,6 +118,7 @@ class ChatReply:
     flags: tuple[str, ...] = ()
     bill: Bill = Bill()
     adaptations: tuple[str, ...] = ()
+    took: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ class ChatError:
         status: of HTTP, if the endpoint gave one.
         retry_after: seconds that the endpoint asked to wait, if it did.
         tokens_in, tokens_out, money: what the last request cost, as far as known.
-        seconds, attempts, key, bill, adaptations: as in ChatReply.
+        seconds, attempts, key, bill, adaptations, took: as in ChatReply.
     """
 
     kind: str
@@ -144,6 +146,7 @@ class ChatError:
     key: str = ""
     bill: Bill = Bill()
     adaptations: tuple[str, ...] = ()
+    took: float = 0.0
 
     @property
     def retriable(self) -> bool:

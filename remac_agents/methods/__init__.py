@@ -60,6 +60,8 @@ class Method:
         checks: it asks for conditions and verdicts; one that does not asks its planner alone, has no checker and no
             pictures for one.
         asks_again: its planner is told of steps that failed, and asked for what to do then.
+        by_events: it is made for the event clock, and asked for the robots that are ready. Any other sees rounds under
+            that clock too: who has ended early waits until all have.
     """
 
     name: str
@@ -70,6 +72,7 @@ class Method:
     plans_ahead: bool = True
     checks: bool = True
     asks_again: bool = False
+    by_events: bool = False
 
 
 METHODS: dict[str, Method] = {

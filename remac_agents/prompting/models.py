@@ -48,6 +48,7 @@ class Page:
     answered: dict[str, str] = field(default_factory=dict)
     repeats: int = 0
     bill: Bill = Bill()
+    thought: float = 0.0
 
 
 class Models:
@@ -174,6 +175,11 @@ class Models:
             requests=page.bill.requests,
         )
 
+    @property
+    def spent(self) -> tuple[int, float]:
+        """Tokens that were written in the episode, and the seconds that it took: those recorded, from a cassette."""
+        return self.page.bill.tokens_out, self.page.thought
+
     def _note(
         self,
         client: ChatClient,
@@ -186,6 +192,7 @@ class Models:
         page, reply = self.page, outcome if isinstance(outcome, ChatReply) else None
         bill = outcome.bill
         page.bill += bill
+        page.thought += outcome.took or outcome.seconds
         page.pictures.update({picture.digest: picture.png for picture in images})
         page.exchanges.append(
             Exchange(

@@ -63,7 +63,7 @@ def names(view: View) -> dict[str, str]:
 
 def use(view: View) -> dict[str, str]:
     """The field `use`: what the kitchen says of rounds, places and room, without its names and states."""
-    return {"use": describe_use(view.scene)}
+    return {"use": describe_use(view.scene, clock="rounds" if view.clock is None else "events")}
 
 
 def sight(view: View, shown: Iterable[tuple[str, str]]) -> dict[str, str]:

@@ -20,6 +20,14 @@ def readers(roles: Mapping[str, object], reads: Callable[[object], bool]) -> tup
     return tuple(name for name, role in roles.items() if reads(role))
 
 
+def declared_seconds(roles: Mapping[str, object]) -> float:
+    """What one decision of these roles takes on the kitchen's clock by their own word (`thinking_seconds`), s.
+
+    It is for roles that ask no model; what models write and take is counted.
+    """
+    return sum(float(getattr(role, "thinking_seconds", 0.0)) for role in roles.values())
+
+
 def is_ours(role: object) -> bool:
     """Whether a role is one of this package, and not code from outside."""
     return type(role).__module__.startswith("remac_agents.") and not getattr(role, "outside", False)

@@ -40,6 +40,8 @@ class View:
 
     `text`: what the kitchen says of itself now, "" where nobody passed it on. `rules` and `world`: for roles that need
     them. `robot`, `ran`: whose subtask is checked ("": nobody's), and what was run so far, for checkers.
+    `ready`: the robots that are to decide now; under the event clock `clock` is what it shows, s, and `running` what
+    the others are at, robot -> command or "thinking".
     """
 
     goal: str
@@ -52,6 +54,9 @@ class View:
     rules: Rules | None = None
     robot: str = ""
     ran: tuple[Ran, ...] = ()
+    ready: tuple[str, ...] = ()
+    clock: float | None = None
+    running: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ class Bookkeeper:
         self.view, self._world, self.rules = view, world, rules
         self.ledger = Ledger()
         self.moments: list[Moment] = []
+        self._began: dict[str, WorldState | None] = {}
         self._verdicts: dict[Condition, Verdict] = {}
         self._noted: set[tuple[When, str, str, Condition]] = set()
 
@@ -44,6 +45,10 @@ class Bookkeeper:
             return shown(moment.before, self.rules, moment.world_before, role)
         return shown(moment.after, self.rules, moment.world_after, role)
 
+    def begin(self, robots: Collection[str]) -> None:
+        """These robots begin something now."""
+        self._began |= dict.fromkeys(robots, self._world)
+
     def observe(
         self, view: View, world: WorldState | None, played: Mapping[str, Subtask], *, robots: Collection[str]
     ) -> None:
@@ -52,9 +57,9 @@ class Bookkeeper:
             if subtask == WAIT or robot not in robots:
                 continue
             report = view.reports.get(robot)
-            done = None
-            if self._world is not None and world is not None:
-                done = really_done(self.rules, self._world, world, robot, subtask)
+            done, began = None, self._began.pop(robot, self._world)
+            if began is not None and world is not None:
+                done = really_done(self.rules, began, world, robot, subtask)
             status = None if report is None else report.status
             self.ledger.score(robot, subtask, status=status, done=done, round_=self.rounds)
         self.moments.append(Moment(self.rounds, dict(played), self.view, view, self._world, world))

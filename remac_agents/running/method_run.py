@@ -14,6 +14,7 @@ from remac_agents.running.round_state import RoundState
 from remac_agents.running.tries import Try
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
+from remac_env.thinking import Thought
 
 Turns = Generator[dict[str, Subtask], View, None]
 """What a method is: it yields what its robots do next, and is sent the view after the round."""
@@ -33,6 +34,7 @@ class MethodRun:
         self.lessons: tuple[str, ...] = ()
         self.reflecting = False
         self.won: Try | None = None
+        self.thoughts: dict[str, Thought] = {}
 
     @property
     def plan(self) -> Plan:
@@ -43,6 +45,11 @@ class MethodRun:
     def turn(self) -> dict[str, Subtask]:
         """What the plan's robots do next; those that are through with this round wait."""
         return self.state.turn
+
+    @property
+    def ready(self) -> tuple[str, ...]:
+        """The robots that are to decide now: with rounds all."""
+        return self.book.view.ready
 
     @property
     def finished(self) -> bool:

@@ -50,6 +50,12 @@ class Correspondence:
         for book in self._books:
             book.begin_round(number)
 
+    @property
+    def spent(self) -> tuple[int, float]:
+        """Tokens that models wrote in the episode, and the seconds that it took them."""
+        spent = [getattr(book, "spent", (0, 0.0)) for book in self._books]
+        return sum(tokens for tokens, _ in spent), sum(seconds for _, seconds in spent)
+
     def fields(self) -> dict[str, Any]:
         """The fields `usage`, `exchanges` and `pictures` of an EpisodeReport."""
         columns = zip(*(astuple(book.usage) for book in self._books), strict=True)

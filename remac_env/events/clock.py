@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
 
 from remac_env.backends.base import Backend
 from remac_env.rules.outcomes import Outcome
@@ -51,6 +51,28 @@ class Doing:
         return "thinking" if self.kind == "thinking" else self.subtask.text
 
 
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Something that lasted from `began` to `ended`, s. `who`: the robot, or what a process is about.
+
+    `kind`: subtask, wait, thought or process. `status`: success, failure (with its reason), or cut: it was under way
+    when the episode ended.
+    """
+
+    who: str
+    kind: str
+    what: str
+    began: float
+    ended: float
+    status: str = "success"
+    reason: str | None = None
+
+    @property
+    def as_values(self) -> dict[str, Any]:
+        """It as plain values."""
+        return asdict(self)
+
+
 class EventClock:
     """Runs one episode of a backend that has been reset.
 
@@ -63,6 +85,17 @@ class EventClock:
         self._backend, self._robots, self._deadline = backend, tuple(robots), deadline
         self._doing: dict[str, Doing] = {}
         self.done: frozenset[str] = frozenset()
+        self._spans: list[Span] = []
+
+    @property
+    def timeline(self) -> tuple[Span, ...]:
+        """What lasted how long by now, in the order in which it ended; what is under way comes last, as cut."""
+        now, kinds = self.now, {"thinking": "thought", "waiting": "wait"}
+        cut = [
+            Span(robot, kinds.get(each.kind, "subtask"), each.subtask.text, each.since, now, "cut")
+            for robot, each in sorted(self._doing.items())
+        ]
+        return (*self._spans, *cut)
 
     @property
     def now(self) -> float:
@@ -110,6 +143,8 @@ class EventClock:
         due = {robot: each for robot, each in thoughts if each.kind == "thinking" and each.until <= now}
         batch: dict[str, Subtask] = {}
         for robot, each in due.items():
+            if each.until > each.since:
+                self._spans.append(Span(robot, "thought", each.subtask.text, each.since, now))
             if each.outcome is not None:
                 self._decline(robot, each.subtask, each.outcome)
             elif each.subtask in (WAIT, DONE):
@@ -141,18 +176,26 @@ class EventClock:
         for robot, each in self._doing.items():
             if each.kind == "declined" and each.until <= self.now and each.outcome is not None:
                 told[robot] = each.outcome
-        for robot in told:
-            del self._doing[robot]
+        for robot, outcome in told.items():
+            self._note(robot, "subtask", outcome)
         return told
+
+    def _note(self, robot: str, kind: str, outcome: Outcome) -> None:
+        """What a robot was at has ended."""
+        what, span = self._doing.pop(robot).subtask.text, (outcome.began, outcome.ended)
+        self._spans.append(Span(robot, kind, what, *span, outcome.status, outcome.reason))
 
     def _waited(self) -> dict[str, Outcome]:
         """At a decision point those are asked again that have waited for it."""
         now, over = self.now, self._all_done()
-        ended = {r: d for r, d in self._doing.items() if d.kind == "waiting" and (d.since < now or over)}
-        for robot in ended:
-            del self._doing[robot]
-        spans = {robot: (each.since, round(now - each.since, DIGITS)) for robot, each in ended.items()}
-        return {robot: Outcome("success", seconds=s, began=since, ended=now) for robot, (since, s) in spans.items()}
+        waits = {r: d.since for r, d in self._doing.items() if d.kind == "waiting" and (d.since < now or over)}
+        told = {
+            robot: Outcome("success", seconds=round(now - since, DIGITS), began=since, ended=now)
+            for robot, since in waits.items()
+        }
+        for robot, outcome in told.items():
+            self._note(robot, "wait", outcome)
+        return told
 
     def _limit(self) -> float:
         """What the clock shows at most before something is due."""

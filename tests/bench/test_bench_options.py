@@ -107,7 +107,7 @@ def test_every_option_of_a_home_is_a_flag_of_bench_run(home: str) -> None:
             (flag,) = (flag for flag in TABLE.values() if (flag.home, flag.keyword) == (home, name))
             assert flag.parameter in parameters
             if home == "kitchen" and name != "robots":
-                assert parameters[name] == row.default
+                assert parameters[flag.parameter] == row.default
     unspoken = {name for name, row in rows(HOMES[home]).items() if not row.spoken}
     assert unspoken == UNSPOKEN.get(home, set())
 
@@ -129,7 +129,8 @@ def test_keywords_are_the_rows() -> None:
 
 
 def test_keys_of_suites_are_the_rows() -> None:
-    assert set(suites.KITCHEN) == set(of("kitchen")) - {"robots", "style", "layout", "render_mode"}
+    keywords = {TABLE[name].keyword for name in of("kitchen")}
+    assert set(suites.KITCHEN) == keywords - {"robots", "style", "layout", "render_mode"}
     assert set(suites.BUDGET) == set(agents.BUDGET) | set(agents.BOUNDS)
     assert set(agents.OPTIONS) <= set(rows(AgentOptions)) and set(flags.FROZEN) > {"wording", "retries", "iterations"}
 

@@ -58,21 +58,36 @@ def cap_rounds(record: Record) -> int:
 
 
 def cap_seconds(record: Record) -> float:
-    """The cap in simulated seconds: every round as long as the longest skill takes by the skill table."""
+    """The cap in simulated seconds: every round as long as the longest skill takes by the skill table.
+
+    Under the event clock it is the kitchen's own.
+    """
+    if record.clock == "events":
+        return float(record.options.get("kitchen", {}).get("max_seconds", Options.max_seconds))
     return cap_rounds(record) * LONGEST
 
 
 def idle_share(record: Record) -> float | None:
     """The share of the robots' simulated time in which they wait: for another, for work, or aside.
 
-    1 - (seconds of all subtasks of all robots) / (robots x seconds of the slowest in each round).
+    1 - (seconds of all subtasks of all robots) / (robots x seconds of the slowest in each round). Under the event
+    clock: seconds of all waits / (robots x seconds of the episode).
     """
+    if record.clock == "events":
+        return share_of(record, "wait")
     busy, span = 0.0, 0.0
     for outcomes in record.outcomes:
         times = [0.0 if entry.subtask in RESTING else entry.seconds for entry in outcomes.values()]
         busy += math.fsum(times)
         span += max(times, default=0.0) * len(times)
     return 1 - busy / span if span else None
+
+
+def share_of(record: Record, kind: str) -> float | None:
+    """The share of the robots' simulated time that went into spans of this kind; None with rounds."""
+    whole = record.robots * record.sim_seconds
+    spent = math.fsum(span.ended - span.began for span in record.timeline if span.kind == kind)
+    return spent / whole if record.clock == "events" and whole else None
 
 
 def cell(record: Record) -> tuple[str, str, str]:

@@ -9,9 +9,9 @@ from typing import Any
 from remac_bench import agents
 from remac_bench.agents import Access
 from remac_bench.jobs import Job, SuiteMark
-from remac_bench.playing import read_outcomes
 from remac_bench.records import Record
 from remac_bench.shared import Shared
+from remac_bench.timing import StepBook, replayed, timeline, token_of
 from remac_bench.worker import Work, play_job
 from remac_bench.worlds import as_values, fallen
 from remac_env.errors import RemacError
@@ -36,7 +36,7 @@ TIMES = ("began", "ended")
 
 PLAYED: tuple[str, ...] = (
     *("style", "layout", "digest", "success", "end", "progress", "phases", "rounds", "outcomes", "worlds"),
-    *("sim_seconds", "robot_contacts", "near_misses", "physics_steps", "littered", "goal"),
+    *("sim_seconds", "robot_contacts", "near_misses", "physics_steps", "littered", "goal", "timeline"),
 )
 """Fields that come out the same when the recorded subtasks are played again, whoever chose them."""
 
@@ -190,13 +190,17 @@ def _replay(env: Any, row: Record) -> dict[str, Any]:
     """The fields PLAYED, from the recorded subtasks."""
     _, infos = env.reset(seed=row.seed)
     outcomes: list[dict[str, Any]] = []
-    worlds = [as_values(env.world)]
-    for entry in row.outcomes:
+    worlds, book = [as_values(env.world)], StepBook()
+    for number, entry in enumerate(row.outcomes):
         if not env.agents:
             raise ValueError(f"{len(row.outcomes)} rounds recorded, the episode ended after {len(outcomes)}")
-        tokens = {robot: _token(env, outcome.subtask) for robot, outcome in entry.items()}
+        if row.clock == "events":
+            tokens, thoughts = replayed(env, row.orders[number], infos)
+            book.order(env, tokens, infos, thoughts)
+        else:
+            tokens = {robot: token_of(env, outcome.subtask) for robot, outcome in entry.items()}
         _, _, _, _, infos = env.step(tokens)
-        outcomes.append({n: each.model_dump() for n, each in read_outcomes(env, tokens, infos).items()})
+        outcomes.append({n: each.model_dump() for n, each in book.ended(env, tokens, infos).items()})
         worlds.append(as_values(env.world))
     shared = next(iter(infos.values()))
     episode = shared["episode"]
@@ -213,15 +217,10 @@ def _replay(env: Any, row: Record) -> dict[str, Any]:
         "outcomes": outcomes,
         "worlds": worlds,
         "littered": fallen(worlds),
+        "timeline": [span.model_dump() for span in timeline(env)],
         "sim_seconds": round(float(shared["seconds"]), 6),
         **{name: int(shared[name]) for name in ("robot_contacts", "near_misses", "physics_steps")},
     }
-
-
-def _token(env: Any, text: str) -> int:
-    """The token of a subtask as the records have it: its text, or "token N" for one that names nothing."""
-    word, _, number = text.partition(" ")
-    return int(number) if word == "token" and number.lstrip("-").isdigit() else int(env.vocabulary.encode(text))
 
 
 def _check_key(row: Record, job: Job) -> Iterator[str]:

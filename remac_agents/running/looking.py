@@ -1,0 +1,45 @@
+"""What the kitchen's answer shows: the view of the roles, and apart from it the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from remac_agents.roles import Report, View
+from remac_agents.running.briefing import Briefing
+from remac_agents.running.pace import Told, ready, timed
+from remac_env.rules.scene import public_scene
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import WorldState
+
+NOT_PICTURES = ("observation", "action_mask")
+
+
+def look(
+    obs: Told, infos: Told, briefing: Briefing, sent: Mapping[str, Subtask]
+) -> tuple[View, WorldState | None]:
+    """What roles see now, and apart from it the truth. `sent`: robot -> the subtask that its report is about."""
+    told = infos.get(briefing.lead) or next(iter(infos.values()))
+    world: WorldState | None = told.get("world")
+    holding = {} if world is None else {name: state.holding for name, state in world.robots.items()}
+    images = {
+        robot: {name: value for name, value in seen.items() if name not in NOT_PICTURES}
+        for robot, seen in obs.items()
+    }
+    reports = {robot: report_of(info, sent.get(robot)) for robot, info in infos.items()}
+    scene = public_scene(told["scene"])
+    view = View(briefing.goal, scene, holding, reports, images, text=str(told.get("text", "")), ready=ready(infos))
+    if timed(infos):
+        running = {robot: str(info["running"]) for robot, info in infos.items() if info["running"]}
+        view = replace(view, clock=float(told["seconds"]), running=running)
+    return view, world
+
+
+def report_of(info: Mapping[str, Any], subtask: Subtask | None) -> Report | None:
+    outcome = info.get("outcome")
+    if not outcome:
+        return None
+    told_why = info.get("feedback") == "reason"
+    reason = (outcome.get("reason") or None) if told_why else None
+    return Report(str(outcome["status"]), reason, "" if subtask is None else subtask.text)

@@ -1,0 +1,78 @@
+"""Runs under the event clock: what records say, that they are verified, and that tables keep the clocks apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from remac_bench.jobs import Job
+from remac_bench.judging.episodes import idle_share, setting, share_of
+from remac_bench.proof.again import check_job, check_rounds
+from remac_bench.records import Record
+from remac_bench.worker import Work, play_job
+
+from remac_env.options import Options
+
+
+def play(method: str = "BASE", *, robots: int = 2, **options: object) -> Record:
+    made = {"backend": "symbolic", "robots": robots, "clock": "events"} | options
+    job = Job(method=method, task="OpenMicrowavePnP", seed=1, options=Options(**made))  # type: ignore[arg-type]
+    (record,) = play_job(Work(job=job, folder="", video="none"))
+    assert record.error is None, record.error
+    return record
+
+
+def test_a_record_says_who_did_what_when() -> None:
+    record = play("CC", robots=2, think="fixed:1.5", starts="mixed")
+    assert record.clock == "events" and record.orders and record.success
+    kinds = {span.kind for span in record.timeline}
+    assert {"subtask", "thought", "wait"} <= kinds
+    for robot in ("robot_0", "robot_1"):
+        spans = [span for span in record.timeline if span.who == robot]
+        assert spans and all(one.ended <= other.began + 1e-6 for one, other in zip(spans, spans[1:], strict=False))
+        assert spans[0].began == 0.0 and spans[-1].ended == pytest.approx(record.sim_seconds)
+    whole = record.robots * record.sim_seconds
+    shares = [share_of(record, kind) for kind in ("subtask", "wait", "thought")]
+    assert sum(shares) == pytest.approx(1.0) and whole > 0  # type: ignore[arg-type]
+    assert idle_share(record) == shares[1]
+    told = [entry for step in record.outcomes for entry in step.values()]
+    assert len(told) == sum(span.kind in ("subtask", "wait") and span.status != "cut" for span in record.timeline)
+    assert {"clock=events", "think=fixed:1.5"} <= set(setting(record).split(", "))
+
+
+@pytest.mark.parametrize("think", ["off", "fixed:2"])
+def test_a_record_is_verified(think: str) -> None:
+    record = play(think=think)
+    assert list(check_job([record])) == [] and list(check_rounds([record])) == []
+
+
+def test_what_is_not_so_is_found() -> None:
+    record = play(think="fixed:2")
+    later = record.timeline[2].model_copy(update={"ended": record.timeline[2].ended + 1.0})
+    forged = record.model_copy(update={"timeline": [*record.timeline[:2], later, *record.timeline[3:]]})
+    assert any("timeline" in told for told in check_rounds([forged]))
+    first = dict(record.orders[0])
+    robot = next(iter(first))
+    first[robot] = first[robot].model_copy(update={"command": "wait"})
+    forged = record.model_copy(update={"orders": [first, *record.orders[1:]]})
+    assert list(check_rounds([forged]))
+
+
+def test_rounds_say_nothing_of_it() -> None:
+    record = play(clock="rounds")
+    assert record.clock == "rounds" and record.orders == [] and record.timeline == []
+    assert "clock" not in setting(record)
+    line = record.line()
+    assert Record.model_validate_json(line) == record
+
+
+def test_round_based_methods_take_as_long_as_with_rounds() -> None:
+    for method in ("BASE", "CC"):
+        timed, rounds = play(method), play(method, clock="rounds")
+        assert timed.sim_seconds == rounds.sim_seconds and timed.success == rounds.success
+        assert timed.final_plan == rounds.final_plan and timed.subtasks_done == rounds.subtasks_done
+
+
+def test_records_lie_beside_each_other(tmp_path: Path) -> None:
+    one, other = play(), play(clock="rounds")
+    assert one.job != other.job and setting(one) != setting(other)
