@@ -27,7 +27,7 @@ def look(
         robot: {name: value for name, value in seen.items() if name not in NOT_PICTURES}
         for robot, seen in obs.items()
     }
-    reports = {robot: report_of(info, sent.get(robot)) for robot, info in infos.items()}
+    reports = {robot: _report_of(info, sent.get(robot)) for robot, info in infos.items()}
     scene = public_scene(told["scene"])
     view = View(briefing.goal, scene, holding, reports, images, text=str(told.get("text", "")), ready=ready(infos))
     if timed(infos):
@@ -36,7 +36,7 @@ def look(
     return view, world
 
 
-def report_of(info: Mapping[str, Any], subtask: Subtask | None) -> Report | None:
+def _report_of(info: Mapping[str, Any], subtask: Subtask | None) -> Report | None:
     outcome = info.get("outcome")
     if not outcome:
         return None
