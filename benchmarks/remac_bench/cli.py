@@ -6,7 +6,7 @@ import typer
 
 import remac_env
 from remac_bench.command import Command
-from remac_bench.commands import bench, demo, doctor, experiment, memory, oracle, plan, tasks
+from remac_bench.commands import bench, demo, doctor, experiment, memory, oracle, plan, tasks, view
 from remac_bench.console import speak_plainly, tame_columns
 from remac_bench.flags import takes
 
@@ -33,6 +33,7 @@ app.command(cls=Command)(plan.plan)
 app.command(cls=Command)(experiment.experiment)
 app.command(cls=Command)(tasks.tasks)
 app.command(cls=Command)(doctor.doctor)
+app.command(cls=Command)(view.view)
 app.add_typer(bench.app, name="bench")
 app.add_typer(memory.app, name="memory")
 

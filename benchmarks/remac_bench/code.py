@@ -13,7 +13,7 @@ PACKAGES = ("remac_env", "remac_agents", "remac_bench")
 KINDS = (".py", ".toml", ".md", ".json")
 """Endings of the files that count: code, data and prompts."""
 
-LEFT_OUT = ("pages", "commands", "console.py", "report.py", "board.py", "cli.py", "flags.py", "machine.py")
+LEFT_OUT = ("pages", "live", "commands", "console.py", "report.py", "board.py", "cli.py", "flags.py", "machine.py")
 """What in remac_bench shows results and decides none."""
 
 

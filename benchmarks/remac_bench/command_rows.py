@@ -69,6 +69,9 @@ ROWS: dict[str, Row] = {
     "tasks.as_json": _JSON,
     "verify.sample": Row(help="How many jobs; by default all.", values=_COUNT),
     "verify.seed": Row(help="Which sample.", default=0, values=_SEED),
+    "serving.port": Row(help="On which it listens; by default one that is free.", default=0, values=Whole(0, 65_535)),
+    "replay.iteration": Row(help="Which iteration; by default the last.", values=Whole()),
+    "replay.video": Row(help="Also write a video: a file that ends in .webm.", values=File()),
     "records.as_markdown": Row(help="As Markdown.", default=False, values=Switch(), flag="--markdown"),
     "report.everything": Row(
         help="Every table with every column, not only the main ones.", default=False, values=Switch(), flag="--all"

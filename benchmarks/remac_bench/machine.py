@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 from remac_bench.code import code_digest
 from remac_env.errors import RenderingError
@@ -55,6 +56,23 @@ def _versions() -> tuple[tuple[str, str], ...]:
 def versions() -> dict[str, str]:
     """The versions on which an episode depends: remac, its code by digest, python, mujoco, numpy."""
     return dict(_versions())
+
+
+@lru_cache(maxsize=1)
+def machine() -> str:
+    """What this machine is, without its name: "Linux x86_64, AMD EPYC 7B12, 2 cores"."""
+    count = cores()
+    parts = (f"{platform.system()} {platform.machine()}", _processor(), f"{count} core{'s' * (count != 1)}")
+    return ", ".join(part for part in parts if part)
+
+
+def _processor() -> str:
+    """The processor's name; "" where the system does not tell it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8", errors="replace").splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")
 
 
 def cores() -> int:

@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,7 +19,7 @@ from remac_bench.entries import MESSAGE_MAX, EndpointError, report_fields, save_
 from remac_bench.errors import JobTimeoutError
 from remac_bench.interrupts import is_stop
 from remac_bench.jobs import Job
-from remac_bench.machine import versions
+from remac_bench.machine import machine, versions
 from remac_bench.recording import Recorder
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record, SpanEntry, VideoEntry
 from remac_bench.redaction import printable_values, redact
@@ -74,8 +75,9 @@ def blaming(kind: Kind) -> Iterator[None]:
 
 @dataclass
 class Course:
-    """What is known of an episode so far. `joined`: the agent has begun it, and reports on it."""
+    """What is known of an episode so far. `started`: when it was; `joined`: the agent has begun it, and reports."""
 
+    started: str | None = None
     infos: Mapping[str, Any] = field(default_factory=dict)
     outcomes: list[dict[str, OutcomeEntry]] = field(default_factory=list)
     worlds: list[dict[str, Any]] = field(default_factory=list)
@@ -92,6 +94,11 @@ class Course:
         return next(iter(self.infos.values()), {})
 
 
+def now() -> str:
+    """The time, UTC, ISO 8601 to the second."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
 def play_episode(
     env: Any, agent: Agent, job: Job, iteration: int, recorder: Recorder, deadline: Deadline, *, optimum: bool = False
 ) -> Record:
@@ -103,7 +110,7 @@ def play_episode(
         optimum: also search the shortest plan.
     """
     began = time.perf_counter()
-    course, fault, report = Course(), None, None
+    course, fault, report = Course(started=now()), None, None
     try:
         with blaming("infrastructure"):
             recorder.start()
@@ -244,6 +251,8 @@ def make_record(
         error=None if fault is None else fault.entry(),
         options=printable_values(job.facts),
         versions=versions(),
+        started=course.started,
+        machine=machine(),
         **({} if job.suite is None else job.suite.fields),
         **report,
     )

@@ -175,6 +175,8 @@ class Record(Model):
         littered: things that were let fall and lie on the floor at the end.
         options: {"kitchen": ..., "agent": ...}: everything that the job was made with; "access": how language models
             were reached; "job_seconds": the bound on the job's wall time.
+        started: when it began, UTC, ISO 8601 to the second; machine: system, processor and cores. None in records from
+            before 2026-11-30.
         suite, suite_version, suite_digest: the frozen list that the job belongs to, and the digest of its content;
             None for a job that was put together on the command line.
     """
@@ -235,6 +237,8 @@ class Record(Model):
     error: ErrorEntry | None = None
     options: dict[str, Any] = Field(default_factory=dict)
     versions: dict[str, str] = Field(default_factory=dict)
+    started: str | None = None
+    machine: str | None = None
     suite: str | None = None
     suite_version: int | None = None
     suite_digest: str | None = None

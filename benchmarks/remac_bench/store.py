@@ -72,6 +72,30 @@ class Store:
         lines = [*whole, torn] if _is_record(torn) else whole
         return [_parse(line, f"{self.path}, line {number}") for number, line in enumerate(lines, start=1)]
 
+    @property
+    def size(self) -> int:
+        """Bytes of the records; 0 where there are none yet."""
+        return self.path.stat().st_size if self.path.is_file() else 0
+
+    def lines_from(self, start: int, *, lines: int = 0) -> tuple[list[Record], int]:
+        """The records behind a byte, and the byte behind the last line that has its end: a run may be writing more.
+
+        Args:
+            lines: how many lines lie before, for what errors say.
+
+        Raises:
+            RecordFileError: for a line that is not a record, and for records of a later version.
+        """
+        if not self.size:
+            return [], 0
+        with self.path.open("rb") as file:
+            file.seek(start)
+            data = file.read()
+        whole, torn = _split(data)
+        return [
+            _parse(line, f"{self.path}, line {number}") for number, line in enumerate(whole, start=lines + 1)
+        ], start + len(data) - len(torn)
+
     def repair(self) -> int:
         """Cut off a torn last line; returns the bytes cut. A record that only lacks its end gets it."""
         if not self.path.exists():

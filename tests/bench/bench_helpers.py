@@ -68,8 +68,8 @@ def record(**changes: Any) -> Record:
 
 
 def timeless(records: list[Record]) -> list[dict[str, Any]]:
-    """Records as data without their wall seconds, in the order of job and iteration."""
-    dumped = [entry.model_dump(exclude={"wall_seconds"}) for entry in records]
+    """Records as data without what clocks say, in the order of job and iteration."""
+    dumped = [entry.model_dump(exclude={"wall_seconds", "started"}) for entry in records]
     return sorted(dumped, key=lambda entry: (entry["job"], entry["iteration"]))
 
 

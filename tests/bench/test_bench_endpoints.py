@@ -146,7 +146,7 @@ def test_a_replay_gives_the_record_again(server: ChaosServer, tmp_path: Path) ->
     asked = len(server.asked)
     (again,) = play(server, tmp_path / "two", ",seed=3", *tape, "--replay")
     assert len(server.asked) == asked == told.usage.requests > 1
-    apart = {"wall_seconds", "options", "usage", "exchanges"}
+    apart = {"wall_seconds", "started", "options", "usage", "exchanges"}
     assert told.model_dump(exclude=apart) == again.model_dump(exclude=apart)
     same = {"seconds": 0.0}
     assert told.usage.model_copy(update=same) == again.usage.model_copy(update=same)

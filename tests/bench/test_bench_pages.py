@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import cv2
@@ -273,6 +274,54 @@ def test_the_command_writes_pages_unless_told_not_to(tmp_path: Path) -> None:
     (tmp_path / "episodes" / "old.html").write_text("old", "utf-8")
     assert CliRunner().invoke(app, ["bench", "report", str(tmp_path)]).exit_code == 0
     assert {path.name for path in (tmp_path / "episodes").iterdir()} == {"j0-0.html"}
+
+
+def made(html: str) -> dict[str, str]:
+    """What an episode's page says of how it was made."""
+    (facts,) = parse(html).all("dl", class_="made")
+    return {each.all("dt")[0].text: " ".join(each.all("dd")[0].text.split()) for each in facts.all("div")}
+
+
+def test_an_episode_page_gives_the_command_that_plays_it_again(run: Path) -> None:
+    each = next(r for r in read_records(run) if r.method == "REMAC" and r.iteration == 1)
+    facts = made((run / "episodes" / page_name(each)).read_text("utf-8"))
+    assert facts["Date"] == each.started and each.started is not None and each.started.endswith("+00:00")
+    assert facts["Machine"] == each.machine and "core" in str(each.machine)
+    assert each.versions["code"] in facts["Code"] and each.job in facts["Job"]
+    command = shlex.split(facts["Play it again"].partition(" (with")[0])
+    assert command[0] == "remac"
+    result = CliRunner().invoke(app, command[1:])
+    assert result.exit_code == 0 and "as recorded: success" in result.stdout
+    assert sum(line.startswith("1. robot_") for line in result.stdout.splitlines()) == each.robots
+    assert "not recorded" in made(page(record(), folder=run))["Date"]
+
+
+def test_a_replay_that_differs_says_so(run: Path, tmp_path: Path) -> None:
+    each = next(r for r in read_records(run) if r.method == "CC")
+    forged = each.model_copy(update={"sim_seconds": each.sim_seconds + 1})
+    Store(tmp_path).append([forged])
+    result = CliRunner().invoke(app, ["bench", "replay", str(tmp_path), each.job])
+    assert result.exit_code == 1 and "sim_seconds" in result.stdout and "not as recorded" in result.stdout
+    for arguments, told in ((["nobody"], f"valid: {each.job}"), ([each.job, "--iteration", "7"], "valid: 0")):
+        refused = CliRunner().invoke(app, ["bench", "replay", str(tmp_path), *arguments])
+        assert refused.exit_code == 2 and told in refused.stderr
+
+
+def test_failures_are_linked_one_to_the_next(tmp_path: Path) -> None:
+    won = {0: True, 1: False, 2: True, 3: False, 4: False}
+    Store(tmp_path).append([record(job=f"j{seed}", seed=seed, success=won[seed]) for seed in won])
+    write_pages(tmp_path)
+    links = {}
+    for seed in won:
+        root = parse((tmp_path / "episodes" / f"j{seed}-0.html").read_text("utf-8"))
+        links[seed] = [each.attributes["href"] for each in root.all("a") if "failure" in each.text]
+    assert links == {
+        0: ["j1-0.html"],
+        1: ["j3-0.html"],
+        2: ["j1-0.html", "j3-0.html"],
+        3: ["j1-0.html", "j4-0.html"],
+        4: ["j3-0.html"],
+    }
 
 
 def test_several_folders_make_one_report(tmp_path: Path) -> None:

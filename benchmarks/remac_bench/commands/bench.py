@@ -1,8 +1,8 @@
-"""`remac bench run`, `verify`, `report`, `blame`, `submit`, `accept` and `board`."""
+"""`remac bench run`, `verify`, `replay`, `report`, `blame`, `submit`, `accept` and `board`."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -29,6 +29,18 @@ def verify(folder: judge.Folder, **given: Any) -> None:
     from remac_bench.commands.running import verify_command
 
     verify_command(folder, **given)
+
+
+@app.command(cls=Command)
+@takes("replay.iteration", "replay.video", "extensions")
+def replay(
+    folder: judge.Folder, job: Annotated[str, typer.Argument(help="A job's key, as its page and record say it.")],
+    **given: Any,
+) -> None:  # fmt: skip
+    """Play one recorded episode again, subtask by subtask, and film it if asked; exit code 1 where it differs."""
+    from remac_bench.commands.running import replay_command
+
+    replay_command(folder, job, **given)
 
 
 app.command(cls=Command)(judge.report)

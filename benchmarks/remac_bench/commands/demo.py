@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,7 @@ METHODS = ("BASE", "CC", "RE", "REMAC")
 def demo(
     *, out: str, seeds: list[str], backend: str, workers: int | None, video: bool, resume: bool
 ) -> None:
-    """Play four tasks with BASE, CC, RE and REMAC, one kitchen a task: the table, records and videos."""
+    """Play four tasks with BASE, CC, RE and REMAC, one kitchen a task: the table, records, videos and pages."""
     from remac_bench.commands.progress import run_and_report
     from remac_bench.job_lists import parse_seeds
     from remac_bench.settings import Settings
@@ -34,6 +35,7 @@ def demo(
     )
     run_and_report(demo_jobs(parse_seeds(joined(seeds, "seeds") or "0:3"), backend), out, settings)
     _name_videos(out)
+    show_pages(out)
 
 
 def demo_jobs(seeds: list[int], backend: str) -> list[Job]:
@@ -58,3 +60,12 @@ def _name_videos(out: str) -> None:
         if record.video is not None:
             told = Path(out, record.video.path) if record.video.path else f"none ({record.video.error})"
             console().print(f"{record.task}, {record.agent}, seed {record.seed}: {told}", markup=False)
+
+
+def show_pages(out: str) -> None:
+    """Write the pages of a run, and say where they are and how they are looked at on a machine without a screen."""
+    from remac_bench.pages import write_pages
+
+    page = write_pages(out)
+    console().print(f"Pages: {page.resolve().as_uri()}", markup=False, crop=False, soft_wrap=True)
+    console().print(f"or over the network's loopback: remac view {shlex.quote(out)}", markup=False, soft_wrap=True)

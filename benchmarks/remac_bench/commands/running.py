@@ -1,4 +1,4 @@
-"""What `remac bench run` and `remac bench verify` do with their flags."""
+"""What `remac bench run`, `verify` and `replay` do with their flags."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from remac_bench.errors import UsageError
 from remac_bench.extensions import find_local_modules, load_extensions
 from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
 from remac_bench.jobs import Job
+from remac_bench.judging.endings import ending
 from remac_bench.settings import Settings
 from remac_env.files import prepare_folder
 from remac_env.option_rows import rows
@@ -88,6 +89,34 @@ def verify_command(
         markup=False,
     )
     if wrong:
+        raise typer.Exit(FAILED)
+
+
+def replay_command(
+    folder: str, job: str, *, iteration: int | None, video: str | None, extensions: list[str] | None = None
+) -> None:
+    """Print the rounds of one episode as they are played again.
+
+    Raises:
+        typer.Exit: 1 where they differ from the record.
+        UsageError: where there is no such episode.
+    """
+    from remac_bench.proof.replay import find, replay
+
+    find_local_modules()
+    load_extensions(extensions or ())
+    record = find(folder, job, iteration)
+    told = replay(record, video=video)
+    screen = console()
+    title = f"{record.task}, {record.agent}, seed {record.seed}, iteration {record.iteration}"
+    for line in (title, *told.lines):
+        screen.print(plain(line), markup=False)
+    if video is not None:
+        screen.print(f"video: {plain(video)}", markup=False)
+    for line in told.differences[:SHOWN]:
+        screen.print(plain(line), markup=False)
+    screen.print("not as recorded" if told.differences else f"as recorded: {ending(record)}", markup=False)
+    if told.differences:
         raise typer.Exit(FAILED)
 
 

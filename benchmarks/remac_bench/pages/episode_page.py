@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+import shlex
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -85,8 +86,23 @@ class ShownRound:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Neighbours:
+    """The records of the same job, and the failed episodes before and behind one in the list of episodes."""
+
+    siblings: tuple[Record, ...] = ()
+    failed_before: Record | None = None
+    failed_behind: Record | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class EpisodePage:
-    """A page: the record and what is computed from it. `siblings`: the job's other iterations, number and link."""
+    """A page: the record and what is computed from it.
+
+    Attributes:
+        siblings: the job's iterations, number and link.
+        failed: the failed episodes before and behind it, their title and link.
+        again: the command that plays it again.
+    """
 
     record: Record
     rounds: tuple[ShownRound, ...]
@@ -94,6 +110,8 @@ class EpisodePage:
     gantt: Gantt
     video: str | None
     siblings: tuple[tuple[int, str], ...]
+    failed: tuple[tuple[str, str, str], ...]
+    again: str
     blame: Blame | None
     options: str
 
@@ -134,14 +152,22 @@ def page_name(record: Record) -> str:
     return f"{slug(record.job)}-{record.iteration}.html"
 
 
-def page(record: Record, *, folder: Path, siblings: Sequence[Record] = (), blame: Blame | None = None) -> str:
+def page(
+    record: Record,
+    *,
+    folder: Path,
+    neighbours: Neighbours | None = None,
+    blame: Blame | None = None,
+    home: str = "DIR",
+) -> str:
     """The page of an episode, below 10 MB: where its texts are too long for that, they lose their middle.
 
     Args:
-        folder: of the records; videos and pictures are looked up there.
-        siblings: the records of the same job.
+        folder: where videos and pictures are looked up.
+        neighbours: what else is linked to.
+        home: the folder of the record, as the command names it that plays it again.
     """
-    limit, view = _fitting(record), _view(record, folder, siblings, blame)
+    limit, view = _fitting(record), _view(record, folder, neighbours or Neighbours(), blame, home)
     while True:
         html = render("episode.html", limit=limit, scripts=SCRIPTS, view=view, record=record, most=LIST_MAX)
         if limit < 100 or len(html.encode("utf-8", "replace")) <= PAGE_MAX:
@@ -159,7 +185,7 @@ def _fitting(record: Record) -> int:
     return limit
 
 
-def _view(record: Record, folder: Path, siblings: Sequence[Record], blame: Blame | None) -> EpisodePage:
+def _view(record: Record, folder: Path, neighbours: Neighbours, blame: Blame | None, home: str) -> EpisodePage:
     spans = round_spans(record)
     rounds = tuple(_round(record, number, span, folder) for number, span in enumerate(spans))
     end = spans[-1][1] if spans else 0.0
@@ -170,7 +196,13 @@ def _view(record: Record, folder: Path, siblings: Sequence[Record], blame: Blame
         after=after if after.checks or after.exchanges else None,
         gantt=draw(record, spans, alarms=_alarms(rounds)),
         video=_video(record, folder),
-        siblings=tuple((each.iteration, page_name(each)) for each in sorted(siblings, key=lambda each: each.iteration)),
+        siblings=tuple(sorted((each.iteration, page_name(each)) for each in neighbours.siblings)),
+        failed=tuple(
+            (word, f"{each.task}, {each.agent}, seed {each.seed}", page_name(each))
+            for word, each in (("Previous", neighbours.failed_before), ("Next", neighbours.failed_behind))
+            if each is not None
+        ),
+        again=shlex.join(["remac", "bench", "replay", home, record.job, "--iteration", str(record.iteration)]),
         blame=blame,
         options=json.dumps({"options": record.options, "versions": record.versions}, indent=1, ensure_ascii=False),
     )

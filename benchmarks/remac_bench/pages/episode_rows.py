@@ -51,7 +51,7 @@ def episode_rows(records: Sequence[Record], blames: Iterable[Blame] = ()) -> lis
             numbers=_numbers(record, number),
             counts=id(record) in counted,
         )
-        for record in sorted(records, key=_order)
+        for record in sorted(records, key=order)
     ]
 
 
@@ -100,5 +100,6 @@ def _numbers(record: Record, number: _Numbers) -> dict[str, float]:
     return {name: value for name, value in told.items() if value is not None}
 
 
-def _order(record: Record) -> tuple[object, ...]:
+def order(record: Record) -> tuple[object, ...]:
+    """By task, agent and seed."""
     return (record.task, record.agent, record.seed, record.style or "", record.job, record.iteration)

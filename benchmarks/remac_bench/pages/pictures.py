@@ -77,9 +77,23 @@ def write_pictures(sheets: Sequence[Sheet], folder: Path) -> None:
     """Write folder/<key>.svg and .png for each sheet."""
     folder.mkdir(parents=True, exist_ok=True)
     for sheet in sheets:
-        drawing = lay_out(sheet)
-        (folder / f"{sheet.key}.svg").write_text(render("table.svg", drawing=drawing), "utf-8", errors="replace")
-        _write_png(folder / f"{sheet.key}.png", paint(drawing))
+        (folder / f"{sheet.key}.svg").write_text(svg(sheet), "utf-8", errors="replace")
+        (folder / f"{sheet.key}.png").write_bytes(png(sheet))
+
+
+def svg(sheet: Sheet) -> str:
+    """A sheet as a drawing."""
+    return render("table.svg", drawing=lay_out(sheet))
+
+
+def png(sheet: Sheet) -> bytes:
+    """A sheet as a picture file; StorageError where OpenCV cannot make one."""
+    import cv2
+
+    done, data = cv2.imencode(".png", paint(lay_out(sheet)))
+    if not done:
+        raise StorageError(f"{sheet.key}.png: OpenCV cannot encode a PNG here")
+    return bytes(data)
 
 
 def paint(drawing: Drawing) -> NDArray[np.uint8]:
@@ -113,15 +127,6 @@ def _put(picture: NDArray[np.uint8], word: Word, scale: float) -> None:
     width = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, height, thick)[0][0]
     at = (spot[0] - width, spot[1]) if word.right else spot
     cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, height, ink, thick, cv2.LINE_AA)
-
-
-def _write_png(path: Path, picture: NDArray[np.uint8]) -> None:
-    import cv2
-
-    done, data = cv2.imencode(".png", picture)
-    if not done:
-        raise StorageError(f"{path}: OpenCV cannot encode a PNG here")
-    path.write_bytes(data.tobytes())
 
 
 def _short(text: str, longest: int = _WORD_MAX) -> str:

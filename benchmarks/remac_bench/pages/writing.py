@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator, Sequence
+from bisect import bisect, bisect_left
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from remac_bench.blame.labels import Blame
 from remac_bench.board import Board
 from remac_bench.errors import StorageError
-from remac_bench.pages.episode_page import page, page_name
+from remac_bench.pages.episode_page import Neighbours, page, page_name
+from remac_bench.pages.episode_rows import order
 from remac_bench.pages.leaderboard import leaderboard
 from remac_bench.pages.pictures import write_pictures
 from remac_bench.pages.places import EPISODES, LEADERBOARD, TABLES
 from remac_bench.records import Record
-from remac_bench.report import read_board, read_folders, read_labels
+from remac_bench.report import read_board, read_folders, read_labels, read_records
 from remac_bench.store import PICTURES, VIDEOS
 
 
@@ -23,12 +25,14 @@ def write(folder: Path, board: Board | None, sources: Sequence[Path]) -> Path:
     """See `remac_bench.pages.write_pages`."""
     board = board or read_board(*sources)
     records, blames = read_folders(sources), read_labels(sources)
+    homes = {(r.job, r.iteration): str(source) for source in sources for r in read_records(source)}
     try:
         _clear(folder)
         for source in sources:
             bring(source, folder)
-        for record, html in episode_pages(records, blames, folder=folder):
-            _put(folder / EPISODES / page_name(record), html)
+        pages = EpisodePages(records, blames, folder=folder, homes=homes)
+        for name in pages.names:
+            _put(folder / EPISODES / name, pages.html(name))
         write_pictures(board.sheets, folder / TABLES)
         # Last: whoever finds it finds all that it links to.
         _put(folder / LEADERBOARD, leaderboard(board, records, blames))
@@ -39,17 +43,45 @@ def write(folder: Path, board: Board | None, sources: Sequence[Path]) -> Path:
     return folder / LEADERBOARD
 
 
-def episode_pages(
-    records: Sequence[Record], blames: Sequence[Blame], *, folder: Path
-) -> Iterator[tuple[Record, str]]:
-    """The page of every episode, with what is told of it elsewhere. `folder`: where videos and pictures lie."""
-    labels = {(blame.job, blame.iteration): blame for blame in blames}
-    jobs: dict[str, list[Record]] = {}
-    for record in records:
-        jobs.setdefault(record.job, []).append(record)
-    for record in records:
-        blame = labels.get((record.job, record.iteration))
-        yield record, page(record, folder=folder, siblings=jobs[record.job], blame=blame)
+class EpisodePages:
+    """The pages of episodes, each with what is told of it elsewhere; made when they are asked for."""
+
+    def __init__(
+        self,
+        records: Iterable[Record],
+        blames: Iterable[Blame],
+        *,
+        folder: Path,
+        homes: Mapping[tuple[str, int], str],
+    ) -> None:
+        """Args: folder: where videos and pictures lie; homes: job and iteration -> the folder of its record."""
+        self._folder, self._homes = folder, homes
+        self._labels = {(blame.job, blame.iteration): blame for blame in blames}
+        self._ordered = sorted(records, key=order)
+        self._jobs: dict[str, list[Record]] = {}
+        for record in self._ordered:
+            self._jobs.setdefault(record.job, []).append(record)
+        self._failed = [index for index, record in enumerate(self._ordered) if record.scored and not record.success]
+        self._places = {page_name(record): index for index, record in enumerate(self._ordered)}
+
+    @property
+    def names(self) -> list[str]:
+        """The pages' file names."""
+        return list(self._places)
+
+    def html(self, name: str) -> str:
+        """One page; KeyError for a name that is none."""
+        index = self._places[name]
+        record, before, behind = self._ordered[index], bisect_left(self._failed, index), bisect(self._failed, index)
+        neighbours = Neighbours(
+            siblings=tuple(self._jobs[record.job]),
+            failed_before=self._ordered[self._failed[before - 1]] if before else None,
+            failed_behind=self._ordered[self._failed[behind]] if behind < len(self._failed) else None,
+        )
+        key = (record.job, record.iteration)
+        return page(
+            record, folder=self._folder, neighbours=neighbours, blame=self._labels.get(key), home=self._homes[key]
+        )
 
 
 def bring(source: Path, folder: Path) -> None:

@@ -17,7 +17,7 @@ from remac_bench.worlds import as_values, fallen
 from remac_env.errors import RemacError
 from remac_env.options import Options
 
-NOT_PROVEN = ("wall_seconds", "video", "versions", "schema_version")
+NOT_PROVEN = ("wall_seconds", "started", "machine", "video", "versions", "schema_version")
 """Fields of a record that another run of the same job need not repeat; `versions` are compared by themselves."""
 
 NOT_PROVEN_INSIDE: Mapping[str, tuple[str, ...]] = {
@@ -139,7 +139,7 @@ def check_rounds(rows: Sequence[Record]) -> Iterator[str]:
             yield f"its options make no job: {error}"
             return
         try:
-            yield from _compare(row.iteration, row.model_dump(), _replay(env, row), PLAYED)
+            yield from compare(row.iteration, row.model_dump(), play_rounds(env, row), PLAYED)
         except (RemacError, KeyError, ValueError) as error:
             yield f"iteration {row.iteration}: its subtasks cannot be played: {error}"
         finally:
@@ -149,7 +149,7 @@ def check_rounds(rows: Sequence[Record]) -> Iterator[str]:
 def differences(row: Record, again: Record) -> Iterator[str]:
     """Every field in which a record differs from the same episode played again."""
     recorded, played = _provable(row), _provable(again)
-    yield from _compare(row.iteration, recorded, played, [name for name in recorded if name in played])
+    yield from compare(row.iteration, recorded, played, [name for name in recorded if name in played])
 
 
 def _provable(record: Record) -> dict[str, Any]:
@@ -177,7 +177,7 @@ def _check_sums(row: Record, job: Job) -> Iterator[str]:
         tokens = sum(exchange.tokens for exchange in row.exchanges)
         told = row.usage.prompt_tokens + row.usage.completion_tokens
         expected |= {} if tokens == told else {"usage": f"{tokens} tokens in its exchanges"}
-    yield from _compare(row.iteration, row.model_dump(), expected, list(expected))
+    yield from compare(row.iteration, row.model_dump(), expected, list(expected))
     if row.final_plan_length is not None and not 0 <= row.subtasks_done <= row.final_plan_length:
         yield f"iteration {row.iteration}, subtasks_done: {row.subtasks_done} of {row.final_plan_length}"
     if row.initial_plan_length is not None and row.initial_plan:
@@ -186,7 +186,7 @@ def _check_sums(row: Record, job: Job) -> Iterator[str]:
             yield f"iteration {row.iteration}, initial_plan_length: {row.initial_plan_length}, its plan has {longest}"
 
 
-def _replay(env: Any, row: Record) -> dict[str, Any]:
+def play_rounds(env: Any, row: Record) -> dict[str, Any]:
     """The fields PLAYED, from the recorded subtasks."""
     _, infos = env.reset(seed=row.seed)
     outcomes: list[dict[str, Any]] = []
@@ -228,9 +228,10 @@ def _check_key(row: Record, job: Job) -> Iterator[str]:
         yield f"job: its options make job {job.key}, it says {row.job}"
 
 
-def _compare(
+def compare(
     iteration: int, recorded: Mapping[str, Any], again: Mapping[str, Any], names: Sequence[str]
 ) -> Iterator[str]:
+    """The named fields in which what was played again differs from what was recorded."""
     again = {**again, "outcomes": _as_told(recorded["outcomes"], again["outcomes"])} if "outcomes" in again else again
     for name in names:
         if recorded[name] != again[name]:

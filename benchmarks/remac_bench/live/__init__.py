@@ -1,0 +1,1 @@
+"""Pages that a small server on loopback serves: a run as it goes on, and an episode that a person plays."""
