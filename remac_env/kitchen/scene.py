@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
+from remac_env.kitchen.fixtures import KINDS
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules, SlotFacts
@@ -31,6 +32,9 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
         for name, fixture in layout.fixtures.items()
         if fixture.station is not None and not fixture.part_of
     }
+    # A kitchen's facts are about the usual kinds, and about those others that it has.
+    present = {fixture.kind for fixture in layout.fixtures.values()}
+    absent = {kind for kind, cls in KINDS.items() if cls.like and kind not in present}
     objects = {
         noun: ObjectFacts(
             name=noun,
@@ -41,9 +45,9 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             seasons=category.seasons,
             small=category.small,
             washable="washable" in category.attributes,
-            too_big_for=category.too_big_for
+            too_big_for=(category.too_big_for - absent)
             | {fixture.kind for fixture in layout.fixtures.values() if not fixture.takes(category.size)},
-            too_deep_in=category.too_deep_in,
+            too_deep_in=category.too_deep_in - absent,
         )
         for noun, category in things.items()
     }

@@ -16,7 +16,7 @@ from remac_env.backends.physics.controllers.scripted.robot import Robot
 from remac_env.backends.physics.controllers.scripted.skill import EMPTY, Surroundings
 from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
-from remac_env.kitchen.fixtures.slide import Slide
+from remac_env.kitchen.fixtures.level import Level
 from remac_env.robots.rotation import Array
 from remac_env.rules.facts import Rules
 from remac_env.rules.places import landing, switch_for
@@ -155,13 +155,13 @@ class _Leaves(Aim):
         ways = zip(self._leaves, self._first, strict=True)
         return float(np.mean([_share(self._at(leaf), first, self._opened) for leaf, first in ways]))
 
-    def _handle(self, leaf: Door | Slide) -> Array:
+    def _handle(self, leaf: Door | Level) -> Array:
         return self._here.simulation.pose(leaf.grip)[0]
 
-    def _at(self, leaf: Door | Slide) -> float:
+    def _at(self, leaf: Door | Level) -> float:
         return leaf.opened(self._here.simulation.joint(leaf.joint))
 
-    def _there(self, leaf: Door | Slide) -> bool:
+    def _there(self, leaf: Door | Level) -> bool:
         return self._at(leaf) >= OPEN_MIN if self._opened > 0.0 else self._at(leaf) <= CLOSED_MAX
 
 

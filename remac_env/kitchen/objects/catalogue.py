@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeGuard, get_args
 
 from remac_env.errors import KitchenFileError, check_choice
 from remac_env.files import read_text
-from remac_env.kitchen.fixtures import KINDS
+from remac_env.kitchen.fixtures import KINDS, alike
 from remac_env.kitchen.objects.forms import FORMS, OPTIONAL_MEASURES, VECTORS, Body
 from remac_env.kitchen.style import hex_color
 from remac_env.kitchen.textures import Color
@@ -185,8 +185,8 @@ class _Reader:
             attributes=frozenset(self._words("attributes", given.get("attributes", []), get_args(Attribute))),
             needs_vessel_in=frozenset(self._words("needs_vessel_in", given.get("needs_vessel_in", []), KINDS)),
             vessel_in=frozenset(self._words("vessel_in", given.get("vessel_in", []), KINDS)),
-            too_big_for=frozenset(self._words("too_big_for", given.get("too_big_for", []), KINDS)),
-            too_deep_in=frozenset(self._words("too_deep_in", given.get("too_deep_in", []), KINDS)),
+            too_big_for=alike(self._words("too_big_for", given.get("too_big_for", []), KINDS)),
+            too_deep_in=alike(self._words("too_deep_in", given.get("too_deep_in", []), KINDS)),
             holds=self._whole("holds", given.get("holds", 0)),
             inside_height=self._number("inside_height", given.get("inside_height", 0.0)),
             look=self._look(given.get("look", "")),

@@ -26,7 +26,7 @@ from remac_env.backends.physics.controllers.scripted.skill import (
     tuck,
 )
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
-from remac_env.kitchen.fixtures.slide import Slide
+from remac_env.kitchen.fixtures.level import Level
 from remac_env.robots import panda
 from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array, grip_frame
@@ -56,7 +56,7 @@ def close_door(here: Surroundings, name: str) -> Steps:
 
 def _swing(here: Surroundings, name: str, target: float) -> Steps:
     """The leaves in turn, those nearer to the robot first; of two, one that stands there already is left alone."""
-    slides = [leaf for leaf in here.fixture(name).leaves if isinstance(leaf, Slide)]
+    levels = [leaf for leaf in here.fixture(name).leaves if isinstance(leaf, Level)]
     leaves = [_door(here, leaf) for leaf in here.fixture(name).leaves if isinstance(leaf, Door)]
     here.begin()
     yield from tuck(here)
@@ -68,8 +68,8 @@ def _swing(here: Surroundings, name: str, target: float) -> Steps:
         leaves = yield from _make_room(here, leaves)
     for leaf in leaves:
         yield from _swing_leaf(here, leaf, target)
-    for slide in slides:
-        yield from pull(here, slide, target)
+    for level in levels:
+        yield from pull(here, level, target)
     yield from go_home(here)
     angles = here.reading(name).door_angles
     if not all(_there(value, target) for value in angles):
