@@ -49,7 +49,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
     """
 
     def __init__(self, spec: TaskSpec, options: Options) -> None:
-        self.worlds = TaskWorlds(spec)
+        self.worlds = TaskWorlds(spec, options.layout)
         self.worlds.check_cell(options.style, options.layout)
         self.options = options
         self.vocabulary = self._words()

@@ -84,7 +84,7 @@ def _check_places(spec: TaskSpec) -> None:
             if not options:
                 raise OptionError(f"task {spec.name}: no category of the catalogue can be the {noun!r}")
     for name in spec.layouts:
-        check_choice(f"layout of task {spec.name}", name, (*layouts.names(), *spec.layout_files))
+        check_choice(f"layout of task {spec.name}", name, (*layouts.names(*layouts.FAMILIES), *spec.layout_files))
         _check_fixtures(spec, worlds.layout(name, spec.styles[0]))
 
 

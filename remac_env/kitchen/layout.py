@@ -18,6 +18,7 @@ from remac_env.kitchen.floor_plan import Layout, Station, Wall
 from remac_env.kitchen.frame import Frame
 from remac_env.kitchen.layout_checks import check
 from remac_env.state import FrozenMap
+from remac_env.vocabulary import Noun, make_noun
 
 FOLDER = Path(__file__).parent / "layouts"
 
@@ -25,10 +26,28 @@ HEADINGS = (0, 90, 180, 270)
 """How walls may be turned, degrees."""
 
 
+FAMILIES = ("", "rich")
+"""The folders of layouts. Tasks and suites draw from the first one; those of others are had by name alone."""
+
+
 @cache
-def names() -> tuple[str, ...]:
-    """Return the names of the layouts that come with the package, sorted."""
-    return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
+def names(*families: str) -> tuple[str, ...]:
+    """Return the names of the layouts that come with the package, sorted; with `families`, theirs."""
+    return tuple(name for family in families or FAMILIES[:1] for name in sorted(_files(family)))
+
+
+@cache
+def nouns(name: str) -> tuple[Noun, ...]:
+    """The words for what a layout of the package has beside the usual fixtures; none for others."""
+    family = next((family for family in FAMILIES if name in _files(family)), "")
+    path = FOLDER / "nouns" / f"{family}.toml"
+    if not path.is_file():
+        return ()
+    return tuple(make_noun(entry, file=path.name) for entry in tomllib.loads(read_text(path))["noun"])
+
+
+def _files(family: str) -> Mapping[str, Path]:
+    return {path.stem: path for path in (FOLDER / family).glob("*.toml")}
 
 
 Models = Mapping[str, str]
@@ -40,8 +59,8 @@ NO_MODELS: Models = FrozenMap({})
 @cache
 def load(name: str, models: Models = NO_MODELS) -> Layout:
     """Return a layout by name; raises UnknownNameError, or KitchenFileError where its file is malformed."""
-    check_choice("layout", name, names())
-    return read(FOLDER / f"{name}.toml", models)
+    check_choice("layout", name, names(*FAMILIES))
+    return read(next(_files(family)[name] for family in FAMILIES if name in _files(family)), models)
 
 
 @cache

@@ -33,19 +33,23 @@ class Worlds:
 
 
 class TaskWorlds(Worlds):
-    """Everything about a task that is the same in all its episodes, read on demand."""
+    """Everything about a task that is the same in all its episodes, read on demand. layout: the one asked for."""
 
-    def __init__(self, spec: TaskSpec) -> None:
+    def __init__(self, spec: TaskSpec, layout: str | None = None) -> None:
         self.spec = spec
+        self._asked = layout
 
     def __reduce__(self) -> tuple[object, ...]:
         # What is read on demand is read again: copies and other processes get the task alone.
-        return TaskWorlds, (self.spec,)
+        return TaskWorlds, (self.spec, self._asked)
 
     @cached_property
     def vocabulary(self) -> Vocabulary:
-        """The built-in vocabulary, with the task's own nouns appended."""
-        return built_in().extended(self.spec.nouns) if self.spec.nouns else built_in()
+        """The built-in vocabulary, with the task's own nouns appended, and those of its layouts."""
+        own = {noun.name: noun for noun in self.spec.nouns}
+        for layout in (*self.spec.layouts, *([self._asked] if self._asked else [])):
+            own |= {noun.name: noun for noun in layouts.nouns(layout) if noun.name not in own}
+        return built_in().extended(own.values()) if own else built_in()
 
     @cached_property
     def categories(self) -> Mapping[str, Category]:
@@ -67,7 +71,7 @@ class TaskWorlds(Worlds):
         if style is not None:
             check_choice("style", style, styles.names())
         if layout is not None:
-            check_choice("layout", layout, (*layouts.names(), *self.spec.layout_files))
+            check_choice("layout", layout, (*layouts.names(*layouts.FAMILIES), *self.spec.layout_files))
 
     def start(
         self,

@@ -26,7 +26,7 @@ TEXT = (layouts.FOLDER / f"{NAME}.toml").read_text(encoding="utf-8")
 CABINET = ("cabinet", "left_bar")
 KNOWN = certificates.load()
 MAKES = [(kind, make) for kind in models.kinds() for make in models.names(kind)]
-MAKES += [("counter", ONE_MAKE), ("drawer", ONE_MAKE)]
+MAKES += [("counter", ONE_MAKE), ("drawer", ONE_MAKE), ("oven", ONE_MAKE)]
 SKILLS = {
     "cabinet": {"open door", "close door", "place to", "pick up"},
     "microwave": {"open door", "close door", "turn on", "turn off", "place to", "pick up"},
@@ -34,6 +34,7 @@ SKILLS = {
     "faucet": {"turn on", "turn off"},
     "counter": {"place to", "pick up"},
     "drawer": {"open door", "close door", "place to", "pick up"},
+    "oven": {"open door", "close door", "turn on", "turn off", "place to", "pick up"},
     "stove": {"place to", "pick up"}
     | {f"{skill} stove.{i}" for skill in ("turn on", "turn off", "place to", "pick up") for i in range(4)},
 }
