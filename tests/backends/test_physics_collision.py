@@ -9,6 +9,7 @@ import pytest
 from remac_env.backends.physics.controllers.scripted.collision import Fence, Scratch
 from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
+from remac_env.backends.physics.controllers.scripted.verdicts import Hit
 from remac_env.backends.physics.sensing import Senses
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen import layout as layouts
@@ -40,8 +41,8 @@ def test_home_is_free_and_furniture_is_not(kitchen: tuple[Simulation, Scratch, P
     scratch.begin()
     home = panda.tucked(0.1, -0.85, 0.5 * np.pi)
     assert scratch.free(home)
-    assert not scratch.free(panda.tucked(0.1, 0.1, 0.5 * np.pi))
-    assert scratch.touching[0] != scratch.touching[1]
+    met = scratch.free(panda.tucked(0.1, 0.1, 0.5 * np.pi))
+    assert isinstance(met, Hit) and not met and met.a != met.b and str(met) == f"{met.a} meets {met.b}"
     before = simulation.data.qpos.copy()
     scratch.free(panda.tucked(0.3, -1.0, 0.0))
     np.testing.assert_array_equal(simulation.data.qpos, before)

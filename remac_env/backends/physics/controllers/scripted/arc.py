@@ -12,6 +12,7 @@ from remac_env.backends.physics.controllers.scripted.leaf import Leaf
 from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT
 from remac_env.backends.physics.controllers.scripted.reach import BACK
 from remac_env.backends.physics.controllers.scripted.skill import Steps, Surroundings
+from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array, about_z
@@ -56,7 +57,7 @@ class DoorGrasp(Grasp):
 
 def arc_is_free(
     here: Surroundings, door: Leaf, q: Array, grasp: DoorGrasp, start: float, target: float
-) -> bool:
+) -> Free | Hit | NoWay:
     """Whether the whole swing, the release and the way home are free, the panel moving along."""
     planner, scratch = here.planner, here.scratch
     beyond = target if grasp.pushes else target + math.copysign(_PLANNED, target - start)
@@ -71,18 +72,20 @@ def arc_is_free(
         )
         q = step.q
         panel = {door.address: max(angle, 0.0)}
-        if step.position_error > 0.008 or step.rotation_error > 0.12 or not scratch.free(q, panel):
-            planner.reason = "arc at {:.2f} rad: {} meets {}".format(angle, *scratch.touching)
-            return False
+        off = step.position_error > 0.008 or step.rotation_error > 0.12
+        free = NoWay("the arm cannot follow") if off else scratch.free(q, panel)
+        if not free:
+            return NoWay(f"arc at {angle:.2f} rad: {free}")
     position, turned = planner.kinematics.forward(q)
     scratch.fingers(0.0 if grasp.pushes else NARROW_GRIP)
     away = planner.line(q, position - turned[:, 2] * BACK, turned, weights=grasp.weights)
-    if away is None:
-        return False
+    if isinstance(away, Hit | NoWay):
+        return away
     back = away[-1].copy()
     heading = np.array([math.cos(back[2]), math.sin(back[2])])
     back[:2] -= min(0.3, max(0.0, back[1] - here.station.y)) * heading
-    return planner.edge(away[-1], back) and planner.path(back, panda.tucked(*back[:3])) is not None
+    home = planner.edge(away[-1], back) and planner.path(back, panda.tucked(*back[:3]))
+    return FREE if home else NoWay("no way on")
 
 
 def follow_arc(here: Surroundings, door: Leaf, grasp: DoorGrasp, start: float, target: float) -> Steps:

@@ -16,6 +16,7 @@ import mujoco
 import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
+from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit
 from remac_env.robots.ik import Kinematics
 from remac_env.robots.rotation import Array, quaternion
 
@@ -23,7 +24,6 @@ ARM_MARGIN = 0.008  # m, around arm links, column and base
 TOUCH_MARGIN = 0.001  # m, around the gripper where it works; more would forbid every grasp on a counter
 TRANSIT_MARGIN = 0.012  # m, around the gripper and what it holds on the way: the arm lags its command at speed
 HELD_MARGIN = 0.010  # m, around what is held on straight ways: a vessel goes on drooping in the fingers
-_FENCED_CHECKS = 1500  # collision checks; of 62 searches that ended well within fences one took more
 
 OTHER, ARM, GRIPPER, HELD, TARGET, IGNORED = range(6)
 _GRIPPER_PARTS = ("hand", "finger_left", "finger_right")
@@ -74,7 +74,6 @@ class Scratch:
         self.model = copy.copy(model)
         self._use(mujoco.MjData(self.model))
         self.checks = 0
-        self.touching = ("", "")
         names = [model.body(b).name for b in range(model.nbody)]
         own = np.array([n.startswith(robot.name + "/") for n in names])
         grip = np.array([n.startswith(robot.name + "/") and n.split("/")[1] in _GRIPPER_PARTS for n in names])
@@ -99,13 +98,6 @@ class Scratch:
         self._radii = np.linalg.norm(self._spans[:, :3], axis=1) + self._spans[:, 3]
         self._fenced = np.flatnonzero(own[of])
         self._start = self.data.qpos.copy()
-
-    def limit(self, checks: int) -> int:
-        """The number of ``checks`` at which a search gives up that may use this many from now on.
-
-        Within fences it gives up early: what is not found soon is found once the neighbour is done, with no fence.
-        """
-        return self.checks + (min(checks, _FENCED_CHECKS) if self.fences else checks)
 
     def begin(
         self, *, target: Iterable[int] = (), held: str | None = None, contents: Iterable[str] = (),
@@ -174,33 +166,30 @@ class Scratch:
         finally:
             self._keep_away(geoms, before)
 
-    def free(self, q: Array, joints: Mapping[int, float] | None = None) -> bool:
-        """True when configuration ``q`` (11,) has no forbidden contact; ``joints`` sets other qpos entries first."""
+    def free(self, q: Array, joints: Mapping[int, float] | None = None) -> Free | Hit:
+        """Whether configuration ``q`` (11,) has no forbidden contact; ``joints`` sets other qpos entries first."""
         self.checks += 1
         data = self.data
         self.pose(q, joints)
         if any(self._beyond(fence) for fence in self.fences):
-            self.touching = (self.robot.name, "the room of another robot")
-            return False
+            return Hit(self.robot.name, "the room of another robot")
         try:
             mujoco.mj_collision(self.model, data)
         except mujoco.FatalError:
             # Deeply overlapping boxes can yield more contacts than MuJoCo allows for; that is not a free configuration.
             self._renew()
-            self.touching = (self.robot.name, "something it overlaps deeply")
-            return False
+            return Hit(self.robot.name, "something it overlaps deeply")
         count = data.ncon
         if count == 0:
-            return True
+            return FREE
         pairs = data.contact.geom[:count]
         kinds = self.classes[pairs]
         bad = _FORBIDDEN[kinds[:, 0], kinds[:, 1]]
         if not bad.any():
-            return True
+            return FREE
         first = pairs[int(np.argmax(bad))]
         one, other = (self._body_names[self.simulation.model.geom_bodyid[g]] or "world" for g in first)
-        self.touching = (one, other)
-        return False
+        return Hit(one, other)
 
     def pose(self, q: Array, joints: Mapping[int, float] | None = None) -> None:
         """Put the robot and what it holds into configuration ``q`` (11,), without looking at contacts."""

@@ -25,6 +25,7 @@ from remac_env.backends.physics.controllers.scripted.skill import (
     stances,
     tuck,
 )
+from remac_env.backends.physics.controllers.scripted.verdicts import Free, Hit, NoWay
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
 from remac_env.kitchen.fixtures.level import Level
 from remac_env.robots import panda
@@ -143,15 +144,15 @@ def _way(here: Surroundings, door: Leaf, grasps: list[DoorGrasp], start: float, 
     robot.grip = 0.0 if pushes else panda.FINGER_OPEN if target > start else NARROW_GRIP
     scratch.fingers(robot.grip)
 
-    def after(goal: Array, grasp: Grasp) -> bool | None:
+    def after(goal: Array, grasp: Grasp) -> Free | Hit | NoWay:
         if not isinstance(grasp, DoorGrasp):
-            return None
+            return NoWay("no hand at a door")
         scratch.mark(posts, TARGET)  # which the bar may turn against the fingers, once they hold it
         free = arc_is_free(here, door, goal, grasp, start, target)
         scratch.mark(posts, OTHER)
         scratch.data.qpos[door.address] = start
         scratch.fingers(robot.grip)
-        return True if free else None
+        return free
 
     sides, turns = ([door.sign * value for value in values] for values in (_SIDES, _TURNS))
     return plan_reach(here, stances(here, door.at(start), _DISTANCES, sides, turns), grasps, after)

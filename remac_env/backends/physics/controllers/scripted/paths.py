@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.collision import TRANSIT_MARGIN, Scratch
+from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.robots import panda
 from remac_env.robots.ik import ARM_WEIGHTS, TORSO_HEIGHTS, solutions
@@ -42,57 +44,68 @@ class Planner:
         self.scratch, self.random = scratch, random
         self.robot = scratch.robot
         self.kinematics = scratch.kinematics
-        self.reason = ""
 
     # -- joint space -----------------------------------------------------------------------------------------
 
-    def edge(self, a: Array, b: Array, step: float = 0.05, joints: Mapping[int, float] | None = None) -> bool:
-        """True when the straight joint motion from ``a`` (known free) to ``b`` is free."""
+    def edge(self, a: Array, b: Array, step: float = 0.05, joints: Mapping[int, float] | None = None) -> Free | Hit:
+        """Whether the straight joint motion from ``a`` (known free) to ``b`` is free."""
         change = np.abs(b - a)
         count = max(1, math.ceil(max(change[4:].max(), change[:4].max() * 2.5) / step))
         # The ends of ever smaller halves first: a hit shows early.
         for k in sorted(range(1, count + 1), key=lambda k: -(k & -k)):
-            if not self.scratch.free(a + (b - a) * (k / count), joints):
-                return False
-        return True
+            free = self.scratch.free(a + (b - a) * (k / count), joints)
+            if not free:
+                return free
+        return FREE
 
-    def path(self, a: Array, b: Array, *, via: bool = True, tree: bool = True) -> Path | None:
-        """Way points after ``a`` up to ``b`` with the base still, clear of objects; where that is impossible, tight."""
+    def path(self, a: Array, b: Array, *, via: bool = True, tree: bool = True) -> Path | Hit:
+        """Way points after ``a`` up to ``b`` with the base still, clear of objects; where that is impossible, tight.
+
+        What was met last, where there is no way.
+        """
         with self.scratch.clearance(TRANSIT_MARGIN):
-            found = self._path(a, b, via, tree) if self.scratch.free(a) and self.scratch.free(b) else None
-        return found if found is not None else self._path(a, b, via, tree)
+            found = self.scratch.free(a) and self.scratch.free(b) and self._path(a, b, via, tree)
+        return found or self._path(a, b, via, tree)
 
-    def _path(self, a: Array, b: Array, via: bool, tree: bool) -> Path | None:
-        if not self.scratch.free(b):
-            return None
-        if not self.scratch.free(a):
-            return self._escape(a, b)
-        if self.edge(a, b):
+    def _path(self, a: Array, b: Array, via: bool, tree: bool) -> Path | Hit:
+        end = self.scratch.free(b)
+        if not end:
+            return end
+        start = self.scratch.free(a)
+        if not start:
+            return self._escape(a, b, start)
+        free = self.edge(a, b)
+        if free:
             return [b]
         if via:
             for arm in _VIA_ARMS:
                 for torso in (a[3], b[3], 0.3):
                     middle = np.concatenate([a[:3], [torso], arm])
-                    if self.scratch.free(middle) and self.edge(a, middle) and self.edge(middle, b):
+                    free = self.scratch.free(middle) and self.edge(a, middle) and self.edge(middle, b)
+                    if free:
                         return [middle, b]
-        return self._tree(a, b) if tree else None
+        return self._tree(a, b, free) if tree else free
 
-    def _escape(self, a: Array, b: Array) -> Path | None:
+    def _escape(self, a: Array, b: Array, met: Hit) -> Path | Hit:
         """From a start inside the margins (just released something): back or up a little, then on."""
         heading = np.array([math.cos(a[2]), math.sin(a[2])])
         for back, up in _ESCAPES:
             c = a.copy()
             c[:2] += back * heading
             c[3] = min(c[3] + up, panda.UPPER[3])
-            if self.scratch.free(c):
-                end = b.copy()
-                end[:3] = c[:3]
-                rest = self._path(c, end, True, True) if self.scratch.free(end) else None
-                if rest is not None:
-                    return [c, *rest]
-        return None
+            clear = self.scratch.free(c)
+            if not clear:
+                met = clear
+                continue
+            end = b.copy()
+            end[:3] = c[:3]
+            rest = self.scratch.free(end) and self._path(c, end, True, True)
+            if not isinstance(rest, Hit):
+                return [c, *rest]
+            met = rest
+        return met
 
-    def _tree(self, a: Array, b: Array) -> Path | None:
+    def _tree(self, a: Array, b: Array, met: Hit) -> Path | Hit:
         """RRT-connect over torso and arm, shortened."""
         lower, upper = panda.LOWER.copy(), panda.UPPER.copy()
         lower[:3] = upper[:3] = a[:3]
@@ -100,29 +113,33 @@ class Planner:
         limit = self.scratch.checks + _TREE_CHECKS
         for _ in range(_TREE_ROUNDS):
             if self.scratch.checks > limit:
-                return None
+                break
             goal = far.nodes[0] if self.random.random() < 0.2 else self.random.uniform(lower, upper)
             reached = self._extend(near, goal)
-            while reached is not None:
-                met = self._extend(far, reached)
-                if met is None:
+            while not isinstance(reached, Hit):
+                meeting = self._extend(far, reached)
+                if isinstance(meeting, Hit):
+                    met = meeting
                     break
-                if np.abs(met - reached).max() < 1e-9:
+                if np.abs(meeting - reached).max() < 1e-9:
                     joined = near.branch()[::-1] + far.branch()[1:]
                     if np.abs(joined[0] - a).max() > 1e-9:
                         joined = joined[::-1]
                     return self._shortened(joined)[1:]
+            if isinstance(reached, Hit):
+                met = reached
             near, far = far, near
-        return None
+        return met
 
-    def _extend(self, tree: _Tree, goal: Array) -> Array | None:
+    def _extend(self, tree: _Tree, goal: Array) -> Array | Hit:
         nodes = np.array(tree.nodes)
         nearest = int(np.argmin((((nodes - goal) * _TREE_SCALE) ** 2).sum(axis=1)))
         change = goal - nodes[nearest]
         length = float(np.linalg.norm(change * _TREE_SCALE))
         reached = goal if length <= _TREE_STEP else nodes[nearest] + change * (_TREE_STEP / length)
-        if not self.edge(nodes[nearest], reached, 0.07):
-            return None
+        free = self.edge(nodes[nearest], reached, 0.07)
+        if not free:
+            return free
         tree.add(reached, nearest)
         return reached
 
@@ -141,8 +158,8 @@ class Planner:
     def line(
         self, q: Array, position: Array, rotation: Array, *, speed: float = 0.2, turn_speed: float = 1.5,
         weights: Array = ARM_WEIGHTS, check: bool = True, joints: Mapping[int, float] | None = None,
-    ) -> Path | None:
-        """One configuration per control period along the straight line from ``q`` to a pose, or None.
+    ) -> Path | Hit | NoWay:
+        """One configuration per control period along the straight line from ``q`` to a pose, or why there is none.
 
         ``speed`` in m/s, ``turn_speed`` in rad/s. Without ``check`` contacts are not looked at.
         """
@@ -160,24 +177,22 @@ class Planner:
             q, error, turn_error = tracked.q, tracked.position_error, tracked.rotation_error
             path.append(q)
             if error > 0.01 or turn_error > 0.06:
-                self.reason = "the arm cannot follow the line"
-                return None
-            if check and (k % 2 == 0 or k == count) and not self.scratch.free(q, joints):
-                self.reason = "{} meets {}".format(*self.scratch.touching)
-                return None
+                return NoWay("the arm cannot follow the line")
+            free = self.scratch.free(q, joints) if check and (k % 2 == 0 or k == count) else FREE
+            if not free:
+                return free
         if error > 0.004 or turn_error > 0.04:
-            self.reason = "the arm does not reach the end of the line"
-            return None
+            return NoWay("the arm does not reach the end of the line")
         return path
 
-    def approach(self, goal: Array, rotation: Array, start: Array, *, speed: float = 0.15) -> Path | None:
+    def approach(self, goal: Array, rotation: Array, start: Array, *, speed: float = 0.15) -> Path | Hit | NoWay:
         """Configurations from a pre-grasp at ``start`` (3,) to ``goal``, tracked backwards from the tightest pose."""
         back = self.line(goal, start, rotation, speed=speed)
-        return None if back is None else [*back[::-1], goal]
+        return [*back[::-1], goal] if back else back
 
     # -- the base --------------------------------------------------------------------------------------------
 
-    def drive(self, a: Array, base: Array, lane: float) -> Path | None:
+    def drive(self, a: Array, base: Array, lane: float) -> Path | Hit:
         """Way points from ``a`` with its arm as it is to a base pose (3,): straight, else by way of y = ``lane``."""
         goal = a.copy()
         goal[:3] = base
@@ -185,11 +200,20 @@ class Planner:
         out[1] = min(a[1], lane)
         along[1] = min(goal[1], lane)
         back[1], back[2] = out[1], base[2]
+        met: Path | Hit = []
         for way in ([goal], [out, along, goal], [out, back, along, goal]):
-            corners = [a, *way]
-            if all(self.edge(corners[k], corners[k + 1]) for k in range(len(way))):
-                return list(way)
-        return None
+            free = self._along([a, *way])
+            if free:
+                return way
+            met = free
+        return met
+
+    def _along(self, corners: Path) -> Free | Hit:
+        for one, other in pairwise(corners):
+            free = self.edge(one, other)
+            if not free:
+                return free
+        return FREE
 
     # -- inverse kinematics ----------------------------------------------------------------------------------
 

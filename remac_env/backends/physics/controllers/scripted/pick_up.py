@@ -18,6 +18,7 @@ from remac_env.backends.physics.controllers.scripted.skill import (
     take,
     tuck,
 )
+from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
 from remac_env.robots.rotation import Array
 
 Lifts = tuple[tuple[float, float], ...]
@@ -45,7 +46,7 @@ def pick_up(
     for inner in contents:
         here.scratch.mark(simulation.geoms(inner), IGNORED)
 
-    def after(goal: Array, grasp: Grasp) -> Path | None:
+    def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
         return _lift(here, body, goal, grasp, lift, lifts)
 
     grasps = candidates(obj, position, rotation)
@@ -68,20 +69,21 @@ def pick_up(
     check_held(here)
 
 
-def _lift(here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float, lifts: Lifts) -> Path | None:
+def _lift(
+    here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float, lifts: Lifts
+) -> Path | Hit | NoWay:
     """Off the surface unchecked for the object itself, then up, or slanting out from under something."""
     scratch, planner = here.scratch, here.planner
     at = planner.kinematics.forward(goal)
     pose = here.simulation.pose(body)
     scratch.hold(body, at, pose, meets=False)
-    off = planner.line(goal, grasp.position + [0.0, 0.0, 0.03], grasp.rotation, speed=0.15)
-    path: Path | None = None
-    if off is not None:
+    off = path = planner.line(goal, grasp.position + [0.0, 0.0, 0.03], grasp.rotation, speed=0.15)
+    if off:
         scratch.hold(body, at, pose)
         for back, share in lifts:
             rest = planner.line(off[-1], grasp.position + [0.0, back, share * lift], grasp.rotation)
-            if rest is not None:
-                path = off + rest
+            path = off + rest if rest else rest
+            if path:
                 break
     scratch.release()
     scratch.mark(here.simulation.geoms(body), TARGET)
@@ -95,6 +97,7 @@ def draw_in(here: Surroundings) -> Steps:
     position, rotation = planner.kinematics.forward(robot.q)
     forward = robot.heading
     left = np.array([-forward[1], forward[0], 0.0])
+    why: Hit | NoWay = NoWay("no room to stand")
     for back in (0.0, 0.2, 0.4):
         stand = robot.q.copy()
         stand[:2] -= back * forward[:2]
@@ -106,8 +109,9 @@ def draw_in(here: Surroundings) -> Steps:
                 for side in (0.0, -0.1, 0.1, -0.2, 0.2):
                     target = axis + ahead * forward + side * left + [0.0, 0.0, position[2] + up]
                     path = planner.line(stand, target, rotation, speed=0.25)
-                    if path is not None:
+                    if not isinstance(path, Hit | NoWay):
                         yield from here.mover.go([stand] if back else [])
                         yield from here.mover.play(path)
                         return
-    raise SkillFailure("blocked", "no level way to draw the hand in: " + planner.reason)
+                    why = path
+    raise SkillFailure("blocked", f"no level way to draw the hand in: {why}")

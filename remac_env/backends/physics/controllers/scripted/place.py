@@ -17,6 +17,7 @@ from remac_env.backends.physics.controllers.scripted.skill import (
     go_home,
     lowest,
 )
+from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array, about_x, about_z, from_rotation_vector, rotation_vector
 
@@ -50,7 +51,7 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
     grip, pose = robot.grip_pose(), here.simulation.pose(body)
     grasps = upright_poses(here, point, kind)
 
-    def after(goal: Array, grasp: Grasp) -> Path | None:
+    def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
         here.scratch.free(goal)
         here.scratch.release(leave=True)
         here.scratch.mark(here.simulation.geoms(body), TARGET)

@@ -15,6 +15,7 @@ from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT
 from remac_env.backends.physics.controllers.scripted.reach import BACK, go_to_grasp, let_go, plan_reach
 from remac_env.backends.physics.controllers.scripted.room import seen_on_slots
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, stances, tuck
+from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.fixtures.level import Level
@@ -92,15 +93,15 @@ def pull(here: Surroundings, door: Level, opened: float) -> Steps:
     scratch.fingers(robot.grip)
     before = scratch.data.qpos.copy()
 
-    def after(goal: Array, grasp: Grasp) -> bool | None:
+    def after(goal: Array, grasp: Grasp) -> Free | Hit | NoWay:
         if not isinstance(grasp, _Hold):
-            return None
+            return NoWay("no hand at a handle")
         scratch.mark(way.geoms, TARGET)
         free = _way_is_free(here, way, goal, grasp, before)
         scratch.mark(way.geoms[:1] + way.geoms[4:], OTHER)
         scratch.data.qpos[[way.address, *way.inside]] = before[[way.address, *way.inside]]
         scratch.fingers(robot.grip)
-        return True if free else None
+        return free
 
     found = plan_reach(here, stances(here, way.at(way.start), _DISTANCES, _SIDES), _grasps(way), after)
     yield from go_to_grasp(here, found)
@@ -139,7 +140,7 @@ def _grasps(way: _Way) -> list[_Hold]:
     return found
 
 
-def _way_is_free(here: Surroundings, way: _Way, q: Array, hold: _Hold, before: Array) -> bool:
+def _way_is_free(here: Surroundings, way: _Way, q: Array, hold: _Hold, before: Array) -> Free | Hit | NoWay:
     """Whether the whole way, letting go and folding the arm are free, the drawer moving along."""
     planner, scratch = here.planner, here.scratch
     count = max(2, math.ceil(abs(way.end - way.start) * way.door.arm / 0.02))
@@ -150,12 +151,14 @@ def _way_is_free(here: Surroundings, way: _Way, q: Array, hold: _Hold, before: A
         )
         q = step.q
         off = step.position_error > 0.008 or step.rotation_error > 0.12
-        if off or not scratch.free(q, way.moved(position, before)):
-            planner.reason = "way at {:.2f}: {} meets {}".format(position, *scratch.touching)
-            return False
+        free = NoWay("the arm cannot follow") if off else scratch.free(q, way.moved(position, before))
+        if not free:
+            return NoWay(f"way at {position:.2f}: {free}")
     at, rotation = planner.kinematics.forward(q)
     away = planner.line(q, at - rotation[:, 2] * BACK, rotation, weights=DOOR_WEIGHTS)
-    return away is not None and planner.path(away[-1], panda.tucked(*away[-1][:3])) is not None
+    if isinstance(away, Hit | NoWay):
+        return away
+    return FREE if planner.path(away[-1], panda.tucked(*away[-1][:3])) else NoWay("no way on")
 
 
 def _follow(here: Surroundings, way: _Way, hold: _Hold) -> Steps:

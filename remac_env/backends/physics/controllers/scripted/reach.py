@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
@@ -16,6 +15,7 @@ from remac_env.backends.physics.controllers.scripted.collision import HELD_MARGI
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.motion import periods_between, smooth
 from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.search import CHECKS, Budget, Reasons, search
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, drive_to, stances
 from remac_env.robots import panda
 from remac_env.robots.ik import DOOR_WEIGHTS
@@ -24,8 +24,7 @@ from remac_env.robots.rotation import Array
 DISTANCES = (0.55, 0.48, 0.62, 0.70)  # m
 SIDES = (0.0, -0.12, 0.12, -0.24, 0.24)  # m
 _STEEP, _TURNS = (0.42, 0.48, 0.55, 0.36), (0.0, 0.3, -0.3)  # m, rad
-CHECKS = 9000  # collision checks (about 80 us each) after which a search gives up
-_BETTER = 1500  # of the same, with which to look for a way that keeps clear once there is one that does not
+_BETTER = 1500  # collision checks with which to look for a way that keeps clear once there is one that does not
 _CLOSE = 0.003  # m around the arm where nothing else reaches into a basin
 _LEANS, _LEVEL_STEP = 0.4, 0.15  # rad by which a held vessel may lean, and of a joint's turn between looks at that
 _CARRYING, _CALMLY = 0.25, 0.5  # m/s, of the hand on a straight way with a vessel; share of the usual joint speeds
@@ -36,7 +35,7 @@ BACK = 0.10
 """By how much, m, a hand goes back from a handle that it lets go of."""
 
 After = Callable[[Array, Grasp], Any]
-"""Plans what follows from the goal configuration; None refuses the candidate, anything else is handed on."""
+"""Plans what follows from the goal configuration: something to hand on, or why nothing does (`Hit`, `NoWay`)."""
 
 
 @dataclass(frozen=True)
@@ -59,37 +58,48 @@ def plan_reach(
     ``carry``: the configuration to start from instead of the folded arm. Raises SkillFailure: ``unreachable`` when no
     pose can be reached, ``blocked`` when things are in the way.
     """
-    planner, scratch, robot = here.planner, here.scratch, here.robot
-    why: Counter[str] = Counter()
-    limit = scratch.limit(checks)
-    tight, steady = None, 0
-    for base in stands:
-        ready = panda.tucked(*base) if carry is None else np.concatenate([base, carry[3:]])
-        if not scratch.free(ready):
-            why["stance: {} meets {}".format(*scratch.touching)] += 1
-            continue
-        drivable: bool | None = None
+    planner, scratch, why, budget = here.planner, here.scratch, Reasons(), Budget(here.scratch, checks)
+    tight: Reach | None = None
+    steady, drive = 0, None
+
+    def ready(base: Array) -> Array:
+        return panda.tucked(*base) if carry is None else np.concatenate([base, carry[3:]])
+
+    def from_here(base: Array) -> Iterator[Grasp]:
+        nonlocal drive
+        drive, free = None, scratch.free(ready(base))
+        if not free:
+            why.add("stance", free)
+            return
         for grasp in grasps:
-            if scratch.checks > limit:
-                return _settled(tight, why)
-            for goal in planner.reach(grasp.position, grasp.rotation, base, ready, most=most):
-                found = _try_goal(here, ready, goal, grasp, after, why)
-                if found is None:
-                    continue
-                if drivable is None:
-                    start = np.concatenate([robot.q[:3], ready[3:]])
-                    drivable = planner.drive(start, base, here.station.y) is not None
-                if not drivable:
-                    why["drive: {} meets {}".format(*scratch.touching)] += 1
-                    break
-                reach, calm = _calmed(here, ready, Reach(base, *found, grasp))
-                if calm == _CALMEST:
-                    return reach
-                if tight is None or calm > steady:
-                    tight, steady, limit = reach, calm, min(limit, scratch.checks + _BETTER)
-            if drivable is False:
-                break
-    return _settled(tight, why)
+            yield grasp
+            if drive is not None and not drive:
+                return
+
+    def attempt(base: Array, grasp: Grasp, goal: Array) -> Reach | None:
+        nonlocal tight, steady, drive
+        if drive is not None and not drive:
+            return None
+        found = _try_goal(here, ready(base), goal, grasp, after, why)
+        if found is None:
+            return None
+        if drive is None:
+            drive = planner.drive(np.concatenate([here.robot.q[:3], ready(base)[3:]]), base, here.station.y)
+        if not drive:
+            why.add("drive", drive)
+            return None
+        reach, calm = _calmed(here, ready(base), Reach(base, *found, grasp))
+        if calm == _CALMEST:
+            return reach
+        if tight is None or calm > steady:
+            tight, steady = reach, calm
+            budget.narrow(_BETTER)
+        return None
+
+    found = search(planner, budget, stands, from_here, attempt, ready=ready, most=most) or tight
+    if found is None:
+        raise why.failure()
+    return found
 
 
 def reach_in_slot(
@@ -116,24 +126,24 @@ def reach_in_slot(
 
 
 def _try_goal(
-    here: Surroundings, ready: Array, goal: Array, grasp: Grasp, after: After, why: Counter[str]
+    here: Surroundings, ready: Array, goal: Array, grasp: Grasp, after: After, why: Reasons
 ) -> tuple[Path, Path, Any] | None:
-    planner, scratch = here.planner, here.scratch
-    if not scratch.free(goal):
-        why["goal: {} meets {}".format(*scratch.touching)] += 1
+    planner = here.planner
+    free = here.scratch.free(goal)
+    if not free:
+        why.add("goal", free)
         return None
     approach = planner.approach(goal, grasp.rotation, grasp.before)
-    if approach is None:
-        why["approach: " + planner.reason] += 1
+    if not approach:
+        why.add("approach", approach)
         return None
-    planner.reason = "no way on"
     following = after(goal, grasp)
-    if following is None:
-        why["after: " + planner.reason] += 1
+    if not following:
+        why.add("after", following)
         return None
     way = planner.path(ready, approach[0], tree=False) or planner.path(ready, approach[0], via=False)
-    if way is None:
-        why["no path to the pre-grasp"] += 1
+    if not way:
+        why.add("no path to the pre-grasp")
         return None
     return way, approach[1:], following
 
@@ -179,7 +189,7 @@ def _straight(here: Surroundings, ready: Array, reach: Reach) -> Reach | None:
         path = [ready]
         for corner in corners:
             line = planner.line(path[-1], corner, turned, speed=_CARRYING)
-            if line is None:
+            if not line:
                 break
             path += line
         else:
@@ -200,15 +210,6 @@ def _keeps_clear(here: Surroundings, ready: Array, reach: Reach) -> bool:
             for q in reach.approach[::2]
             if np.linalg.norm(here.kinematics.forward(q)[0] - reach.grasp.position) > _SET_DOWN
         )
-
-
-def _settled(tight: Reach | None, why: Counter[str]) -> Reach:
-    """The way found, if any. Raises SkillFailure: ``unreachable`` or ``blocked``."""
-    if tight is not None:
-        return tight
-    if not why:
-        raise SkillFailure("unreachable", "no configuration reaches it")
-    raise SkillFailure("blocked", "; ".join(f"{text} ({count})" for text, count in why.most_common(3)))
 
 
 def go_to_grasp(here: Surroundings, reach: Reach, *, speed: float = 1.0) -> Steps:

@@ -16,6 +16,7 @@ from remac_env.backends.physics.controllers.scripted.skill import (
     go_home,
     stances,
 )
+from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
 from remac_env.robots.rotation import Array, about_z, from_rotation_vector
 
 _HEIGHT = (0.22, 0.28, 0.34)  # m of the shaker's frame over the food
@@ -38,10 +39,10 @@ def season(here: Surroundings, food: str, *, inside: str | None = None) -> Steps
     points = [over - [0.0, ahead, 0.0] for ahead in _AHEAD] if inside else [over]
     grasps = [grasp for point in points for grasp in _over(here, point)]
 
-    def after(goal: Array, grasp: Grasp) -> Path | None:
+    def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
         up = planner.line(goal, grasp.position + [0.0, 0.0, _SHAKE], grasp.rotation, speed=_SHAKING)
-        if up is None:
-            return None
+        if not up:
+            return up
         down = [*up[::-1], goal]
         return [q for _ in range(_SHAKES) for q in (*up, *down)]
 

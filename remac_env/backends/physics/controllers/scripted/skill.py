@@ -13,6 +13,7 @@ from remac_env.backends.physics.controllers.scripted.collision import IGNORED, S
 from remac_env.backends.physics.controllers.scripted.motion import Mover, Steps
 from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
+from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit
 from remac_env.kitchen.fixtures import Fixture, FixtureReading
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import WORLD
@@ -204,19 +205,21 @@ def tuck(here: Surroundings) -> Steps:
     planner, robot = here.planner, here.robot
     if np.abs(robot.q[4:] - panda.TUCK_ARM).max() < 0.02 and abs(robot.q[3] - panda.TUCK_TORSO) < 0.01:
         return
+    met: Free | Hit = FREE
     for back in (0.0, 0.15, 0.3, 0.45):
         start = robot.q.copy()
         stand = start.copy()
         stand[:2] -= back * here.robot.heading[:2]
         if stand[1] < here.station.y - 0.05 and back:
             break
-        if back and not planner.edge(start, stand):
+        met = planner.edge(start, stand) if back else FREE
+        if not met:
             continue
         way = planner.path(stand, panda.tucked(*stand[:3]), tree=back == 0.3)
-        if way is not None:
+        if not isinstance(way, Hit):
             yield from here.mover.go(([stand] if back else []) + way, 1.0 if here.hand.body is None else _LADEN)
             return
-    touching = here.scratch.touching
+        met = way
     position, rotation = here.kinematics.forward(robot.q)
     for rise in _RISES:
         # A wrist low in a basin is too near its rim for any planned way: straight up first.
@@ -224,19 +227,18 @@ def tuck(here: Surroundings) -> Steps:
         if not up or not here.scratch.free(up[-1]):
             continue
         way = planner.path(up[-1], panda.tucked(*up[-1][:3]))
-        if way is not None:
+        if way:
             yield from here.mover.play(up)
             yield from here.mover.go(way, 1.0 if here.hand.body is None else _LADEN)
             return
-    here.scratch.touching = touching
-    raise SkillFailure("blocked", "no way to fold the arm: {} meets {}".format(*here.scratch.touching))
+    raise SkillFailure("blocked", f"no way to fold the arm: {met}")
 
 
 def drive_to(here: Surroundings, base: Array) -> Steps:
     """Move the base within the station, the arm as it is. Fails with ``blocked``."""
     way = here.planner.drive(here.robot.q, base, here.station.y)
-    if way is None:
-        raise SkillFailure("blocked", "no way to drive: {} meets {}".format(*here.scratch.touching))
+    if not way:
+        raise SkillFailure("blocked", f"no way to drive: {way}")
     yield from here.mover.go(way)
 
 

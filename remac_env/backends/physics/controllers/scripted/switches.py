@@ -19,6 +19,7 @@ from remac_env.backends.physics.controllers.scripted.skill import (
     stances,
     tuck,
 )
+from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.robots.rotation import Array, about_x, about_y, about_z, grip_frame
@@ -122,7 +123,7 @@ def _push_button(here: Surroundings, actuator: Actuator) -> Steps:
                 at = face - hand[:, 2] * 0.021
                 grasps.append(Grasp(at, hand, at - hand[:, 2] * 0.10))
 
-    def after(goal: Array, grasp: Grasp) -> Path | None:
+    def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
         push = grasp.position + seen @ [0.0, 0.018, 0.0]
         return planner.line(goal, push, grasp.rotation, speed=0.05, check=False)
 
@@ -151,7 +152,7 @@ def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands
     start = simulation.joint(turn.joint)
     end = turn.target + turn.beyond
 
-    def after(goal: Array, grasp: Grasp) -> bool | None:
+    def after(goal: Array, grasp: Grasp) -> Free | Hit | NoWay:
         q = goal
         for k in range(1, 9):
             angle = start + (end - start) * k / 8
@@ -159,11 +160,13 @@ def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands
                 q, turn.at(angle), turn.turn(angle - start) @ grasp.rotation, iterations=8, largest=3 * STEP_LIMIT
             )
             q = step.q
-            if step.position_error > 0.006 or step.rotation_error > 0.08 or not here.scratch.free(q):
-                planner.reason = "turning: {} meets {}".format(*here.scratch.touching)
-                return None
+            off = step.position_error > 0.006 or step.rotation_error > 0.08
+            free = NoWay("the arm cannot follow") if off else here.scratch.free(q)
+            if not free:
+                return NoWay(f"turning: {free}")
         position, rotation = planner.kinematics.forward(q)
-        return True if planner.line(q, position - rotation[:, 2] * 0.12, rotation) is not None else None
+        away = planner.line(q, position - rotation[:, 2] * 0.12, rotation)
+        return away if isinstance(away, Hit | NoWay) else FREE
 
     found = plan_reach(here, stands, grasps, after)
     yield from go_to_grasp(here, found)

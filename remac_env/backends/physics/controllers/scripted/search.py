@@ -1,0 +1,90 @@
+"""The search of all skills: stance x pose of the hand x branch of the arm, within a budget of collision checks."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from typing import Protocol, TypeVar
+
+from remac_env.backends.physics.controllers.scripted.collision import Scratch
+from remac_env.backends.physics.controllers.scripted.paths import Planner
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure
+from remac_env.robots.rotation import Array
+
+CHECKS = 9000
+"""Collision checks, of about 80 us each, after which a search usually gives up."""
+
+_FENCED_CHECKS = 1500  # collision checks; of 62 searches that ended well within fences one took more
+
+
+class HandPose(Protocol):
+    """A pose that the hand is to take."""
+
+    @property
+    def position(self) -> Array:
+        """Of the grip site (3,), m."""
+
+    @property
+    def rotation(self) -> Array:
+        """Of the grip site (3, 3)."""
+
+
+P = TypeVar("P", bound=HandPose)
+T = TypeVar("T")
+
+
+class Budget:
+    """How many collision checks a search may use from now on.
+
+    Within fences it gives up early: what is not found soon is found once the neighbour is done, with no fence.
+    """
+
+    def __init__(self, scratch: Scratch, checks: int) -> None:
+        self._scratch = scratch
+        self._last = scratch.checks + (min(checks, _FENCED_CHECKS) if scratch.fences else checks)
+
+    @property
+    def spent(self) -> bool:
+        """Whether the search has to end."""
+        return self._scratch.checks > self._last
+
+    def narrow(self, checks: int) -> None:
+        """Allow at most so many more."""
+        self._last = min(self._last, self._scratch.checks + checks)
+
+
+class Reasons:
+    """Why candidates were refused, and how often."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[str] = Counter()
+
+    def add(self, what: str, why: object = None) -> None:
+        """Note one more."""
+        self._counts[what if why is None else f"{what}: {why}"] += 1
+
+    def failure(self) -> SkillFailure:
+        """``unreachable`` where no pose could be reached, ``blocked`` where things were in the way."""
+        if not self._counts:
+            return SkillFailure("unreachable", "no configuration reaches it")
+        return SkillFailure("blocked", "; ".join(f"{text} ({count})" for text, count in self._counts.most_common(3)))
+
+
+def search(
+    planner: Planner, budget: Budget, stands: Iterable[Array], poses: Callable[[Array], Iterable[P]],
+    attempt: Callable[[Array, P, Array], T | None], *, ready: Callable[[Array], Array], most: int,
+) -> T | None:
+    """The first that ``attempt`` makes of a stance, a pose and a configuration; None where there is none in time.
+
+    ``poses``: those to try at a stance (3,). ``ready``: the configuration (11,) there from which the arm starts; of
+    those that reach a pose, ``most`` are tried, the nearest first.
+    """
+    for base in stands:
+        for pose in poses(base):
+            if budget.spent:
+                return None
+            for q in planner.reach(pose.position, pose.rotation, base, ready(base), most=most):
+                found = attempt(base, pose, q)
+                if found is not None:
+                    return found
+    return None
