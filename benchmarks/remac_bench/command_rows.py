@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from remac_agents.memory import MAX_CHARACTERS, MAX_LESSONS
-from remac_env.option_rows import NEEDED, File, Row, Switch, Texts, Whole, rows
+from remac_env.option_rows import NEEDED, File, Real, Row, Switch, Texts, Whole, rows
 from remac_env.options import Options
 from remac_env.seeding import SEED_MAX
 
@@ -94,5 +94,27 @@ ROWS: dict[str, Row] = {
     "memory.task": Row(help="Only this task."),
     "memory.most": Row(help="Maximum number of lessons.", default=MAX_LESSONS, values=_COUNT),
     "memory.characters": Row(help="Maximum characters of lessons.", default=MAX_CHARACTERS, values=_COUNT),
+    "learn.skills": Row(
+        help="OpenDoor, TurnOn ..., with commas; may be repeated. By default all.", values=Texts()
+    ),
+    "learn.episodes": Row(help="Episodes of each skill.", default=200, values=_COUNT),
+    "learn.first_seed": Row(help="The first of their seeds.", default=1000, values=_SEED),
+    "learn.cells": Row(help="table (styles and layouts of the tasks' table) or all.", default="table"),
+    "learn.held_out": Row(
+        help="Layouts and styles that are not recorded, so that skills can be measured in them.",
+        default=("galley,g_shaped_small,coastal,modern_2,transitional_1",), values=Texts(), flag="--hold-out",
+    ),
+    "learn.disturb": Row(help="How strongly servos are disturbed; 0: not.", default=1.0, values=Real(0.0, 10.0)),
+    "learn.out": Row(help="Folder for demonstrations.", default=NEEDED, values=File()),
+    "learn.demos": Row(help="Folder of demonstrations.", default=NEEDED, values=File()),
+    "learn.weights": Row(help="Folder of weights, SKILL.npz each.", default=NEEDED, values=File()),
+    "learn.epochs": Row(help="Passes over the demonstrations.", default=60, values=_COUNT),
+    "learn.width": Row(help="Units of a hidden layer.", default=384, values=Whole(1, 4096)),
+    "learn.chunk": Row(help="Commands that are predicted at once.", default=16, values=Whole(1, 200)),
+    "learn.execute": Row(help="How many of them are carried out.", default=8, values=Whole(1, 200)),
+    "learn.trials": Row(help="Tries of each skill in each set of kitchens.", default=100, values=_COUNT),
+    "learn.tried_from": Row(help="The first of their seeds.", default=50_000, values=_SEED, flag="--first-seed"),
+    "learn.note": Row(help="Write the result into the weights.", default=False, values=Switch()),
+    "learn.processes": Row(help="Processes side by side.", default=1, values=Whole(1, 256)),
     "memory.keep": Row(help="Number of newest runs to keep per task.", default=NEEDED, values=Whole()),
 }  # fmt: skip

@@ -8,10 +8,11 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
+from remac_env.backends.physics.controllers.learned.seen import Entry
 from remac_env.backends.physics.manual import Manual
-from remac_env.backends.physics.seen import Entry
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.robots import panda
+from remac_env.robots.ik import Kinematics
 from remac_env.robots.rotation import Array, about_z, from_rotation_vector, rotation_vector
 
 _AHEAD = 3.0  # control periods of motion by which a command may be ahead of the robot; its servos are 2 behind
@@ -51,7 +52,7 @@ class Control(ABC):
         low, high = (np.array([getattr(entry, end) for entry in self.names]) for end in ("low", "high"))
         values = low + (np.clip(action, -1.0, 1.0).astype(float) + 1.0) * 0.5 * (high - low)
         q = self._moved(values)
-        now = self._manual.measured
+        now = self._manual.sensing.body.q
         q = np.clip(q, now - _AHEAD * _STEP, now + _AHEAD * _STEP)
         q[3:] = np.clip(q[3:], panda.LOWER[3:], panda.UPPER[3:])
         return q, float(values[-1])
@@ -72,6 +73,15 @@ class Joints(Control):
 
     names = (*_BASE, *_ARM, _FINGERS)
 
+    @staticmethod
+    def action(before: Array, q: Array, opening: float) -> Array:
+        """The action (12,) that leads from the set-points ``before`` (11,) to these, as near as the ranges allow."""
+        c, s = math.cos(before[2]), math.sin(before[2])
+        dx, dy = q[:2] - before[:2]
+        change = np.concatenate([[c * dx + s * dy, c * dy - s * dx], (q - before)[2:]])
+        fingers = 2.0 * opening / panda.FINGER_OPEN - 1.0
+        return np.clip(np.append(change / _STEP, fingers), -1.0, 1.0)
+
     def _moved(self, values: Array) -> Array:
         q = self._base_moved(*values[:4])
         q[4:] += values[4:11]
@@ -86,6 +96,7 @@ class Hand(Control):
     def begin(self, manual: Manual) -> None:
         """The hand is commanded to be where it is."""
         super().begin(manual)
+        self._kinematics = Kinematics()
         self._pose = self._in_base(manual.q)
 
     def _moved(self, values: Array) -> Array:
@@ -98,11 +109,10 @@ class Hand(Control):
         q = self._base_moved(*values[6:10])
         axes = about_z(float(q[2]))
         goal, rotation = q[[0, 1, 3]] + axes @ self._pose[0], axes @ self._pose[1]
-        kinematics = self._manual.kinematics
-        return kinematics.track(q, goal, rotation, weights=_ARM_ALONE, iterations=3, largest=_STEP).q
+        return self._kinematics.track(q, goal, rotation, weights=_ARM_ALONE, iterations=3, largest=_STEP).q
 
     def _in_base(self, q: Array) -> tuple[Array, Array]:
         """The hand's pose at ``q`` from where the arm is mounted, along the axes of the base."""
-        position, rotation = self._manual.kinematics.forward(q)
+        position, rotation = self._kinematics.forward(q)
         inward = about_z(-float(q[2]))
         return inward @ (position - q[[0, 1, 3]]), inward @ rotation

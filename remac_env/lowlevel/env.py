@@ -11,7 +11,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.backends.physics.seen import Entry, entries
+from remac_env.backends.physics.controllers.learned.seen import Entry, entries
 from remac_env.errors import ActionError, PhysicsError, check_choice, whole_number
 from remac_env.lowlevel.control import Control, Hand, Joints
 from remac_env.lowlevel.names import skill_named

@@ -6,7 +6,7 @@ into its hand what it is to hold, by the scripted skills.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,12 +50,13 @@ class Ready:
 
 def get_ready(
     backend_of: dict[str, PhysicsBackend], skill: Skill, target: str | None, seed: int, *, style: str | None,
-    layout: str | None,
+    layout: str | None, make: Callable[[TaskWorlds], PhysicsBackend] = PhysicsBackend,
 ) -> tuple[Ready, PhysicsBackend]:
     """The start of this seed, played up to where the skill begins: a pure function of all but ``backend_of``.
 
     Args:
         backend_of: task -> the backend in which its kitchens are played; filled here, to be used again.
+        make: makes such a backend.
 
     Raises:
         UnknownNameError: for an unknown target, style or layout.
@@ -69,7 +70,7 @@ def get_ready(
         ready = _draw(skill, target, drawn, chance, style=style, layout=layout)
         if ready is None:
             continue
-        backend = backend_of.setdefault(ready.worlds.spec.name, PhysicsBackend(ready.worlds))
+        backend = backend_of.setdefault(ready.worlds.spec.name, make(ready.worlds))
         backend.reset(ready.start)
         if all(backend.run_round({ROBOT: subtask}).outcomes[ROBOT].success for subtask in ready.before) and _may_begin(
             ready.start.scene, backend.world, ready.subtask

@@ -14,11 +14,11 @@ from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import remac_env  # noqa: F401 - enters the ids
-from remac_env.backends.physics.controllers.scripted.dispatch import motion
+from remac_env.backends.physics.controllers.base import in_room
 from remac_env.errors import ActionError, OptionError, PhysicsError, UnknownNameError
 from remac_env.lowlevel.names import skills
 from remac_env.lowlevel.options import targets
-from remac_env.lowlevel.starts import ROBOT
+from remac_env.robots.ik import Kinematics
 from remac_env.rules.skills import SKILLS
 
 NAMES = tuple(skills())
@@ -106,11 +106,12 @@ def test_the_hand_goes_along_the_axes_of_the_base(axis: str, way: tuple[int, int
     action[names.index("fingers")] = 1.0
     env.reset(seed=2)
     turned = env._manual.q[2]
-    before, _ = env._manual.kinematics.forward(env._manual.q)
+    kinematics = Kinematics()
+    before, _ = kinematics.forward(env._manual.q)
     action[names.index(f"hand_{axis}")] = 1.0
     for _ in range(4):
         env.step(action)
-    after, _ = env._manual.kinematics.forward(env._manual.q)
+    after, _ = kinematics.forward(env._manual.q)
     c, s = np.cos(turned), np.sin(turned)
     moved = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ (after - before)
     assert moved @ way > 0.05
@@ -171,17 +172,14 @@ def test_wrong_names_are_refused_before_anything_is_built() -> None:
 
 def scripted(env: Any, seed: int) -> list[tuple[float, bool, dict[str, Any]]]:
     """The scripted skill, played through the environment's own way of commanding the robot."""
-    _, info = env.reset(seed=seed)
-    manual, timeline = env._manual, env._backend._timeline
-    here, subtask = timeline.surroundings(ROBOT), manual.subtask
+    env.reset(seed=seed)
     found = []
-    for _ in motion(here, timeline.start.scene, timeline.world, ROBOT, subtask):
-        step = _as_step(env, here.robot.q, here.robot.grip)
-        found.append(step)
-        if step[1]:
+    for wanted in env._manual.scripted():
+        found.append(_as_step(env, in_room(wanted.q, wanted.frame), wanted.opening))
+        if found[-1][1]:
             return found
     for _ in range(10):
-        found.append(_as_step(env, here.robot.q, here.robot.grip))
+        found.append(_as_step(env, env._manual.q, env._manual.grip))
     return found
 
 
@@ -221,9 +219,8 @@ def test_a_thing_that_is_only_touched_is_not_picked_up() -> None:
     calls = []
     real = held._carried
     held._carried = lambda name: calls.append(real(name)) or real(name)
-    here, timeline = env._backend._timeline.surroundings(ROBOT), env._backend._timeline
-    for count, _ in enumerate(motion(here, timeline.start.scene, timeline.world, ROBOT, held.subtask)):
-        held.command(here.robot.q, here.robot.grip)
+    for count, wanted in enumerate(held.scripted()):
+        held.command(in_room(wanted.q, wanted.frame), wanted.opening)
         if count == end:
             break
     assert calls[0] is False and calls[-1] is True
@@ -234,8 +231,8 @@ def test_driving_to_the_station_is_success() -> None:
     env.reset(seed=1)
     manual, total = env._manual, 0.0
     for _ in range(600):
-        home, q = manual._here.home, manual.q
-        way = home - q[:3]
+        goal, q = manual.sensing.goal, manual.q
+        way = np.array([goal.x, goal.y, goal.yaw]) - q[:3]
         way[2] = np.remainder(way[2] + np.pi, 2 * np.pi) - np.pi
         q[:3] += np.clip(0.1 * way, -0.02, 0.02)
         reward, terminated, info = _as_step(env, q, 0.04)

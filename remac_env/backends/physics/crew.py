@@ -40,7 +40,7 @@ class Crew:
         self.separation = Separation(simulation)
         kinematics = Kinematics()
         self.robots: dict[str, Surroundings] = {}
-        pilots: dict[str, Pilot] = {}
+        self.pilots: dict[str, Pilot] = {}
         for name, handle in simulation.robots.items():
             robot = Robot(handle)
             view = View(Senses(simulation, handle, layout, things), robot)
@@ -52,8 +52,8 @@ class Crew:
                 Station(ASIDE, x, y, yaw),
             )
             own = {skill: make() for skill, make in controllers.items()}
-            pilots[name] = Pilot(simulation, self.robots[name], start.scene, own, start.seed)
-        self._attempts = Attempts(simulation, self.separation, pilots, layout)
+            self.pilots[name] = Pilot(simulation, self.robots[name], start.scene, own, start.seed)
+        self._attempts = Attempts(simulation, self.separation, self.pilots, layout)
 
     def hold(self, things: Mapping[str, str | None]) -> None:
         """Tell robots what their hands hold now."""

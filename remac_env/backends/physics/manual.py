@@ -2,64 +2,61 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.backends.physics.aims import Aim, aim_of
 from remac_env.backends.physics.controllers.base import Command, CommandError, set_points
-from remac_env.backends.physics.seen import observe
+from remac_env.backends.physics.controllers.learned.aims import Aim, aim_of
+from remac_env.backends.physics.controllers.learned.seen import observe
 from remac_env.backends.physics.timeline import Timeline
 from remac_env.errors import PhysicsError
-from remac_env.robots.ik import Kinematics
 from remac_env.robots.rotation import Array
-from remac_env.rules.conditions import Condition
+from remac_env.rules.outcomes import Outcome
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
 
 LASTING = 6
 """Control periods for which what the skill achieves has to be true on end: as long as rounds wait at rest."""
 
+_NEARLY = 0.9  # of it is done at most before the skill has succeeded
+_BRINGING, _STEEP = 0.3, 3.0  # the part that is bringing the hand there, and how steeply that falls, 1/m
+
 
 class Manual:
     """A robot with a subtask to do. ``command`` runs one control period of 0.05 s.
 
     Attributes:
-        q, grip: the command: a configuration (11,) in the robot's frame and the travel of each finger (m).
+        sensing, aim: what the robot senses, and what the subtask is about.
         world: what geometry showed after the last period.
     """
 
     def __init__(self, timeline: Timeline, robot: str, subtask: Subtask) -> None:
         self._timeline, self._robot, self.subtask = timeline, robot, subtask
-        self._here = here = timeline.surroundings(robot)
-        world = timeline.world
-        if (goes := subtask.row.goes) is not None:
-            goal = goes(timeline.start.scene, world, robot, subtask.target)
-            here.enter(here.layout.stations.get(str(goal), here.station))
-        self.world: WorldState = world
-        self._held = world.robots[robot].holding
+        self._pilot = timeline.pilot(robot)
+        self.world: WorldState = timeline.world
+        self._scene = timeline.start.scene
+        place = None if (goes := subtask.row.goes) is None else goes(self._scene, self.world, robot, subtask.target)
+        stations = self._pilot.here.layout.stations
+        self.sensing = self._pilot.briefed(0, subtask, self.world, stations.get(str(place)))
+        self.aim: Aim = aim_of(subtask, self.sensing)
+        self._conditions = subtask.achieves(robot, self.world.robots[robot].holding)
         self._true_for = 0
-        self.aim: Aim = aim_of(here, timeline.start.scene, world, robot, subtask)
-        self._conditions: tuple[Condition, ...] = subtask.achieves(robot, self._held)
 
     @property
     def q(self) -> Array:
-        """The present command (11,)."""
-        return self._here.robot.q.copy()
+        """The set-points (11,) in force, in the frame of the room."""
+        return self.sensing.body.commanded
 
     @property
     def grip(self) -> float:
-        """The commanded travel of each finger, m."""
-        return self._here.robot.grip
+        """The set-point of each finger, m."""
+        return self.sensing.body.commanded_opening
 
-    @property
-    def measured(self) -> Array:
-        """The configuration (11,) in which the robot is."""
-        return self._here.robot.measured
-
-    @property
-    def kinematics(self) -> Kinematics:
-        """Of its arm."""
-        return self._here.kinematics
+    def scripted(self) -> Generator[Command, None, Outcome]:
+        """What the scripted controller wants, for who plays it himself; not for drives, which are planned together."""
+        return self._pilot.wanted(self.subtask, self.sensing)
 
     def command(self, q: Array, grip: float) -> None:
         """Bring the set-points to ``q`` (11,) and ``grip`` (m) in one period, within the maker's limits.
@@ -67,20 +64,18 @@ class Manual:
         Raises:
             PhysicsError: for a command that is not finite, or if MuJoCo warns.
         """
-        robot = self._here.robot
         try:
-            self._timeline.simulation.robots[self._robot].take(*set_points(Command(q, grip, robot.frame)))
+            self._timeline.simulation.robots[self._robot].take(*set_points(Command(q, grip)))
         except CommandError as wrong:
             raise PhysicsError(f"{self._robot}: {wrong}") from wrong
-        robot.catch_up()
         self._timeline.tick()
         self.aim.update()
         self.world = self._timeline.seen()
         self._true_for = self._true_for + 1 if self._achieved() else 0
 
     def observe(self) -> NDArray[np.float32]:
-        """What a policy sees now; see `remac_env.backends.physics.seen`."""
-        return observe(self._here, self.aim, self.subtask.row)
+        """What a policy sees now; see `remac_env.backends.physics.controllers.learned.seen`."""
+        return observe(self.sensing, self.aim, self.subtask.row)
 
     @property
     def success(self) -> bool:
@@ -89,18 +84,18 @@ class Manual:
 
     @property
     def progress(self) -> float:
-        """How much of the subtask is done, 0..1: for learners, judged by what the robot sees."""
+        """How much of the subtask is done, 0..1: for learners, judged by what the robot senses."""
         if self.success:
             return 1.0
         done = self.aim.done()
         if not self.aim.by_hand:
             return _NEARLY * done
-        away = float(np.linalg.norm(self.aim.target().at - self._here.robot.grip_pose()[0]))
+        hand = self.aim.stand.point(self.sensing.body.grip.position)
+        away = float(np.linalg.norm(self.aim.target().at - hand))
         return _NEARLY * (_BRINGING * float(np.exp(-_STEEP * away)) + (1.0 - _BRINGING) * done)
 
     def _achieved(self) -> bool:
-        scene = self._timeline.start.scene
-        if not all(condition.holds(scene, self.world) for condition in self._conditions):
+        if not all(condition.holds(self._scene, self.world) for condition in self._conditions):
             return False
         return not self.subtask.row.takes or self._carried(self.subtask.target)
 
@@ -109,7 +104,7 @@ class Manual:
         simulation = self._timeline.simulation
         model, data = simulation.model, simulation.data
         body = model.body(name).id
-        loose = {model.body(other).id for other in self._here.things}
+        loose = {model.body(other).id for other in self.sensing.objects}
         own = model.body(f"{self._robot}/base").id
         for first, second in model.geom_bodyid[data.contact.geom[: data.ncon]]:
             if body in (first, second):
@@ -117,7 +112,3 @@ class Manual:
                 if other not in loose and model.body_rootid[other] != own:
                     return False
         return True
-
-
-_NEARLY = 0.9  # of it is done at most before the skill has succeeded
-_BRINGING, _STEEP = 0.3, 3.0  # the part that is bringing the hand there, and how steeply that falls, 1/m

@@ -42,9 +42,13 @@ class Pilot:
         chance = generator(self._seed, "search", number, subtask.text)
         return Briefed(self.here.simulation.senses, Felt(self._handle), self.here.place, goal, world, chance)
 
+    def wanted(self, subtask: Subtask, sensing: Briefed) -> Generator[Command, None, Outcome]:
+        """What the scripted controller wants of the robot."""
+        return self._scripted.run(subtask, sensing)
+
     def scripted(self, subtask: Subtask, sensing: Briefed) -> Attempt:
         """Run the scripted controller."""
-        return self._kept(self._scripted.run(subtask, sensing), SKILL_TIME)
+        return self._kept(self.wanted(subtask, sensing), SKILL_TIME)
 
     def steps(self, steps: Steps, seconds: float) -> Attempt:
         """Run scripted steps."""

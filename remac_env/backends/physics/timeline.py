@@ -12,10 +12,9 @@ import mujoco
 from remac_env.backends.base import Counters, RoundResult
 from remac_env.backends.physics.attempts import Orders
 from remac_env.backends.physics.controllers.base import MakeController, check_controllers
-from remac_env.backends.physics.controllers.scripted.skill import Surroundings
 from remac_env.backends.physics.crew import Crew
 from remac_env.backends.physics.falls import fallen
-from remac_env.backends.physics.pilot import Attempt
+from remac_env.backends.physics.pilot import Attempt, Pilot
 from remac_env.backends.physics.separation import NEAR_MISS
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, SUBSTEPS, Simulation
 from remac_env.backends.physics.stage import pose_start
@@ -134,10 +133,10 @@ class Timeline:
         counters = Counters(ticks, ticks * SUBSTEPS, self._contacts - met[0], self._misses - met[1])
         return RoundResult(self.world, judged, seconds, counters)
 
-    def surroundings(self, robot: str) -> Surroundings:
-        """A robot with all its skills need, for who moves it from outside; see `manual`."""
+    def pilot(self, robot: str) -> Pilot:
+        """Who passes a robot's commands on, for who moves it from outside; see `manual`."""
         self._crew.hold({name: state.holding for name, state in self.world.robots.items()})
-        return self._crew.robots[robot]
+        return self._crew.pilots[robot]
 
     def seen(self) -> WorldState:
         """The world as geometry shows it now, in the midst of motion."""

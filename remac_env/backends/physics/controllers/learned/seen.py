@@ -1,21 +1,20 @@
 """What a policy sees of a skill, as one flat vector with names, units and ranges.
 
 Recording, training and playing share this file; VERSION is raised whenever a vector changes, and policies that were
-trained on another version are refused. Lengths and angles are told in the frame of the wall that the station faces,
-relative to the station: what is learnt at one wall holds at every wall.
+trained on another version are refused. Everything is told in the frame of the stand.
 """
 
 from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.backends.physics.aims import Aim, Target, feels
-from remac_env.backends.physics.controllers.scripted.skill import Surroundings
+from remac_env.backends.physics.controllers.base import Sensing
+from remac_env.backends.physics.controllers.learned.aims import Aim, Target, feels
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array
 from remac_env.rules.skill_row import Skill
@@ -23,9 +22,11 @@ from remac_env.rules.skills import SKILLS
 
 VERSION = 1
 
-RAYS = 24
-RAY_HEIGHT = 0.25  # m over the floor: through the middle of bases and of base cabinets
-FARTHEST = 4.0  # m that a ray looks
+RANGES = 24
+FARTHEST = 4.0  # m that is looked around at most
+_WAYS = math.tau * np.arange(RANGES) / RANGES  # rad, from straight ahead to the left
+_LEVEL = 0.25  # m over the floor: through the middle of bases and of base cabinets
+
 _ROOM = 12.0  # m, further than any two points of a kitchen are apart
 _REACH = 2.0  # m, further than a hand gets from its station
 
@@ -73,7 +74,7 @@ _TARGET = (
     Entry("target_side", "", -1.0, 1.0), Entry("target_worked", "", 0.0, 1.0),
     *(Entry(f"skill_{skill.name.replace(' ', '_')}", "", 0.0, 1.0) for skill in taught()),
 )  # fmt: skip
-_AROUND = tuple(Entry(f"ray_{360 * number // RAYS}", "m", 0.0, FARTHEST) for number in range(RAYS))
+_AROUND = tuple(Entry(f"range_{360 * number // RANGES}", "m", 0.0, FARTHEST) for number in range(RANGES))
 
 
 def entries(skill: Skill) -> tuple[Entry, ...]:
@@ -81,26 +82,17 @@ def entries(skill: Skill) -> tuple[Entry, ...]:
     return (*_BODY, *_TARGET, *(_AROUND if skill.moves else ()))
 
 
-def joints(q: Array, home: Array) -> Array:
-    """A configuration (11,) relative to the station: base pose in its frame, torso and arm as they are."""
-    told = np.array(q, float)
-    told[:3] -= home
-    told[2] = math.remainder(told[2], math.tau)
-    return told
-
-
-def observe(here: Surroundings, aim: Aim, skill: Skill) -> NDArray[np.float32]:
+def observe(sensing: Sensing, aim: Aim, skill: Skill) -> NDArray[np.float32]:
     """The observation (n,) now, within the ranges of `entries(skill)`."""
-    robot, target = here.robot, aim.target()
-    q = joints(robot.measured, here.home)
-    hand, turn = robot.grip_pose()
-    foot = np.array([here.station.x, here.station.y, 0.0])
+    body, stand, target = sensing.body, aim.stand, aim.target()
+    q, grip = stand.joints(body.q), body.grip
+    hand, turn = stand.point(grip.position), stand.turn(grip.rotation)
     way = target.at - hand
-    parts = [
-        q[:2], [math.cos(q[2]), math.sin(q[2])], q[3:], [robot.grip, robot.opening, float(feels(robot))],
-        hand - foot, turn[:, 0], turn[:, 2], target.at - foot, way, way @ turn, _facts(target),
+    parts: list[Any] = [
+        q[:2], [math.cos(q[2]), math.sin(q[2])], q[3:], [body.commanded_opening, body.opening, float(feels(body))],
+        hand, turn[:, 0], turn[:, 2], target.at, way, way @ turn, _facts(target),
         [float(other.name == skill.name) for other in taught()],
-        *([_rays(here)] if skill.moves else []),
+        *([sensing.scan(_WAYS, height=_LEVEL, farthest=FARTHEST)] if skill.moves else []),
     ]  # fmt: skip
     low, high = _ranges(skill)
     return np.clip(np.concatenate(parts), low, high).astype(np.float32)
@@ -118,8 +110,3 @@ def _facts(target: Target) -> list[float]:
 def _ranges(skill: Skill) -> tuple[Array, Array]:
     known = entries(skill)
     return np.array([entry.low for entry in known]), np.array([entry.high for entry in known])
-
-
-def _rays(here: Surroundings) -> Array:
-    """Distances (RAYS,) from the axis of the base to what is solid around it, m, from straight ahead to the left."""
-    return here.simulation.senses.scan(math.tau * np.arange(RAYS) / RAYS, height=RAY_HEIGHT, farthest=FARTHEST)

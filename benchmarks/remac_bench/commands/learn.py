@@ -1,0 +1,127 @@
+"""`remac learn`: record demonstrations of skills, train networks on them, and measure what they learnt."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from remac_bench.command import Command, joined
+from remac_bench.console import console
+from remac_bench.errors import UsageError
+from remac_bench.flags import takes
+
+if TYPE_CHECKING:
+    from remac_bench.learning.evaluate import Score
+
+app = typer.Typer(no_args_is_help=True, help="Learned skills: record demonstrations, train on them, measure.")
+
+
+@app.command(cls=Command)
+@takes(
+    *("learn.skills", "learn.episodes", "learn.first_seed", "learn.cells", "learn.held_out", "learn.disturb"),
+    *("learn.out", "learn.processes"),
+)
+def record(
+    *, skills: list[str] | None, episodes: int, first_seed: int, cells: str, held_out: list[str] | None,
+    disturb: float, out: Path, processes: int,
+) -> None:
+    """Record what the scripted controllers do, with disturbed servos, as HDF5 in robomimic's layout.
+
+    Files hold 40 episodes each, less those that failed; one that is there is not recorded again.
+    """
+    from remac_bench.learning.cells import cells as choose
+    from remac_bench.learning.demos import h5py
+    from remac_bench.learning.sessions import record_all
+
+    h5py()
+    seen, _ = choose(cells, _names(held_out, "--hold-out"))
+    say = console().print
+    for line in record_all(
+        _skills(skills, drives=False), range(first_seed, first_seed + episodes), seen, out, disturb=disturb,
+        processes=processes,
+    ):  # fmt: skip
+        say(line)
+
+
+@app.command(cls=Command)
+@takes("learn.skills", "learn.demos", "learn.weights", "learn.epochs", "learn.width", "learn.chunk", "learn.execute")
+def train(
+    *, skills: list[str] | None, demos: Path, weights: Path, epochs: int, width: int, chunk: int, execute: int
+) -> None:
+    """Train a network for each skill on what was recorded, with torch, on a GPU where there is one."""
+    from remac_bench.learning.demos import h5py
+    from remac_bench.learning.sessions import train_skill
+    from remac_bench.learning.train import Recipe, check_sizes, torch
+
+    h5py(), torch()
+    recipe = Recipe(epochs=epochs, width=width, chunk=chunk, execute=execute)
+    check_sizes(recipe)
+    for skill in _skills(skills, drives=False):
+        for line in train_skill(skill, demos, weights, recipe):
+            console().print(line)
+
+
+@app.command(cls=Command)
+@takes(
+    *("learn.skills", "learn.weights", "learn.trials", "learn.tried_from", "learn.cells", "learn.held_out"),
+    *("learn.note", "learn.processes"),
+)
+def evaluate(
+    *, skills: list[str] | None, weights: Path, trials: int, tried_from: int, cells: str,
+    held_out: list[str] | None, note: bool, processes: int,
+) -> None:
+    """Measure skills on unseen seeds: in layouts and styles of the demonstrations, and in those held out.
+
+    --weights scripted measures the scripted controllers.
+    """
+    from remac_bench.learning.cells import cells as choose
+    from remac_bench.learning.sessions import evaluate_all
+
+    chosen = choose(cells, _names(held_out, "--hold-out"))
+    seeds = range(tried_from, tried_from + trials)
+    scores = evaluate_all(_skills(skills, drives=False), weights, seeds, chosen, note=note, processes=processes)
+    console().print(_table(scores))
+
+
+def _skills(given: list[str] | None, *, drives: bool) -> list[str]:
+    """The skills by their names in the table.
+
+    Raises:
+        UnknownNameError: for one that is not among them; it lists them.
+    """
+    from remac_env.lowlevel.names import skill_named, skills
+
+    # Drives of several robots are planned together, and are no motion of one skill.
+    known = {name: row for name, row in skills().items() if drives or not row.moves}
+    wanted = _names(given, "--skills")
+    if not wanted or wanted == ["all"]:
+        return [row.name for row in known.values()]
+    found = [skill_named(name).name for name in wanted]
+    if moving := [name for name in wanted if name not in known]:
+        raise UsageError(f"{', '.join(moving)}: drives are planned for all robots together; valid: {', '.join(known)}")
+    return found
+
+
+def _names(given: list[str] | None, flag: str) -> list[str]:
+    text = joined(given, flag)
+    return [name.strip() for name in (text or "").split(",") if name.strip()]
+
+
+def _table(scores: list[Score]) -> Any:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.MARKDOWN)
+    for name in ("skill", "tried in", "successes", "95%", "s", "failures"):
+        table.add_column(name, justify="right" if name in ("successes", "95%", "s") else "left")
+    for score in scores:
+        low, high = score.interval
+        why = ", ".join(f"{reason} {count}" for reason, count in score.reasons)
+        name, _, where = score.name.partition(": ")
+        table.add_row(
+            name, where, f"{score.successes} of {score.trials}", f"{100 * low:.0f}-{100 * high:.0f}%",
+            f"{score.seconds:.1f}", why,
+        )  # fmt: skip
+    return table

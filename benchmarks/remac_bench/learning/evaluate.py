@@ -1,0 +1,68 @@
+"""Measures a skill: how often it succeeds in a round of its own, from starts like those of tasks."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from remac_bench.judging.statistics import wilson
+from remac_bench.learning.cells import Cells
+from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.base import MakeController
+from remac_env.backends.physics.controllers.learned.controller import Learned
+from remac_env.backends.physics.controllers.learned.weights import Weights
+from remac_env.lowlevel.starts import ROBOT, get_ready
+from remac_env.rules.outcomes import Outcome
+from remac_env.rules.skills import SKILLS
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One try of a skill."""
+
+    skill: str
+    target: str
+    seed: int
+    outcome: Outcome
+
+
+@dataclass(frozen=True)
+class Score:
+    """How many tries of something succeeded, and why the others did not, the most frequent reason first."""
+
+    name: str
+    trials: int
+    successes: int
+    seconds: float
+    reasons: tuple[tuple[str, int], ...]
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Wilson's 95% interval of the rate."""
+        return wilson(self.successes, self.trials)
+
+
+def evaluate(
+    skill: str, weights: Weights | None, seeds: Sequence[int], cells: Cells, *, target: str | None = None
+) -> Iterable[Trial]:
+    """Try a skill once a seed, with these weights; None: the scripted controller."""
+    controllers: dict[str, MakeController] = {} if weights is None else {skill: partial(Learned, weights)}
+    backends: dict[str, PhysicsBackend] = {}
+    for seed in seeds:
+        style, layout = cells.of(seed, skill)
+        ready, backend = get_ready(
+            backends, SKILLS[skill], target, seed, style=style, layout=layout,
+            make=partial(PhysicsBackend, controllers=controllers),
+        )  # fmt: skip
+        outcome = backend.run_round({ROBOT: ready.subtask}).outcomes[ROBOT]
+        yield Trial(skill, ready.subtask.target, seed, outcome)
+
+
+def score(name: str, trials: Sequence[Trial]) -> Score:
+    """What tries come to."""
+    good = [trial.outcome.seconds for trial in trials if trial.outcome.success]
+    reasons = Counter(str(trial.outcome.reason) for trial in trials if not trial.outcome.success)
+    mean = sum(good) / len(good) if good else 0.0
+    return Score(name, len(trials), len(good), mean, tuple(reasons.most_common()))

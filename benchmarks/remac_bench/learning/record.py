@@ -1,0 +1,125 @@
+"""Records what the scripted controllers do, with disturbed servos and clean labels: what they wanted in each state.
+
+Servos are told a little else than the controller says, by an error that wanders (DART: Laskey et al., CoRL 2017), so
+that demonstrations show how to come back to the way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from remac_bench.learning.demos import Demo
+from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.base import in_room
+from remac_env.backends.physics.controllers.learned.aims import feels
+from remac_env.backends.physics.manual import LASTING, Manual
+from remac_env.errors import PhysicsError
+from remac_env.lowlevel.control import Joints
+from remac_env.lowlevel.starts import ROBOT, get_ready
+from remac_env.rules.skills import SKILLS
+from remac_env.seeding import generator
+
+_WANDER = np.array([0.010, 0.010, 0.010, 0.004, *[0.02] * 7])  # m, rad, m, rad: of the error, at strength 1
+_KEEP = 0.9  # of the error that stays from one control period to the next
+_STRONGEST = 1.5  # strength is drawn between 0 and this for each demonstration
+_NEAR, _FAR = 0.04, 0.24  # m from the target between which an open hand is disturbed less and less
+_LEAST, _CLOSED = 0.1, 0.15  # share of the error that stays at the target, and of a hand that holds something
+_LONGEST = 1200  # control periods
+
+
+@dataclass
+class Recorder:
+    """Records one skill. ``disturb``: how strongly servos are disturbed, 0 not at all."""
+
+    skill: str
+    target: str | None = None
+    disturb: float = 1.0
+    _backends: dict[str, PhysicsBackend] = field(default_factory=dict)
+
+    def record(self, seed: int, *, style: str | None = None, layout: str | None = None) -> Demo | None:
+        """The demonstration of this seed, or None where the scripted controller failed.
+
+        Raises:
+            SamplingError: if no start is found in which the skill can begin.
+        """
+        ready, backend = get_ready(
+            self._backends, SKILLS[self.skill], self.target, seed, style=style, layout=layout
+        )
+        manual = backend.by_hand(ROBOT, ready.subtask)
+        rows = _Rows()
+        chance = generator(seed, "disturbed", self.skill)
+        strength, error = self.disturb * float(chance.uniform(0.0, _STRONGEST)), np.zeros(len(_WANDER))
+        run = manual.scripted()
+        rows.see(manual)
+        try:
+            while len(rows.actions) < _LONGEST:
+                wanted = next(run)
+                q = in_room(wanted.q, wanted.frame)
+                rows.note(manual, backend, q, wanted.opening)
+                error = _KEEP * error + np.sqrt(1.0 - _KEEP**2) * chance.normal(size=len(error)) * _WANDER * strength
+                manual.command(q + error * _share(manual), wanted.opening)
+                rows.see(manual)
+        except StopIteration as end:
+            failed = not end.value.success
+        except PhysicsError:
+            failed = True
+        else:
+            failed = True
+        for _ in range(0 if failed else 2 * LASTING):
+            manual.command(manual.q, manual.grip)
+        if failed or not manual.success or len(rows.actions) < LASTING:
+            return None
+        start = ready.start
+        return rows.demo(
+            skill=self.skill, target=ready.subtask.target, task=ready.worlds.spec.name, seed=seed, style=start.style,
+            layout=start.layout,
+        )  # fmt: skip
+
+
+def _share(manual: Manual) -> float:
+    """Which share of the error a servo gets now: little near the target, where it would spoil the grasp."""
+    if feels(manual.sensing.body) or not manual.aim.by_hand:
+        return _CLOSED if manual.aim.by_hand else 1.0
+    hand = manual.aim.stand.point(manual.sensing.body.grip.position)
+    away = float(np.linalg.norm(manual.aim.target().at - hand))
+    return float(np.clip((away - _NEAR) / (_FAR - _NEAR), _LEAST, 1.0))
+
+
+class _Rows:
+    """What is noted in each control period."""
+
+    def __init__(self) -> None:
+        self.observations: list[np.ndarray] = []
+        self.actions: list[np.ndarray] = []
+        self.commands: list[np.ndarray] = []
+        self.measured: list[np.ndarray] = []
+        self.states: list[np.ndarray] = []
+        self.rewards: list[float] = []
+
+    def see(self, manual: Manual) -> None:
+        """What there is to see, and whether the last command has succeeded."""
+        if self.observations:
+            self.rewards.append(float(manual.success))
+        self.observations.append(manual.observe())
+
+    def note(self, manual: Manual, backend: PhysicsBackend, q: np.ndarray, opening: float) -> None:
+        """What the controller wants now: ``q`` (11,) in the frame of the room."""
+        stand, data = manual.aim.stand, backend.data
+        self.actions.append(Joints.action(manual.q, q, opening))
+        self.commands.append(np.array([*stand.joints(q), opening]))
+        self.measured.append(stand.joints(manual.sensing.body.q))
+        self.states.append(np.concatenate([data.qpos, data.qvel]))
+
+    def demo(self, **told: object) -> Demo:
+        """All of it."""
+        def array(rows: Sequence) -> np.ndarray:  # type: ignore[type-arg]
+            return np.array(rows, np.float32)
+
+        return Demo(
+            observations=array(self.observations), actions=array(self.actions), commands=array(self.commands),
+            measured=array(self.measured), states=array(self.states), rewards=array(self.rewards),
+            **told,  # type: ignore[arg-type]
+        )  # fmt: skip

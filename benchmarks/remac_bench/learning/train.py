@@ -1,0 +1,148 @@
+"""Trains a network on demonstrations, with torch: chunks of commands, relative to where the robot is.
+
+A single next command does not do: scripted motion pauses, and a policy of single steps never leaves a pause. Frames in
+which the command does not change are left out for the same reason.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from remac_bench.errors import UsageError
+from remac_bench.learning.demos import Demo, Numbers
+from remac_env.backends.physics.controllers.learned.network import Network
+from remac_env.backends.physics.controllers.learned.seen import entries
+from remac_env.seeding import digest
+
+_MOVED = 2e-4  # rad or m by which a command differs from the one before it where it counts as motion
+_LITTLE = 1e-3  # added to deviations: of numbers that hardly vary
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """How a network is trained.
+
+    Attributes:
+        width, depth: units of a hidden layer, and how many of these there are.
+        chunk, execute: commands predicted at once, and carried out before the next observation.
+        epochs: passes over the demonstrations. batch: frames a step. rate: largest step size (AdamW, one cycle).
+        jitter: standard deviation of what is added to normalised observations.
+        seed: of the first weights and the order of frames.
+    """
+
+    width: int = 384
+    depth: int = 3
+    chunk: int = 16
+    execute: int = 8
+    epochs: int = 60
+    batch: int = 256
+    rate: float = 1e-3
+    jitter: float = 0.02
+    seed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """What a network learns from: observations (N, n) and the commands that follow (N, chunk, COMMANDED)."""
+
+    seen: Numbers
+    wanted: Numbers
+
+
+def torch() -> Any:
+    """The library that trains.
+
+    Raises:
+        UsageError: where it is not installed; it says how to install it.
+    """
+    try:
+        return importlib.import_module("torch")
+    except ImportError as error:
+        raise UsageError("training needs torch; install it: pip install 'remac-kitchen[learn]'") from error
+
+
+def code_digest() -> str:
+    """A name for the code that decides what is learnt: recording, training, and what is seen."""
+    here = Path(__file__).parent
+    learned = Path(entries.__code__.co_filename).parent
+    files = [here / "record.py", here / "train.py", *(learned / f"{name}.py" for name in ("aims", "seen", "stand"))]
+    return digest([path.read_text("utf-8") for path in files])
+
+
+def frames(demos: Iterable[Demo], chunk: int) -> Frames:
+    """The frames of demonstrations in which something moves."""
+    seen, wanted = [], []
+    for demo in demos:
+        moved = np.abs(np.diff(demo.commands, axis=0)).max(axis=1) > _MOVED
+        moves = np.flatnonzero(np.concatenate([[True], moved]))
+        moves = np.append(moves, len(demo.commands) - 1)
+        commands = demo.commands[moves]
+        following = np.minimum(np.arange(len(moves))[:, None] + np.arange(chunk), len(moves) - 1)
+        chunks = commands[following].copy()
+        chunks[:, :, :-1] -= demo.measured[moves][:, None]
+        seen.append(demo.observations[moves])
+        wanted.append(chunks)
+    return Frames(np.concatenate(seen), np.concatenate(wanted).astype(np.float32))
+
+
+def train(data: Frames, recipe: Recipe, *, report: Any = lambda epoch, loss: None) -> Network:
+    """A network that says what the demonstrations did. ``report`` is told of each epoch."""
+    library = torch()
+    library.manual_seed(recipe.seed)
+    mean, std = data.seen.mean(axis=0), data.seen.std(axis=0) + _LITTLE
+    out_mean, out_std = data.wanted.mean(axis=0), data.wanted.std(axis=0) + _LITTLE
+    inputs = library.from_numpy(((data.seen - mean) / std).astype(np.float32))
+    outputs = library.from_numpy(((data.wanted - out_mean) / out_std).astype(np.float32)).flatten(1)
+    net = _layers(library, inputs.shape[1], outputs.shape[1], recipe)
+    place = library.device("cuda" if library.cuda.is_available() else "cpu")
+    net, inputs, outputs = net.to(place), inputs.to(place), outputs.to(place)
+    steps = max(1, len(inputs) // recipe.batch)
+    optimiser = library.optim.AdamW(net.parameters(), lr=recipe.rate, weight_decay=1e-4)
+    schedule = library.optim.lr_scheduler.OneCycleLR(
+        optimiser, recipe.rate, total_steps=recipe.epochs * steps + 1, pct_start=0.1
+    )
+    for epoch in range(recipe.epochs):
+        order, total = library.randperm(len(inputs), device=place), 0.0
+        for part in order[: steps * recipe.batch].chunk(steps):
+            shown = inputs[part]
+            loss = (net(shown + recipe.jitter * library.randn_like(shown)) - outputs[part]).abs().mean()
+            optimiser.zero_grad()
+            loss.backward()
+            optimiser.step()
+            schedule.step()
+            total += loss.item()
+        report(epoch, total / steps)
+    return _as_numbers(net, mean, std, out_mean, out_std)
+
+
+def _layers(library: Any, inputs: int, outputs: int, recipe: Recipe) -> Any:
+    parts, size = [], inputs
+    for _ in range(recipe.depth):
+        parts += [library.nn.Linear(size, recipe.width), library.nn.LayerNorm(recipe.width), library.nn.ReLU()]
+        size = recipe.width
+    return library.nn.Sequential(*parts, library.nn.Linear(size, outputs))
+
+
+def _as_numbers(net: Any, mean: Numbers, std: Numbers, out_mean: Numbers, out_std: Numbers) -> Network:
+    found = [part for part in net.cpu() if hasattr(part, "weight")]
+    arrays = [(part.weight.detach().numpy(), part.bias.detach().numpy()) for part in found]
+    layers = tuple((*arrays[number], *arrays[number + 1]) for number in range(0, len(arrays) - 1, 2))
+    return Network(
+        mean.astype(np.float32), std.astype(np.float32), layers, arrays[-1], out_mean.astype(np.float32),
+        out_std.astype(np.float32),
+    )  # fmt: skip
+
+
+def check_sizes(recipe: Recipe) -> None:
+    """Refuse a recipe that makes no network; UsageError."""
+    for name in ("width", "depth", "chunk", "execute", "epochs", "batch"):
+        if getattr(recipe, name) < 1:
+            raise UsageError(f"{name} {getattr(recipe, name)} is not valid; valid: 1 or more")
+    if recipe.execute > recipe.chunk:
+        raise UsageError(f"execute {recipe.execute} is not valid; valid: 1..{recipe.chunk}, the chunk")

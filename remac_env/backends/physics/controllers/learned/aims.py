@@ -1,0 +1,269 @@
+"""What a subtask is about, in numbers: where the hand is wanted, how the target is turned, and how far it has come.
+
+An aim is made when a subtask begins, `update` is called once a control period, and all is told as the robot senses it,
+in the frame of its stand: what is right at one wall is right at every wall.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from remac_env.backends.physics.controllers.base import Proprioception, Sensing
+from remac_env.backends.physics.controllers.learned.stand import Stand
+from remac_env.kitchen.fixtures.actuator import Actuator
+from remac_env.kitchen.fixtures.door import OPEN_TO, Door
+from remac_env.kitchen.fixtures.level import Level
+from remac_env.kitchen.scene import build_scene
+from remac_env.robots.rotation import Array, rotation_vector
+from remac_env.rules.places import landing, switch_for
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import CLOSED_MAX, OPEN_MIN, Place
+
+_RISE = 0.10  # m that a thing is lifted once it is picked up for certain
+_HELD_PART = 0.5  # of picking up that is done once the hand holds the thing
+_IN_HAND = 0.15  # m between the hand and the frame of what it holds, at most
+_EMPTY = 0.002  # m between fingers that hold nothing; the thinnest wall that they hold is 5 mm
+_SQUEEZED = 0.001  # m by which fingers are commanded closer than they come, where something is between them
+_A_TURN = 0.3  # m that count as much as a turn of the base by 1 rad
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is known of a target. Lengths m, angles rad.
+
+    at: where the hand is wanted (3,). yaw: about the vertical. size: half extents (3,) of a thing, or the handle's
+    place on a leaf. grasp: how a thing is grasped: height, width, lean, and 1 where from any side. joint, goal: where a
+    joint stands and is to stand. side: 1 for a leaf hinged on the left, -1 on the right. worked: 1 once a button has
+    been pressed by this subtask.
+    """
+
+    at: Array
+    yaw: float = 0.0
+    size: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    grasp: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    joint: float = 0.0
+    goal: float = 0.0
+    side: float = 0.0
+    worked: float = 0.0
+
+
+class Aim(ABC):
+    """Of one subtask of one robot. ``stand``: the frame in which everything is told."""
+
+    by_hand = True
+    """Whether the hand has to come to `target().at`."""
+
+    def __init__(self, sensing: Sensing, stand: Stand) -> None:
+        self._sensing, self.stand = sensing, stand
+
+    @abstractmethod
+    def target(self) -> Target:
+        """What is seen of it now."""
+
+    @abstractmethod
+    def done(self) -> float:
+        """How much of the subtask is done, 0..1, apart from bringing the hand there."""
+
+    def update(self) -> None:
+        """Take the last control period into account."""
+        return
+
+
+def aim_of(subtask: Subtask, sensing: Sensing) -> Aim:
+    """The aim of a subtask that begins now and that the skill table does not refuse."""
+    name, row, layout, world = subtask.target, subtask.row, sensing.layout, sensing.told
+    stand = Stand.at(layout, sensing.goal or sensing.station)
+    wanted = [condition.predicate for condition in subtask.achieves(sensing.name, None)]
+    if row.goes is not None:
+        return _Standing(sensing, stand)
+    if row.target == "door":
+        return _Leaves(sensing, stand, name, OPEN_TO if "door_open" in wanted else 0.0)
+    rules = build_scene(layout, sensing.objects, (sensing.name,))
+    if row.target == "switch":
+        on = "switched_on" in wanted
+        switches = [switch_for(rules, world, name)] if on else sorted(world.fixtures[name].on)
+        actuator = next(each for each in layout.fixtures[name].actuators if each.switch in switches)
+        return _Switch(sensing, stand, name, actuator, on=on)
+    if row.takes:
+        return _Taken(sensing, stand, name)
+    place = landing(rules, world, sensing.name, name) if row.puts else None
+    held = world.robots[sensing.name].holding
+    return _Thing(sensing, stand, name) if place is None or held is None else _Put(sensing, stand, held, place)
+
+
+def feels(body: Proprioception) -> bool:
+    """Whether a hand feels something between its fingers."""
+    return body.opening > _EMPTY and body.commanded_opening < 0.5 * body.opening - _SQUEEZED
+
+
+class _Standing(Aim):
+    """The station at which the robot is to stand."""
+
+    by_hand = False
+
+    def __init__(self, sensing: Sensing, stand: Stand) -> None:
+        super().__init__(sensing, stand)
+        self._first = max(1e-6, self._away())
+
+    def target(self) -> Target:
+        """The station itself, on the floor."""
+        return Target(np.zeros(3))
+
+    def done(self) -> float:
+        """The share of the way that is behind the robot."""
+        return max(0.0, 1.0 - self._away() / self._first)
+
+    def _away(self) -> float:
+        x, y, turn = self.stand.joints(self._sensing.body.q)[:3]
+        return math.hypot(x, y) + _A_TURN * abs(turn)
+
+
+class _Leaves(Aim):
+    """The leaves of a door, or a drawer: the one nearer to the robot first, each until it is there and let go."""
+
+    def __init__(self, sensing: Sensing, stand: Stand, name: str, opened: float) -> None:
+        super().__init__(sensing, stand)
+        self._name, self._opened, self._turn = name, opened, 0
+        leaves = list(enumerate(sensing.layout.fixtures[name].leaves))
+        aside = stand.joints(sensing.body.q)[0]
+        self._leaves = sorted(leaves, key=lambda each: abs(self._handle(each[1])[0] - aside))
+        self._first = sensing.reading(name).door_angles
+
+    def update(self) -> None:
+        """Go on to the next leaf once one is where it is wanted and the hand has let go of it."""
+        last = len(self._leaves) - 1
+        while self._turn < last and self._there(self._leaves[self._turn][0]) and not feels(self._sensing.body):
+            self._turn += 1
+
+    def target(self) -> Target:
+        """The handle of the leaf whose turn it is."""
+        number, leaf = self._leaves[self._turn]
+        hinged = leaf.sign if isinstance(leaf, Door) else 0.0
+        joint, bar = leaf.position(self._angles[number]), leaf.bar if hinged else (0.0, 0.0, 0.0)
+        goal = leaf.position(self._opened)
+        return Target(self._handle(leaf), -hinged * joint, bar, joint=joint, goal=goal, side=hinged)
+
+    def done(self) -> float:
+        """The share of their ways that the leaves have gone."""
+        return float(np.mean([_share(*way, self._opened) for way in zip(self._angles, self._first, strict=True)]))
+
+    @property
+    def _angles(self) -> tuple[float, ...]:
+        return self._sensing.reading(self._name).door_angles
+
+    def _handle(self, leaf: Door | Level) -> Array:
+        return self.stand.point(self._sensing.pose(leaf.grip).position)
+
+    def _there(self, number: int) -> bool:
+        angle = self._angles[number]
+        return angle >= OPEN_MIN if self._opened > 0.0 else angle <= CLOSED_MAX
+
+
+def _share(now: float, first: float, goal: float) -> float:
+    """The share of the way from `first` to `goal` that has been gone."""
+    way = goal - first
+    return float(np.clip((now - first) / way, 0.0, 1.0)) if abs(way) > 1e-6 else 1.0
+
+
+class _Switch(Aim):
+    """What the hand works to turn something on or off."""
+
+    def __init__(self, sensing: Sensing, stand: Stand, name: str, actuator: Actuator, *, on: bool) -> None:
+        super().__init__(sensing, stand)
+        self._name, self._actuator, self._pressed = name, actuator, False
+        self._goal = actuator.worked if on or actuator.springs_back else 0.0
+        self._rest = stand.point(sensing.pose(actuator.joint).position)
+        self._first = self._furthest = self._position()
+
+    def update(self) -> None:
+        """Remember whether a button was pressed, and how far."""
+        self._furthest = max(self._furthest, self._position())
+        self._pressed |= self._actuator.switch in self._sensing.reading(self._name).pressed
+
+    def target(self) -> Target:
+        """Where the hand takes hold of it or pushes, as it is turned now."""
+        at = self.stand.point(self._sensing.pose(self._actuator.site).position)
+        return Target(at, joint=self._position(), goal=self._goal, worked=float(self._pressed))
+
+    def done(self) -> float:
+        """The share of its way that it has gone; of a button's, the furthest."""
+        if self._actuator.springs_back:
+            return 1.0 if self._pressed else float(np.clip(self._furthest / self._actuator.counts, 0.0, 1.0))
+        return _share(self._position(), self._first, self._goal)
+
+    def _position(self) -> float:
+        """Where its joint stands, rad from rest; of a button m from where it was."""
+        pose = self._sensing.pose(self._actuator.joint)
+        if self._actuator.springs_back:
+            return float(np.linalg.norm(self.stand.point(pose.position) - self._rest))
+        return float(np.linalg.norm(rotation_vector(self.stand.turn(pose.rotation))))
+
+
+class _Thing(Aim):
+    """A thing that stays where it is, as food that is to be seasoned."""
+
+    def __init__(self, sensing: Sensing, stand: Stand, name: str) -> None:
+        super().__init__(sensing, stand)
+        self._name, self._kind = name, sensing.objects[name]
+
+    def target(self) -> Target:
+        """The thing as it is seen, with how it is to be grasped."""
+        pose = self._sensing.pose(self._name)
+        axes, grasp = self.stand.turn(pose.rotation), self._kind.grasp
+        axis = axes[:, 0] if abs(axes[2, 0]) < 0.8 else axes[:, 1]
+        return Target(
+            self.stand.point(pose.position), math.atan2(axis[1], axis[0]), self._kind.size,
+            (grasp.height, grasp.width, grasp.lean[0], float(grasp.any_yaw)),
+        )  # fmt: skip
+
+    def done(self) -> float:
+        """Nothing shows it."""
+        return 0.0
+
+
+class _Taken(_Thing):
+    """A thing that is to be taken into the hand."""
+
+    def __init__(self, sensing: Sensing, stand: Stand, name: str) -> None:
+        super().__init__(sensing, stand, name)
+        self._lay = float(sensing.pose(name).position[2])
+
+    def done(self) -> float:
+        """Half once it is held, the rest as it rises."""
+        body, at = self._sensing.body, self._sensing.pose(self._name).position
+        if not feels(body) or np.linalg.norm(at - body.grip.position) > _IN_HAND:
+            return 0.0
+        return _HELD_PART + (1.0 - _HELD_PART) * float(np.clip((at[2] - self._lay) / _RISE, 0.0, 1.0))
+
+
+class _Put(Aim):
+    """Where what is held is to be put down."""
+
+    def __init__(self, sensing: Sensing, stand: Stand, held: str, place: Place) -> None:
+        super().__init__(sensing, stand)
+        self._held, self._place = held, place
+        self._first = max(1e-6, self._away())
+
+    def target(self) -> Target:
+        """Where its frame is to come, with its size."""
+        kind = self._sensing.objects[self._held]
+        return Target(self._spot() + [0.0, 0.0, kind.rest_height], size=kind.size)
+
+    def done(self) -> float:
+        """The share of its way that the thing has gone."""
+        return max(0.0, 1.0 - self._away() / self._first)
+
+    def _spot(self) -> Array:
+        where = self._place.where
+        if self._place.relation == "vessel":
+            inside = np.array([0.0, 0.0, self._sensing.objects[where].inside_height])
+            return self.stand.point(self._sensing.pose(where).position + inside)
+        return self.stand.point(self._sensing.slot(where).position)
+
+    def _away(self) -> float:
+        at = self.stand.point(self._sensing.pose(self._held).position)
+        return float(np.linalg.norm(at - self.target().at))

@@ -1,0 +1,178 @@
+"""Learned skills as files: arrays of NumPy and a text of JSON that says what they are. No code is in them.
+
+    about        a text of JSON: the fields of `About`
+    sample       (k, n) observations, and `answer` (k, chunk, 12): what the network says to them
+and the arrays of :class:`~remac_env.backends.physics.controllers.learned.network.Network`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from remac_env.backends.physics.controllers.learned.network import LARGEST, Network, Numbers
+from remac_env.backends.physics.controllers.learned.seen import VERSION, entries, taught
+from remac_env.errors import OptionError
+from remac_env.files import prepare_file
+from remac_env.robots import panda
+from remac_env.rules.skills import SKILLS
+from remac_env.seeding import digest
+
+FORMAT = "remac-skill-1"
+"""Raised whenever the same numbers would move a robot otherwise."""
+
+SUFFIX = ".npz"
+_SAME = 1e-2  # standard deviations by which what it says to the sample may differ from machine to machine
+
+_UNREADABLE = (
+    *(OSError, EOFError, ValueError, KeyError, TypeError, AttributeError, RecursionError, MemoryError),
+    *(zipfile.BadZipFile, zlib.error, NotImplementedError),
+)
+"""What NumPy, zipfile, json and texts of wrong types raise."""
+
+
+def body() -> str:
+    """A name for the robot that a skill was learnt with: its joints, limits, links and fingers."""
+    links = [[link.name, *link.position, link.turn_x] for link in panda.LINKS]
+    limits = [[round(float(value), 6) for value in values] for values in (panda.LOWER, panda.UPPER, panda.SPEED)]
+    return digest([panda.JOINTS, links, limits, panda.FINGER_OPEN, panda.FLANGE, panda.GRIP_DEPTH, panda.MOUNT_HEIGHT])
+
+
+def observation(skill: str) -> str:
+    """A name for what a policy of this skill sees: version, names, units and ranges."""
+    return digest([VERSION, [list(entry) for entry in entries(SKILLS[skill])]])
+
+
+@dataclass(frozen=True, kw_only=True)
+class About:
+    """What a file says of its network.
+
+    Attributes:
+        skill: the skill by its name in the table; targets: what its demonstrations were about.
+        execute: how many commands of a chunk are carried out before the next observation.
+        demonstrations, seeds, layouts, styles: what it was trained on; seeds as "first:last".
+        data, code: digests of the demonstrations and of the code that trained it.
+        measured: name of a set of trials -> {"trials": n, "successes": k}.
+        format, observation, body: what it fits.
+    """
+
+    skill: str
+    targets: tuple[str, ...]
+    execute: int
+    demonstrations: int = 0
+    seeds: str = ""
+    layouts: tuple[str, ...] = ()
+    styles: tuple[str, ...] = ()
+    data: str = ""
+    code: str = ""
+    measured: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
+    format: str = FORMAT
+    observation: str = ""
+    body: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Weights:
+    """A skill that was learnt: its network and what is known of it. ``sha256``: of the file, "" before it is one."""
+
+    about: About
+    network: Network
+    sample: Numbers
+    sha256: str = ""
+
+
+def save_weights(path: str | Path, weights: Weights) -> None:
+    """Write a skill as a file of the format above; matrices as 16-bit numbers.
+
+    Raises:
+        OptionError: if the path does not end in .npz or cannot be written.
+    """
+    if Path(path).suffix != SUFFIX:
+        raise OptionError(f"weights {str(path)!r} is not valid; valid: a path that ends in {SUFFIX}")
+    skill = weights.about.skill
+    about = asdict(weights.about) | {"format": FORMAT, "observation": observation(skill), "body": body()}
+    arrays = {
+        name: array.astype(np.float16 if "weight" in name else np.float32)
+        for name, array in weights.network.arrays.items()
+    }
+    rounded = Network.of({name: array.astype(np.float32) for name, array in arrays.items()})
+    answer = np.array([rounded.commands(seen) for seen in weights.sample], np.float32)
+    np.savez_compressed(
+        prepare_file(path, "weights"), about=np.array(json.dumps(about)), sample=weights.sample, answer=answer,
+        **arrays,  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+def read_weights(path: str | Path) -> Weights:
+    """The skill of a file. Nothing in it is run: arrays of objects, which NumPy would unpickle, are refused.
+
+    Raises:
+        OptionError: if it cannot be read, is damaged, or was made for another observation, body or player.
+    """
+    try:
+        if Path(path).stat().st_size > LARGEST:
+            raise OptionError(f"it has more than {LARGEST} bytes")
+        data = Path(path).read_bytes()
+        arrays = _arrays(io.BytesIO(data))
+        about = _about(json.loads(str(arrays.pop("about"))))
+        sample, answer = (arrays.pop(name).astype(np.float32) for name in ("sample", "answer"))
+        network = Network.of({name: array.astype(np.float32) for name, array in arrays.items()})
+        _check_fit(about, network, sample, answer)
+    except OptionError as error:
+        raise OptionError(f"weights {str(path)!r} cannot be used: {error}") from error
+    except _UNREADABLE as error:
+        raise OptionError(f"weights {str(path)!r} cannot be read: {type(error).__name__}: {error}") from error
+    return Weights(about=about, network=network, sample=sample, sha256=hashlib.sha256(data).hexdigest())
+
+
+def _arrays(data: io.BytesIO) -> dict[str, Any]:
+    with zipfile.ZipFile(data) as archive:
+        if sum(member.file_size for member in archive.infolist()) > LARGEST:
+            raise OptionError(f"its arrays have more than {LARGEST} bytes")
+    data.seek(0)
+    with np.load(data, allow_pickle=False) as file:
+        return {name: file[name] for name in file.files}
+
+
+def _about(told: Any) -> About:
+    if not isinstance(told, dict):
+        raise OptionError("it does not say what it is")
+    for name, fits in (("format", FORMAT), ("body", body())):
+        if told.get(name) != fits:
+            raise OptionError(f"it was made for {name} {told.get(name)!r}, and this is {fits}; train it anew")
+    skills = [skill.name for skill in taught()]
+    if told.get("skill") not in skills:
+        raise OptionError(f"skill {told.get('skill')!r} is not valid; valid: {', '.join(skills)}")
+    if told.get("observation") != observation(told["skill"]):
+        raise OptionError(
+            f"it was made for observation {told.get('observation')!r}, and this is {observation(told['skill'])}; "
+            "train it anew"
+        )
+    known = {each.name for each in fields(About)}
+    if set(told) != known:
+        raise OptionError(f"it says {', '.join(sorted(told))}; valid: {', '.join(sorted(known))}")
+    given: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in told.items()}
+    return About(**given)
+
+
+def _check_fit(about: About, network: Network, sample: Numbers, answer: Numbers) -> None:
+    size = len(entries(SKILLS[about.skill]))
+    if len(network.mean) != size:
+        raise OptionError(f"its network takes {len(network.mean)} numbers; valid: {size}")
+    whole = isinstance(about.execute, int) and not isinstance(about.execute, bool)
+    if not whole or not 1 <= about.execute <= network.chunk:
+        raise OptionError(f"execute {about.execute!r} is not valid; valid: 1..{network.chunk}")
+    if sample.ndim != 2 or sample.shape[1] != size or not len(sample) or answer.shape[1:] != network.out_mean.shape:
+        raise OptionError("it has no sample of what its network says")
+    found = np.array([network.commands(seen) for seen in sample])
+    if found.shape != answer.shape or not np.allclose(found / network.out_std, answer / network.out_std, atol=_SAME):
+        raise OptionError("its network does not say what it said when it was saved: the file is damaged")
