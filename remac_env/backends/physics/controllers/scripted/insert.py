@@ -13,7 +13,7 @@ import numpy as np
 from remac_env.backends.physics.controllers.scripted.collision import TARGET
 from remac_env.backends.physics.controllers.scripted.entries import Entry, grasping, level, placing
 from remac_env.backends.physics.controllers.scripted.grasps import OPENINGS, squeeze
-from remac_env.backends.physics.controllers.scripted.paths import Path
+from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT, Path
 from remac_env.backends.physics.controllers.scripted.place import release
 from remac_env.backends.physics.controllers.scripted.search import CHECKS, Budget, Reasons, search
 from remac_env.backends.physics.controllers.scripted.skill import (
@@ -42,6 +42,7 @@ _RAISED = (0.0, 0.006, 0.010, 0.0125)  # m by which the grasp may be higher, so 
 _CLEAR = (0.022,)  # m by which the thing is lowered once it is in
 _CLEAR_OF_RIM = (0.045, 0.034, 0.022)  # the same over a plate, the best first: too low it would push the plate
 _NEARER = 0.04  # m in front of a slot's middle at which things are put, so that they can be taken out again
+_EXACT, _ITERATIONS = 0.001, 12  # m by which a hand may miss the place where it closes; steps of inverse kinematics
 _WITHDRAW = 0.05  # m by which the hand draws back along its approach before the base moves
 
 
@@ -193,7 +194,14 @@ def _lowered(here: Surroundings, q: Array, entry: Entry) -> Path | Hit | NoWay:
 
 
 def _advanced(here: Surroundings, q: Array, entry: Entry) -> Path | Hit | NoWay:
-    return here.planner.line(q, entry.end, entry.rotation, speed=0.12)
+    """A straight way that ends just there: pads that close a few mm too high squeeze a round thing out."""
+    path = here.planner.line(q, entry.end, entry.rotation, speed=0.12)
+    if not path:
+        return path
+    there = here.kinematics.track(path[-1], entry.end, entry.rotation, iterations=_ITERATIONS, largest=STEP_LIMIT)
+    if there.position_error > _EXACT:
+        return NoWay("the arm does not reach the very place")
+    return [*path, there.q]
 
 
 def _enter(here: Surroundings, found: Insertion) -> Steps:
