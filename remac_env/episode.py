@@ -49,6 +49,11 @@ class Terms:
         """The facts of this kitchen."""
         return self.start.scene
 
+    @property
+    def max_seconds(self) -> float:
+        """When the episode is over under the event clock, s."""
+        return max_seconds(self.spec, self.options)
+
     @cached_property
     def label(self) -> dict[str, Any]:
         """The episode's cell, seed and digest, as infos and records carry it."""
@@ -66,8 +71,14 @@ class Terms:
     @cached_property
     def texts(self) -> dict[str, str]:
         """What each robot is told of itself and of the kitchen."""
-        kitchen = describe(public_scene(self.scene), list(self.commands), self.sentence, clock=self.options.clock)
+        public, notes = public_scene(self.scene), [process.told for process in self.scene.processes]
+        kitchen = describe(public, list(self.commands), self.sentence, clock=self.options.clock, notes=notes)
         return {robot: f"You are {robot}.\n{kitchen}" for robot in self.scene.robots}
+
+
+def max_seconds(spec: TaskSpec, options: Options) -> float:
+    """When an episode is over under the event clock: at the task's deadline where it has one, s."""
+    return options.max_seconds if spec.deadline is None else min(options.max_seconds, spec.deadline)
 
 
 @dataclass

@@ -7,9 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from remac_env.backends.base import Counters
-from remac_env.episode import Episode
+from remac_env.episode import End, Episode
 from remac_env.events.clock import EventClock
+from remac_env.events.processes import Key
+from remac_env.rules.facts import Process
 from remac_env.rules.outcomes import Outcome
+from remac_env.rules.processes import spoilt
 from remac_env.state import WorldState
 
 
@@ -70,14 +73,37 @@ class EventEpisode(Episode):
             "return": float(last.gained),
             "decision": last.count,
             "continue": self.continues,
-            "max_seconds": float(self.terms.options.max_seconds),
+            "max_seconds": float(self.terms.max_seconds),
+            "processes": {f"{each.name} {name}": round(now - since, 6) for (each, name), since in self._slow.items()},
         }
+
+    @property
+    def _slow(self) -> dict[Key, float]:
+        return self.clock.processes
+
+    def _judge(self) -> End | None:
+        """What is spoilt is lost, whatever else holds."""
+        terms = self.terms
+        return "lost" if spoilt(terms.scene, self.world, terms.goal.names()) else super()._judge()
 
     def _text(self, robot: str) -> str:
         now = self.clock.now
-        lines = [super()._text(robot), f"The clock shows {now:g} of {self.terms.options.max_seconds:g} s."]
+        lines = [super()._text(robot), f"The clock shows {now:g} of {self.terms.max_seconds:g} s."]
         for name in self.terms.scene.robots:
             doing = self.clock.doing(name)
             if doing is not None:
                 lines.append(f"{name}: {doing.text}, for {now - doing.since:g} s so far.")
+        for (process, name), since in self._slow.items():
+            lines.append(f"{_sentence(process, name)}, for {now - since:g} s so far.")
+        lines += [f"The {name} is {mark}." for name, mark in self._marked()]
         return "\n".join(lines)
+
+    def _marked(self) -> list[tuple[str, str]]:
+        """What has come of processes: objects and their marks."""
+        slow = self.terms.scene.slow
+        return [(name, mark) for name, item in self.world.objects.items() for mark in sorted(item.marks & slow)]
+
+
+def _sentence(process: Process, name: str) -> str:
+    text = process.text.format(name)
+    return text[0].upper() + text[1:]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,11 +11,11 @@ from numpy.typing import NDArray
 
 from remac_env.actions import check_actions, decode
 from remac_env.backends.base import Backend
-from remac_env.episode import Episode, Terms
+from remac_env.episode import Episode, Terms, max_seconds
 from remac_env.errors import LifecycleError, UnknownNameError
 from remac_env.event_episode import EventEpisode
 from remac_env.events.clock import EventClock, Order, Span
-from remac_env.events.observation import time_size, time_vector
+from remac_env.events.observation import TimeFacts
 from remac_env.parallel import KitchenParallelEnv, Seen, Told
 from remac_env.thinking import NO_THOUGHT, Thought, thinking_seconds
 from remac_env.vocabulary import Vocabulary
@@ -103,7 +104,7 @@ class KitchenEventEnv(KitchenParallelEnv):
 
     def _begin(self, terms: Terms, backend: Backend) -> Episode:
         world = backend.reset(terms.start)
-        clock = EventClock(backend, self.possible_agents, deadline=self.options.max_seconds)
+        clock = EventClock(backend, terms.scene, deadline=terms.max_seconds)
         return EventEpisode(terms, world, clock=clock, continues=self._continue)
 
     def _timed(self) -> EventEpisode:
@@ -119,13 +120,17 @@ class KitchenEventEnv(KitchenParallelEnv):
 
     @property
     def _size(self) -> int:
-        return self._facts.size + time_size(len(self.possible_agents))
+        return self._facts.size + self._time.size
 
     def _vectors(self) -> dict[str, NDArray[np.float32]]:
-        clock, robots = self._timed().clock, self.possible_agents
-        doing = {robot: clock.doing(robot) for robot in robots}
-        limits = {"now": clock.now, "deadline": self.options.max_seconds}
+        episode = self._timed()
         return {
-            robot: np.concatenate((facts, time_vector(robot, robots, doing, **limits)))
+            robot: np.concatenate((facts, self._time.vector(robot, episode.clock, episode.world)))
             for robot, facts in super()._vectors().items()
         }
+
+    @cached_property
+    def _time(self) -> TimeFacts:
+        nouns = (noun.name for noun in self.vocabulary.nouns)
+        slow = [name for name, _ in self.worlds.spec.processes]
+        return TimeFacts(self.possible_agents, slow, nouns, deadline=max_seconds(self.worlds.spec, self.options))

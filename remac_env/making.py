@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from remac_env.errors import OptionError
 from remac_env.event_parallel import KitchenEventEnv
 from remac_env.options import Options
 from remac_env.parallel import KitchenParallelEnv
@@ -9,5 +10,11 @@ from remac_env.tasks.spec import TaskSpec
 
 
 def make_kitchen(spec: TaskSpec, options: Options) -> KitchenParallelEnv:
-    """The environment in which every step is a round, or that in which it runs to the next decision point."""
+    """The environment in which every step is a round, or that in which it runs to the next decision point.
+
+    Raises:
+        OptionError: for a task in which things take their time, with rounds.
+    """
+    if spec.timed and options.clock != "events":
+        raise OptionError(f"in {spec.name} things take their time, got clock={options.clock!r}; valid: clock='events'")
     return (KitchenEventEnv if options.clock == "events" else KitchenParallelEnv)(spec, options)

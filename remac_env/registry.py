@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from remac_env.errors import check_choice
 from remac_env.gymnasium_ids import enter_ids
 from remac_env.option_rows import takes_options
-from remac_env.options import Options
-from remac_env.tasks import add, get, known, names
+from remac_env.options import CLOCKS, Options
+from remac_env.tasks import add, get, known, names, timed
 from remac_env.tasks.spec import TaskSpec
 
 if TYPE_CHECKING:
@@ -16,9 +17,14 @@ if TYPE_CHECKING:
     from remac_env.parallel import KitchenParallelEnv
 
 
-def tasks() -> list[str]:
-    """The names of all tasks."""
-    return list(names())
+def tasks(clock: str = "rounds") -> list[str]:
+    """The names of all tasks that can be played by a clock: some need clock="events", and come last.
+
+    Raises:
+        UnknownNameError: for another clock.
+    """
+    check_choice("clock", clock, CLOCKS)
+    return [*names(), *(timed() if clock == "events" else ())]
 
 
 def register_task(spec: TaskSpec) -> None:

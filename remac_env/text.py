@@ -10,8 +10,14 @@ from remac_env.rules.scene import PublicScene
 from remac_env.state import Place, WorldState
 
 
-def describe(scene: PublicScene, commands: Sequence[str], goal: str, *, clock: str = "rounds") -> str:
-    """The scene as names alone, how it is used, and the goal sentence; facts, and no states."""
+def describe(
+    scene: PublicScene, commands: Sequence[str], goal: str, *, clock: str = "rounds", notes: Sequence[str] = ()
+) -> str:
+    """The scene as names alone, how it is used, and the goal sentence; facts, and no states.
+
+    Args:
+        notes: what else everybody may know, a sentence each.
+    """
     return "\n".join(
         (
             f"Robots: {', '.join(scene.robots)}. Each has one gripper.",
@@ -19,6 +25,7 @@ def describe(scene: PublicScene, commands: Sequence[str], goal: str, *, clock: s
             f"Objects: {', '.join(sorted(scene.objects))}.",
             f"Commands: {', '.join(commands)}.",
             describe_use(scene, clock=clock),
+            *notes,
             f"Goal: {goal}.",
         )
     )

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.errors import LifecycleError, check_choice
+from remac_env.rules.facts import Process
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.subtasks import Subtask
 from remac_env.start import Offset, Start
@@ -83,6 +84,9 @@ class Backend(Protocol):
         Args:
             until: what the `clock` shows at most, s: where nothing has ended by then, time has passed until then.
         """
+
+    def happen(self, process: Process, name: str) -> None:
+        """Let what comes of a process come true of the object or fixture that it is about; time stands still."""
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """Every robot runs its subtask at the same time, until each has ended and the kitchen is at rest.

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from remac_env.backends.base import Counters, RoundResult, Start, check_all_idle, check_idle
 from remac_env.errors import LifecycleError, OptionError
 from remac_env.rules.claims import Claim, settle_claims
-from remac_env.rules.facts import Rules
+from remac_env.rules.facts import Process, Rules
 from remac_env.rules.outcomes import Outcome, failure
+from remac_env.rules.processes import outcome_of
 from remac_env.rules.rounds import at_rest, attempts, carried, contradicted, merge
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import WAIT, Subtask
@@ -40,6 +41,10 @@ class _Running(NamedTuple):
     outcome: Outcome
     before: WorldState
     after: WorldState
+
+
+Kept = tuple[WorldState, dict[str, _Running], float]
+"""A moment: the world, what is under way, and the clock, s."""
 
 
 class SymbolicBackend:
@@ -88,6 +93,12 @@ class SymbolicBackend:
             self._came_to_rest(start)
         return ended
 
+    def happen(self, process: Process, name: str) -> None:
+        """Let what comes of a process come true."""
+        start, world = self._begun("happen")
+        self._world = outcome_of(world, process, name)
+        self._came_to_rest(start)
+
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """One round by the table; seconds are the table's nominal ones."""
         start, world = self._begun("run_round")
@@ -98,6 +109,22 @@ class SymbolicBackend:
         self._clock = max((outcome.ended for outcome in told.values()), default=self._clock)
         world = self._came_to_rest(start)
         return RoundResult(world, told, max((o.seconds for o in told.values()), default=0.0))
+
+    def kept(self) -> Kept:
+        """The moment at hand, for `put_back`: what a search goes on from. Slips are not among it."""
+        return self._begun("kept")[1], dict(self._running), self._clock
+
+    @staticmethod
+    def foreseen(world: WorldState, running: Mapping[str, _Running]) -> WorldState:
+        """The world once all that is under way has come true."""
+        for run in running.values():
+            world = carried(run.before, run.after, world)
+        return world
+
+    def put_back(self, kept: Kept) -> None:
+        """Go on from a moment of this episode that was kept."""
+        self._world, self._clock = kept[0], kept[2]
+        self._running = dict(kept[1])
 
     @property
     def world(self) -> WorldState:

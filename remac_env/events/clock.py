@@ -6,11 +6,13 @@ A decision point is a moment at which a subtask ended, an event became visible, 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from remac_env.backends.base import Backend
+from remac_env.events.processes import DIGITS, Key, ProcessQueue
+from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.subtasks import DONE, WAIT, Subtask
 
@@ -19,9 +21,6 @@ IDLE = 5.0
 
 REFUSAL = 1.0
 """s that a command takes which is refused or means nothing: less than any subtask (6 s and more), and not nothing."""
-
-DIGITS = 6
-"""Decimals of a second that are kept, so that what is due together comes together."""
 
 Kind = Literal["thinking", "working", "waiting", "declined"]
 
@@ -73,16 +72,22 @@ class Span:
         return asdict(self)
 
 
+Kept = tuple[dict[str, Doing], frozenset[str], dict[Key, float]]
+"""A moment of the clock."""
+
+
 class EventClock:
     """Runs one episode of a backend that has been reset.
 
     Args:
-        robots: all robots of the kitchen.
+        rules: of the kitchen.
         deadline: s on the kitchen's clock at which the episode is over.
     """
 
-    def __init__(self, backend: Backend, robots: Sequence[str], *, deadline: float) -> None:
-        self._backend, self._robots, self._deadline = backend, tuple(robots), deadline
+    def __init__(self, backend: Backend, rules: Rules, *, deadline: float) -> None:
+        self._backend, self._robots, self._deadline = backend, rules.robots, deadline
+        self._processes = ProcessQueue(rules)
+        self._processes.look(backend.world, backend.clock)
         self._doing: dict[str, Doing] = {}
         self.done: frozenset[str] = frozenset()
         self._spans: list[Span] = []
@@ -95,7 +100,13 @@ class EventClock:
             Span(robot, kinds.get(each.kind, "subtask"), each.subtask.text, each.since, now, "cut")
             for robot, each in sorted(self._doing.items())
         ]
+        cut += [Span(name, "process", each.name, since, now, "cut") for (each, name), since in self.processes.items()]
         return (*self._spans, *cut)
+
+    @property
+    def processes(self) -> dict[Key, float]:
+        """What takes its time by itself just now, and since when, s."""
+        return self._processes.running
 
     @property
     def now(self) -> float:
@@ -116,6 +127,17 @@ class EventClock:
         """What a robot is at; None for one that is ready."""
         return self._doing.get(robot)
 
+    def kept(self) -> Kept:
+        """Who is at what, and what goes on, for `put_back`."""
+        return dict(self._doing), self.done, self._processes.running
+
+    def put_back(self, kept: Kept) -> None:
+        """Go on from a moment that was kept; the backend has been put back to it. What was told is forgotten."""
+        doing, self.done, running = kept
+        self._doing = dict(doing)
+        self._processes.put_back(running)
+        self._spans = []
+
     def run(self, orders: Mapping[str, Order]) -> dict[str, Outcome]:
         """Give orders to all robots that are ready, and run to the next decision point.
 
@@ -128,14 +150,26 @@ class EventClock:
             self._doing[robot] = Doing("thinking", order.subtask, now, due, order.invalid)
         self._take_effect()
         while not self._all_done():
-            ended = self._backend.advance(until=self._limit())
-            told = self._told(ended)
+            told = self._told(self._backend.advance(until=self._limit()))
+            happened = self._happen()
             arrived = self._take_effect()
-            if told or arrived or self.over or self._idle_is_over():
+            if told or happened or arrived or self.over or self._idle_is_over():
                 break
         else:
             told = {}
         return told | self._waited()
+
+    def _happen(self) -> bool:
+        """Let processes begin and end as the world is now; whether one has come to its end."""
+        now, any_yet = self.now, False
+        self._processes.look(self._backend.world, now)
+        while ended := self._processes.over(now):
+            any_yet = True
+            for process, name, since in ended:
+                self._backend.happen(process, name)
+                self._spans.append(Span(name, "process", process.name, since, now))
+            self._processes.look(self._backend.world, now)
+        return any_yet
 
     def _take_effect(self) -> bool:
         """Let orders begin whose thinking is over; whether a thought has arrived that took its time."""
@@ -202,7 +236,7 @@ class EventClock:
         due = [each.until for each in self._doing.values()]
         if all(each.kind == "waiting" for each in self._doing.values()):
             due.append(round(self.now + IDLE, DIGITS))
-        return min((*due, self._deadline))
+        return min((*due, self._processes.next, self._deadline))
 
     def _idle_is_over(self) -> bool:
         return all(each.kind == "waiting" for each in self._doing.values())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.scene import build_scene, resting_fixtures
 from remac_env.options import NAMINGS, STARTS
 from remac_env.rules.facts import Rules
+from remac_env.rules.processes import chosen
 from remac_env.rules.rounds import at_rest
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
@@ -75,7 +77,8 @@ def sample(
     others = _choose_distractors(spec, layout, categories, things, rng)
     extra = generator(seed, "vessels", spec.name, layout.name, style, starts)
     things |= _with_vessels(others, layout, categories, things, extra)
-    scene = build_scene(layout, things, robots)
+    slow = [(name, tuple(noun.format(**names) for noun in about)) for name, about in spec.processes]
+    scene = replace(build_scene(layout, things, robots), processes=chosen(slow))
     for needed in spec.fixtures:
         check_choice(f"fixture (in layout {layout.name}, for {spec.name})", needed, scene.fixtures)
     goal = spec.goal.bind(names)

@@ -75,6 +75,29 @@ class Quirk:
     other: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Process:
+    """Something that takes its time by itself: a row of `remac_env/rules/processes.toml`, which says what each means.
+
+    `during`: while what is so; `about`: the objects or fixtures that it is about, all where empty.
+    """
+
+    name: str
+    during: str
+    does: str
+    seconds: float
+    mark: str = ""
+    needs: frozenset[str] = frozenset()
+    spoils: bool = False
+    text: str = ""
+    told: str = ""
+    about: tuple[str, ...] = ()
+
+    def of(self, about: tuple[str, ...]) -> Process:
+        """The same about these objects or fixtures alone."""
+        return replace(self, about=about)
+
+
 @dataclass(frozen=True)
 class Rules:
     """Everything about a kitchen that an episode cannot change.
@@ -83,6 +106,7 @@ class Rules:
         conflicts: pairs of stations that two robots cannot use at the same time.
         quirks: facts of this kitchen alone. Only who is given the truth is given them (`without_quirks`).
         orders: pairs of marks, (first, then), of which it is noted where they come the other way round.
+        processes: what takes its time by itself; what else marks objects does so at once.
         hides: nobody knows what is behind a shut door before it was open.
     """
 
@@ -94,6 +118,12 @@ class Rules:
     quirks: tuple[Quirk, ...] = ()
     orders: tuple[tuple[str, str], ...] = ()
     hides: bool = False
+    processes: tuple[Process, ...] = ()
+
+    @cached_property
+    def slow(self) -> frozenset[str]:
+        """The marks that take their time."""
+        return frozenset(process.mark for process in self.processes if process.mark)
 
     @cached_property
     def without_quirks(self) -> Rules:

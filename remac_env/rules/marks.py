@@ -12,6 +12,9 @@ SEASONED = "seasoned"
 """The mark of an object over which a shaker was shaken."""
 
 
+FILLED = "filled"
+"""The mark of a vessel into which water has run until it was full."""
+
 HEATED, COOLED, DRIED = "heated", "cooled", "dried"
 """Marks that fixtures give (`FixtureFacts.gives`) in kitchens whose tasks ask for them."""
 
@@ -22,7 +25,9 @@ def too_early(first: str, then: str) -> str:
 
 
 def washed(rules: Rules, world: WorldState) -> WorldState:
-    """The world with the mark `washed` on whatever washable object stands under running water."""
+    """The world with the mark `washed` on whatever washable object stands under running water, unless it takes time."""
+    if WASHED in rules.slow:
+        return world
     for tap, basins in rules.taps:
         if not world.fixtures[tap].on:
             continue
@@ -44,6 +49,8 @@ def given(rules: Rules, world: WorldState) -> WorldState:
     """
     for facts in rules.givers:
         state = world.fixtures[facts.name]
+        if facts.gives in rules.slow:
+            continue
         if not (state.on if facts.switches else state.door in (None, "closed")):
             continue
         for obj, item in world.objects.items():

@@ -10,18 +10,26 @@ from remac_env.tasks.open_cabinet_pnp import SPEC as _CABINET
 from remac_env.tasks.open_microwave_pnp import SPEC as _MICROWAVE
 from remac_env.tasks.seasoned_microwave import SPEC as _SEASONED
 from remac_env.tasks.spec import TaskSpec
+from remac_env.tasks.timed import SPECS as TIMED
 from remac_env.tasks.wash_pnp_heat import SPEC as _WASH
 from remac_env.values import python_value
 
 _SPECS: dict[str, TaskSpec] = {spec.name: spec for spec in (_CABINET, _MICROWAVE, _DEFROST, _HEAT, _WASH, _SEASONED)}
+
+_TIMED: dict[str, TaskSpec] = {spec.name: spec for spec in TIMED}
 
 BUILT_IN = tuple(_SPECS)
 """The names of the tasks of this package."""
 
 
 def known() -> tuple[str, ...]:
-    """The names of the tasks that are registered by now, those from outside last."""
-    return tuple(_SPECS)
+    """The names of the tasks that are registered by now and can be played in rounds, those from outside last."""
+    return tuple(name for name, spec in _SPECS.items() if not spec.timed)
+
+
+def timed() -> tuple[str, ...]:
+    """The names of the tasks that need the event clock."""
+    return (*_TIMED, *(name for name, spec in _SPECS.items() if spec.timed))
 
 
 def names() -> tuple[str, ...]:
@@ -33,10 +41,11 @@ def names() -> tuple[str, ...]:
 def get(name: str) -> TaskSpec:
     """The task of that name; UnknownNameError lists the names."""
     name = python_value(name)
-    if name not in known():
+    if name not in (*known(), *timed()):
         load_tasks()
-    check_choice("task", name, _SPECS)
-    return _SPECS[name]
+    every = _SPECS | _TIMED
+    check_choice("task", name, every)
+    return every[name]
 
 
 def add(spec: TaskSpec) -> None:
@@ -45,6 +54,7 @@ def add(spec: TaskSpec) -> None:
     Raises:
         OptionError: if another task has the name.
     """
-    if spec.name in _SPECS and _SPECS[spec.name] != spec:
-        raise OptionError(f"task name {spec.name!r} is taken by another task; taken: {', '.join(_SPECS)}")
+    every = _SPECS | _TIMED
+    if spec.name in every and every[spec.name] != spec:
+        raise OptionError(f"task name {spec.name!r} is taken by another task; taken: {', '.join(every)}")
     _SPECS[spec.name] = spec

@@ -12,7 +12,7 @@ from remac_env.state import FLOOR, Door, WorldState, base_place, inside, support
 
 _NAME_FIELDS = ("name", "container", "fixture", "under")
 
-VERBS = {"washed": "wash", "seasoned": "season", "heated": "heat", "cooled": "cool", "dried": "dry"}
+VERBS = {"washed": "wash", "seasoned": "season", "heated": "heat", "cooled": "cool", "dried": "dry", "filled": "fill"}
 """What is asked for where a mark is wanted."""
 
 

@@ -49,6 +49,9 @@ class TaskSpec:
         in_table: whether it belongs to the suite's table of 27 task styles.
         phases: (name, goal) in order, for tasks that are scored by phases: one counts once its goal has held after the
             one before it.
+        processes: what takes its time by itself, by the names of `remac_env/rules/processes.toml`, each with what it is
+            about (`{role}` fields; everything that it can be about where empty). Such a task needs the event clock.
+        deadline: s after which it is too late, None where only the episode's own end counts.
         distractors: how many other objects stand about, (least, most), as far as there is room: one slot in the open
             stays free.
         nouns: words that the built-in vocabulary lacks.
@@ -66,6 +69,8 @@ class TaskSpec:
     layouts: tuple[str, ...] = ("one_wall_large",)
     in_table: bool = False
     phases: tuple[tuple[str, Goal], ...] = ()
+    processes: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    deadline: float | None = None
     distractors: tuple[int, int] = (3, 8)
     nouns: tuple[Noun, ...] = ()
     categories: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
@@ -74,6 +79,11 @@ class TaskSpec:
     def __post_init__(self) -> None:
         """Take values of NumPy as Python's."""
         python_fields(self)
+
+    @property
+    def timed(self) -> bool:
+        """Whether it can be played by the event clock alone."""
+        return bool(self.processes) or self.deadline is not None
 
     def sentence(self, wording: int, nouns: Mapping[str, str]) -> str:
         """The goal sentence in wording 1, 2 or 3, with the noun of each role.

@@ -18,10 +18,13 @@ from remac_env.backends.physics.sensing import Draw
 from remac_env.backends.physics.timeline import Timeline
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.worlds import Worlds
+from remac_env.rules.facts import Process
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
 from remac_env.state import WorldState
+
+Event = tuple[Process, str]
 
 
 class PhysicsBackend:
@@ -42,7 +45,7 @@ class PhysicsBackend:
         self.probe: Callable[[], None] | None = None
         self.pictures: Draw | None = None
         self._timeline: Timeline | None = None
-        self._played: list[tuple[str, dict[str, Subtask], float]] = []
+        self._played: list[tuple[str, dict[str, Subtask], float, Event | None]] = []
 
     def __getstate__(self) -> dict[str, Any]:
         """What a copy is made from: the start and what was played. `watch`, `probe` and `pictures` stay behind."""
@@ -56,9 +59,11 @@ class PhysicsBackend:
         self.__init__(state["worlds"], controllers=state["controllers"])  # type: ignore[misc]
         if state["start"] is not None:
             self.reset(state["start"])
-            for call, subtasks, until in state["played"]:
+            for call, subtasks, until, about in state["played"]:
                 if call == "advance":
                     self.advance(until=until)
+                elif about is not None:
+                    self.happen(*about)
                 else:
                     (self.begin if call == "begin" else self.run_round)(subtasks)
 
@@ -80,6 +85,12 @@ class PhysicsBackend:
         timeline = self._begun()
         with self._playing("advance", {}, until):
             return timeline.advance(self.watch, until)
+
+    def happen(self, process: Process, name: str) -> None:
+        """Let what comes of a process come true: a mark, or switches that go off. Doors do not fall here."""
+        timeline = self._begun()
+        with self._playing("happen", {}, about=(process, name)):
+            timeline.happen(process, name)
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """Every robot runs its subtask at the same time, until each has ended and the kitchen is at rest."""
@@ -139,7 +150,9 @@ class PhysicsBackend:
         return self._begun().counters
 
     @contextmanager
-    def _playing(self, call: str, subtasks: Mapping[str, Subtask], until: float = math.inf) -> Iterator[None]:
+    def _playing(
+        self, call: str, subtasks: Mapping[str, Subtask], until: float = math.inf, about: Event | None = None
+    ) -> Iterator[None]:
         """Remember a call that comes to its end; one that is broken off leaves no robot busy."""
         timeline = self._begun()
         timeline.simulation.probe, timeline.simulation.pictures = self.probe, self.pictures
@@ -148,7 +161,7 @@ class PhysicsBackend:
         except BaseException:
             timeline.abandon()
             raise
-        self._played.append((call, dict(subtasks), until))
+        self._played.append((call, dict(subtasks), until, about))
 
     def _begun(self) -> Timeline:
         if self._timeline is None:

@@ -24,6 +24,7 @@ from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import Worlds
 from remac_env.rules.claims import Claim, settle_claims
+from remac_env.rules.facts import Process
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
@@ -118,6 +119,11 @@ class Timeline:
             self._settle()
         self.world = self._truth.read()
         return self._judge(ended, tasks, before, {robot: task.subtask for robot, task in tasks.items()})
+
+    def happen(self, process: Process, name: str) -> None:
+        """Let what comes of a process come true; see the backend."""
+        self._truth.happen(process, name)
+        self.world = self._truth.read()
 
     def run_round(self, subtasks: Mapping[str, Subtask], watch: Watch) -> RoundResult:
         """One round; see the backend."""
