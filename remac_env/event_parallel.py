@@ -67,6 +67,11 @@ class KitchenEventEnv(KitchenParallelEnv):
         return self._answer(episode)
 
     @property
+    def max_seconds(self) -> float:
+        """When an episode is over at the latest, s on its clock."""
+        return max_seconds(self.worlds.spec, self.options)
+
+    @property
     def timeline(self) -> tuple[Span, ...]:
         """What lasted how long in the episode by now: subtasks, waits, thoughts."""
         return self._timed().clock.timeline
@@ -133,4 +138,4 @@ class KitchenEventEnv(KitchenParallelEnv):
     def _time(self) -> TimeFacts:
         nouns = (noun.name for noun in self.vocabulary.nouns)
         slow = [name for name, _ in self.worlds.spec.processes]
-        return TimeFacts(self.possible_agents, slow, nouns, deadline=max_seconds(self.worlds.spec, self.options))
+        return TimeFacts(self.possible_agents, slow, nouns, deadline=self.max_seconds)

@@ -69,6 +69,8 @@ def blame(record: Record, *, rescuing: bool = True) -> Blame:
     """
     if record.error is not None:
         return _labelled(record, "crash", len(record.outcomes), f"{record.error.type}: {record.error.message}")
+    if record.clock == "events":
+        return _labelled(record, "unclear", 0, "played by the event clock, in which there are no rounds to blame")
     replay = play_again(record)
     if not replay.faithful:
         at = max(0, len(replay.rounds) - 1)

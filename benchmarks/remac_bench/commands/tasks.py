@@ -25,16 +25,18 @@ def tasks(*, as_json: bool, extensions: list[str] | None) -> None:
         typer.echo(json.dumps(entries))
         return
     table = Table(box=box.SIMPLE_HEAD)
-    for name in ("Task", "Goal", "Styles", "Layouts", "Paper's table"):
+    for name in ("Task", "Goal", "Styles", "Layouts", "Paper's table", "Clock"):
         table.add_column(name, no_wrap=name == "Task", overflow="fold")
     for entry in entries:
         cells = [entry["name"], entry["goal"], ", ".join(entry["styles"]), ", ".join(entry["layouts"])]
-        table.add_row(*(escape(cell) for cell in cells), "yes" if entry["in_table"] else "no")
+        table.add_row(*(escape(cell) for cell in cells), "yes" if entry["in_table"] else "no", entry["clock"])
     console().print(table)
 
 
 def list_tasks() -> list[dict[str, Any]]:
-    """Name, goal sentence, styles, layouts of each task, and whether it is in the paper's table."""
+    """Name, goal sentence, styles, layouts of each task, whether it is in the paper's table, and the clock it needs:
+    one in rounds can be played by either.
+    """
     import remac_env
     from remac_env.tasks import get
 
@@ -45,6 +47,7 @@ def list_tasks() -> list[dict[str, Any]]:
             "styles": list(spec.styles),
             "layouts": list(spec.layouts),
             "in_table": spec.in_table,
+            "clock": "events" if spec.timed else "rounds",
         }
-        for name, spec in ((name, get(name)) for name in remac_env.tasks())
+        for name, spec in ((name, get(name)) for name in remac_env.tasks("events"))
     ]
