@@ -106,7 +106,7 @@ def play(seed: int, robots: int) -> Trial:
     worlds = TaskWorlds(_SPEC)
     names = tuple(f"robot_{k}" for k in range(robots))
     start, _ = worlds.start(seed, style=None, layout=None, starts="paper", robots=names, perception_noise=0.0)
-    layout = worlds.layout(start.layout, start.style)
+    layout = worlds.layout_of(start)
     chance = generator(seed, "littered")
     way = WAYS[seed % len(WAYS)]
     trial = Trial(seed, way, 1 + seed // len(WAYS) % _MOST, robots)

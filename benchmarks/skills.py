@@ -155,7 +155,7 @@ def _spread(start: Start, worlds: TaskWorlds) -> Start:
 
     In a kitchen so full that they find no such places, within half or a quarter of it.
     """
-    layout, rng = worlds.layout(start.layout, start.style), generator(start.seed, "skills", "spread")
+    layout, rng = worlds.layout_of(start), generator(start.seed, "skills", "spread")
     slots = {noun: layout.slots[state.place.where] for noun, state in start.world.objects.items()}
     open_ones = [noun for noun, slot in slots.items() if slot.kind != "cavity"]
     radius = {noun: max(worlds.categories[start.categories[noun]].size[:2]) for noun in open_ones}

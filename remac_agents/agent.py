@@ -251,6 +251,7 @@ class Agent:
             robots=robots,
             lead=lead,
             helper=helper or None,
+            helpers=tuple(sorted(name for name in robots if name not in (lead, helper))),
             task=str(label.get("task", told["goal"])),
             episode=label,
             verbs={verb: tuple(commands) for verb, commands in told.get("verbs", {}).items()},

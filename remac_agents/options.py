@@ -90,7 +90,7 @@ class AgentOptions(ModelOptions):
     checker: Any = option(None, "Judges whether it is true.", group="role")
     adjuster: Any = option(None, "Repairs a plan.", group="role")
     reflector: Any = option(None, "Says what was learnt.", group="role")
-    handover: Any = option(None, "How work is handed to a second robot.", group="role")
+    handover: Any = option(None, "How work is handed to a second robot, and to further ones.", group="role")
     summariser: Any = option(None, "Summarises what happened and why it failed (REFLECT).", group="role")
     retries: int = option(2, "How often a subtask whose post-conditions fail is tried again.", Whole(), group="bound")
     max_adjustments: int = option(20, "Maximum number of changes to a plan.", Whole(), group="bound")
@@ -98,7 +98,9 @@ class AgentOptions(ModelOptions):
     lead: str | None = option(
         None, "The robot that works alone or leads; by default the first by name.", group="robot"
     )
-    helper: str | None = option(None, "The second robot of a team.", group="robot")
+    helper: str | None = option(
+        None, "The second robot of a team; by default the first by name of those that do not lead.", group="robot"
+    )
     iterations: int | None = option(
         None, "Number of the last iteration: 2 plays 0, 1, 2 (methods that learn, and best-of controls).", Whole()
     )

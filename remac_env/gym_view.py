@@ -22,9 +22,10 @@ from remac_env.tasks import get as get_task
 class KitchenEnv(gymnasium.Env[Any, Any]):
     """A task as a Gymnasium environment.
 
-    Action: Discrete(N) for one robot, MultiDiscrete([N, N]) for two. Observation: a dict without levels, with the keys
-    `robot_0_observation`, `robot_0_action_mask` ... (names that PyTorch's modules may have); with obs_format="flat" one
-    vector, the robots' one after the other. `info["robots"][name]` is what the parallel environment tells that robot.
+    Action: Discrete(N) for one robot, MultiDiscrete([N, N, ...]) for several. Observation: a dict without levels, with
+    the keys `robot_0_observation`, `robot_0_action_mask` ... (names that PyTorch's modules may have); with
+    obs_format="flat" one vector, the robots' one after the other. `info["robots"][name]` is what the parallel
+    environment tells that robot.
     """
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 20}

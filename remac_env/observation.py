@@ -15,7 +15,7 @@ from remac_env.vocabulary import Vocabulary
 
 _DOORS = ("closed", "ajar", "open")
 _FIXTURE_SIZE = 5
-_ROBOTS = 2  # blocks: the robot itself, then the other one (zeros where there is none)
+_BLOCKS = 2  # of robots at least: the robot itself, then another one (zeros where there is none)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,20 +41,23 @@ class _Things:
 class Facts:
     """Writes WorldStates as vectors.
 
-    Layout, with F fixture nouns and O object nouns of the vocabulary: two robot blocks of 1 + F + O + O (aside; at each
-    fixture; at each object; holding each object), the own one first; O object blocks of 1 + F + O + 3 + M (present; in
-    each fixture; on each object; held by oneself, held by another, on the floor; each mark, as washed and seasoned);
-    F fixture blocks of 1 + 3 + 1 (present; door closed, ajar, open; on).
+    Layout, with F fixture nouns and O object nouns of the vocabulary: robot blocks of 1 + F + O + O (aside; at each
+    fixture; at each object; holding each object), two or as many as there are robots, the own one first, then the
+    others in the order of their names; O object blocks of 1 + F + O + 3 + M (present; in each fixture; on each object;
+    held by oneself, held by another, on the floor; each mark, as washed and seasoned); F fixture blocks of 1 + 3 + 1
+    (present; door closed, ajar, open; on).
     """
 
-    def __init__(self, vocabulary: Vocabulary) -> None:
+    def __init__(self, vocabulary: Vocabulary, robots: int = _BLOCKS) -> None:
+        """Args: robots: how many there are at most."""
+        self._blocks = max(robots, _BLOCKS)
         self.fixtures = tuple(noun.name for noun in vocabulary.nouns if noun.kind == "fixture")
         self.objects = tuple(noun.name for noun in vocabulary.nouns if noun.kind == "object")
         f, o = len(self.fixtures), len(self.objects)
         self._at = {name: index for index, name in enumerate((*self.fixtures, *self.objects))}
         self._marks = marks()
         self._robot_size, object_size = 1 + f + 2 * o, f + o + 4 + len(self._marks)
-        objects_from = _ROBOTS * self._robot_size
+        objects_from = self._blocks * self._robot_size
         fixtures_from = objects_from + o * object_size
         self._object_starts = {name: objects_from + i * object_size for i, name in enumerate(self.objects)}
         self._fixture_starts = {name: fixtures_from + i * _FIXTURE_SIZE for i, name in enumerate(self.fixtures)}
@@ -76,7 +79,7 @@ class Facts:
         for robot in robots:
             ones = blocks[robot] + [place + (holder != robot) for place, holder in things.held]
             others = (name for name in scene.robots if name != robot)
-            for index, name in zip(range(1, _ROBOTS), others, strict=False):
+            for index, name in zip(range(1, self._blocks), others, strict=False):
                 ones += [index * self._robot_size + place for place in blocks[name]]
             values = told[robot] = things.values.copy()
             values[ones] = 1.0

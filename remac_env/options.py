@@ -27,7 +27,7 @@ CLOCKS = ("rounds", "events")
 """rounds: all robots begin and end together; events: each is asked again when what it does has ended."""
 
 RENDER_MODES = (None, "rgb_array", "human")
-MAX_ROBOTS = 2
+MAX_ROBOTS = 4
 
 _ROBOTS, _WORDING = Whole(1, MAX_ROBOTS), Whole(min(WORDINGS), max(WORDINGS))
 
@@ -36,7 +36,7 @@ _ROBOTS, _WORDING = Whole(1, MAX_ROBOTS), Whole(min(WORDINGS), max(WORDINGS))
 class Options:
     """Keywords of `remac_env.parallel_env`."""
 
-    robots: int = option(2, "1 or 2; they are called robot_0 and robot_1.", _ROBOTS)
+    robots: int = option(2, f"1 to {MAX_ROBOTS}; they are called robot_0, robot_1, ...", _ROBOTS)
     backend: str = option("physics", "physics (MuJoCo decides) or symbolic (the skill table).", Choice(BACKENDS))
     style: str | None = option(None, "Name of a style; by default the seed picks.")
     layout: str | None = option(None, "Name of a floor plan; by default the seed picks.")

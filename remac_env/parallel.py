@@ -41,7 +41,7 @@ Told = dict[str, dict[str, Any]]
 
 
 class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
-    """A task with one or two robots; every step is a round in which each robot runs one subtask.
+    """A task with one to four robots; every step is a round in which each robot runs one subtask.
 
     Made by `remac_env.parallel_env`, which documents the options. Actions are tokens of `vocabulary`; observations are
     `{"observation": float32 (n,) in 0..1, "action_mask": int8 (N,)}` and, with obs="state+images", `front`, `wrist`
@@ -62,7 +62,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self.render_mode = options.render_mode
         self.possible_agents = list(options.robot_names)
         self.agents: list[str] = []
-        self._facts = Facts(self.vocabulary)
+        self._facts = Facts(self.vocabulary, options.robots)
         self._reward = make_reward(options.reward)
         self.action_spaces = {name: spaces.Discrete(len(self.vocabulary)) for name in self.possible_agents}
         sizes, names = {"facts": self._size, "tokens": len(self.vocabulary)}, self.possible_agents

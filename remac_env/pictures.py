@@ -132,7 +132,7 @@ class Pictures:
         if self._shown is None or self._shown.key != stage_key(start):
             if self._shown is not None:
                 self._shown.close()
-            self._shown = Stage(start, self._worlds.layout(start.layout, start.style), self._worlds.categories)
+            self._shown = Stage(start, self._worlds.layout_of(start), self._worlds.categories)
             self._posed = None
         if self._posed is not None and _looks_alike(self._posed, moment):
             return self._shown

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from remac_agents.memory import MAX_CHARACTERS, MAX_LESSONS
 from remac_env.option_rows import NEEDED, File, Real, Row, Switch, Texts, Whole, rows
-from remac_env.options import Options
+from remac_env.options import MAX_ROBOTS, Options
 from remac_env.seeding import SEED_MAX
 
 MOST = 10_000
@@ -32,7 +32,7 @@ ROWS: dict[str, Row] = {
     ),
     "run.suite": Row(help="A frozen list of jobs and agents: a name, or a FILE.toml.", group="run"),
     "episode.task": Row(help="Name of a task.", default=NEEDED),
-    "episode.robots": _KITCHEN["robots"].but(default=1, help="1 or 2."),
+    "episode.robots": _KITCHEN["robots"].but(default=1, help=f"1 to {MAX_ROBOTS}."),
     "episode.seed": Row(help="The episode's seed.", default=0, values=_SEED),
     "oracle.max_rounds": _KITCHEN["max_rounds"].but(help="Rounds after which the search gives up."),
     "plan.taught": Row(

@@ -24,7 +24,7 @@ from remac_bench.script_rows import ROWS as SCRIPTS
 from remac_bench.settings import Settings
 from remac_env.errors import OptionError
 from remac_env.option_rows import Row, Texts, Values, rows
-from remac_env.options import Options
+from remac_env.options import MAX_ROBOTS, Options
 
 HOMES: dict[str, Any] = {"kitchen": Options, "agent": AgentOptions, "access": Access, "settings": Settings}
 """Dataclass by name of home. A keyword that the agent has too is written --agent-... ."""
@@ -32,7 +32,7 @@ HOMES: dict[str, Any] = {"kitchen": Options, "agent": AgentOptions, "access": Ac
 ASKED: dict[str, dict[str, Any]] = {
     "kitchen.robots": {
         "default": None,
-        "help": "1 or 2; by default the method's own: REMAC and SMART-LLM 2, others 1.",
+        "help": f"1 to {MAX_ROBOTS}; by default the method's own: REMAC and SMART-LLM 2, others 1.",
     },
     "agent.model": {
         "values": Texts(),

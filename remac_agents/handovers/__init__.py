@@ -1,1 +1,1 @@
-"""Hand-overs: how a plan that one robot has mastered is shared between two."""
+"""Hand-overs: how a plan that one robot has mastered is shared between two or more."""

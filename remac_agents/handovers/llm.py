@@ -1,4 +1,4 @@
-"""The hand-over by a language model: it is shown the plan of one robot that worked, and writes rows for two."""
+"""The hand-over by a language model: it is shown the plan of one robot that worked, and writes rows for a team."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class LlmHandover(ModelRole):
     role = "handover"
 
     def share(self, request: HandoverRequest) -> Plan | None:
-        """The model's plan for both, or None where it declines, leaves the helper idle or has no usable answer."""
+        """The model's plan for the team, or None where it declines, lets nobody help or has no usable answer."""
         fields = {
             **wording.room(request.view),
             **wording.use(request.view),
@@ -27,17 +27,17 @@ class LlmHandover(ModelRole):
             "commands": ", ".join(request.commands),
             "plan": f"{request.lead}: {wording.commands(request.plan)}",
             "lead": request.lead,
-            "helper": request.helper,
+            "helper": ", ".join(request.team[1:]),
             "reflections": wording.bullets(request.reflections),
         }
-        about = f"{request.lead}, {request.helper}"
-        found = self.ask("handover", fields, lambda text: _rows(text, request), about=about, form=None)
-        return None if isinstance(found, BadAnswer) or not found.row(request.helper) else found
+        about, prompt = ", ".join(request.team), "handover_team" if request.helpers else "handover"
+        found = self.ask(prompt, fields, lambda text: _rows(text, request), about=about, form=None)
+        return None if isinstance(found, BadAnswer) or not any(map(found.row, request.team[1:])) else found
 
 
 def _rows(text: str, request: HandoverRequest) -> Plan | BadAnswer:
     told = without_thoughts(text)
     if told is not None and told.strip(" \t\n.*\"'`").lower() == ALONE:
         return Plan.of({})
-    plan = read_plan(text, Commands(request.commands), (request.lead, request.helper), request.lead)
+    plan = read_plan(text, Commands(request.commands), request.team, request.lead)
     return BadAnswer(plan.told) if isinstance(plan, PlanError) else plan

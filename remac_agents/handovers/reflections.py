@@ -1,4 +1,4 @@
-"""The paper's hand-over: one robot keeps the main object's plan, the other gets what comes before it."""
+"""The paper's hand-over: one robot keeps the main object's plan, another one gets what comes before it."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class ReflectionHandover:
     needs_truth, needs_rules = False, True
 
     def share(self, request: HandoverRequest) -> Plan | None:
-        """A plan for both, or None where nothing is gained."""
-        names, facts = (request.lead, request.helper), request.view.scene
+        """A plan for the team, or None where nothing is gained."""
+        names, facts = request.team, request.view.scene
         plans = [_prerequisites_first(request), share_out(parts_of(request.plan), names, facts, places=True)]
         found = [plan for plan in plans if plan is not None and plan.length < len(request.plan)]
         return min(found, key=lambda plan: plan.length, default=None)

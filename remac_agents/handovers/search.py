@@ -1,4 +1,4 @@
-"""The exact hand-over: the fewest rounds in which two robots reach what the single-robot plan reaches."""
+"""The exact hand-over: the fewest rounds in which a team reaches what the single-robot plan reaches."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from remac_agents.plan import Plan
 from remac_agents.planners.oracle import for_robots
 from remac_agents.roles import HandoverRequest
 from remac_env.errors import whole_number
-from remac_env.oracle import search_plan
+from remac_env.oracle import most_states, search_plan
 from remac_env.rules.facts import Rules
 from remac_env.rules.rounds import transition
 from remac_env.rules.subtasks import STEP_ASIDE, Subtask
@@ -34,7 +34,7 @@ class SearchHandover:
         self._fallback = ReflectionHandover()
 
     def share(self, request: HandoverRequest) -> Plan | None:
-        """A shortest plan for both, or None where nothing is gained.
+        """A shortest plan for the team, or None where nothing is gained.
 
         Raises:
             ValueError: if it was not given the world.
@@ -43,7 +43,7 @@ class SearchHandover:
             raise ValueError(
                 "the searching hand-over was not given the WorldState; infos[robot]['world'] is missing"
             )
-        scene, world = for_robots(request.view.rules, request.view.world, (request.lead, request.helper))
+        scene, world = for_robots(request.view.rules, request.view.world, request.team)
         wanted = _result(scene, _simulate(scene, world, request.lead, request.plan))
         found = search_plan(
             scene,
@@ -52,7 +52,7 @@ class SearchHandover:
             commands=[*dict.fromkeys(request.plan), STEP_ASIDE],
             bound=lambda state: _rounds_at_least(_result(scene, state), wanted, len(scene.robots)),
             max_rounds=len(request.plan),
-            max_states=self._max_states,
+            max_states=min(self._max_states, most_states(scene)),
         )
         if found is None:
             return self._fallback.share(request)
@@ -71,6 +71,8 @@ def _simulate(scene: Rules, world: WorldState, robot: str, steps: Sequence[Subta
 def _result(scene: Rules, world: WorldState) -> _Result:
     """What counts as the same end: places, doors and switches, but not which of several like slots."""
     places = {name: _where(scene, item.place) for name, item in world.objects.items()}
+    if len(scene.robots) > 2:  # then the search takes robots for alike
+        places = {name: (relation, "" if relation == "held" else where) for name, (relation, where) in places.items()}
     return places, dict(world.fixtures)
 
 

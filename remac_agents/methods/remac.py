@@ -1,4 +1,4 @@
-"""REMAC: RE by one robot until it has mastered the task; then a second one takes over what can be shared."""
+"""REMAC: RE by one robot until it has mastered the task; then the others take over what can be shared."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def remac(run: MethodRun) -> Turns:
 
 
 def hand_over(run: MethodRun, single: tuple[Subtask, ...], helper: str) -> bool:
-    """Share a proven plan with the helper; False when no way to share it was found."""
+    """Share a proven plan with the helper and those beyond; False when no way to share it was found."""
     told, view = run.briefing, run.book.seen_by(run.roles.handover)
-    request = HandoverRequest(told.goal, single, told.lead, helper, run.lessons, told.commands, view)
+    request = HandoverRequest(told.goal, single, told.lead, helper, run.lessons, told.commands, view, told.helpers)
     reply = run.roles.handover.share(request)
     plan = (
         PlanError("none was found")
         if reply is None
-        else read_plan(reply, run.commands, (told.lead, helper), told.lead)
+        else read_plan(reply, run.commands, request.team, told.lead)
     )
     if isinstance(plan, PlanError):
         run.book.ledger.errors.append(f"hand-over: {plan.problem}")

@@ -23,9 +23,9 @@ LONGEST = 40
 class PolicyPlanner:
     """The greedy plan of a policy, from the true state: its observations are facts of the WorldState.
 
-    A policy that learnt with one robot commands the leading robot alone; one that learnt with two chooses for each
-    robot that is planned for. The plan ends where the goal holds in the table, where the policy says `done`, or where
-    it comes back to a world where it has been.
+    A policy that learnt with one robot commands the leading robot alone; one that learnt with more chooses for as many
+    of those that are planned for. The plan ends where the goal holds in the table, where the policy says `done`, or
+    where it comes back to a world where it has been.
 
     Args:
         path: a file of `policy_file.save_policy`.
@@ -40,7 +40,7 @@ class PolicyPlanner:
 
     def __init__(self, path: str, sha256: str = "") -> None:
         self._policy, self._path = read_policy(path, sha256=sha256), path
-        self._facts = Facts(self._policy.vocabulary)
+        self._facts = Facts(self._policy.vocabulary, self._policy.robots)
 
     def plan(self, request: PlanRequest) -> Plan | PlanError:
         """What the policy would do, or an error where it has learnt another task or other words."""
@@ -52,7 +52,7 @@ class PolicyPlanner:
         strange = {*request.rules.objects, *request.rules.fixtures} - {noun.name for noun in policy.vocabulary.nouns}
         if strange:
             return PlanError(f"{self._path} does not know {', '.join(sorted(strange))}")
-        robots = request.robots if policy.robots > 1 else (request.lead,)
+        robots = (request.lead, *(name for name in request.robots if name != request.lead))[: policy.robots]
         scene, world = for_robots(request.rules, request.world, robots)
         choices = _Choices(policy, self._facts, task, scene)
         rows: dict[str, list[Subtask]] = {robot: [] for robot in request.robots}

@@ -83,7 +83,7 @@ class Policy:
             given = getattr(self, name)
             if isinstance(given, bool) or not isinstance(given, int | str) or given not in tuple(valid):
                 raise OptionError(f"{name} {given!r} is not valid; valid: {', '.join(map(str, valid))}")
-        size = Facts(self.vocabulary).size + len(self.tasks)
+        size = Facts(self.vocabulary, self.robots).size + len(self.tasks)
         for number, (weights, bias) in enumerate(self.layers):
             if weights.ndim != 2 or bias.shape != weights.shape[:1] or weights.shape[1] != size:
                 shapes = f"weights {weights.shape} and bias {bias.shape}"

@@ -84,7 +84,7 @@ class Reflector(Protocol):
 
 @runtime_checkable
 class Handover(Protocol):
-    """Shares a proven single-robot plan between two robots."""
+    """Shares a proven single-robot plan between the robots of a team."""
 
     def share(self, request: HandoverRequest) -> Plan | None:
         """A plan with a row for each of the two, or None when there is no better way than working alone."""

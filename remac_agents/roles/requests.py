@@ -194,12 +194,14 @@ class ReflectRequest:
 
 @dataclass(frozen=True)
 class HandoverRequest:
-    """A single-robot plan that succeeded, to be shared by two robots.
+    """A single-robot plan that succeeded, to be shared by a team.
 
     Attributes:
         plan: the leading robot's row of the single-robot plan.
+        helper: the robot that helps, or the first of those that do.
         reflections: the recorded lessons that shaped it.
         view: the start of this episode.
+        helpers: further robots that help.
     """
 
     goal: str
@@ -209,3 +211,9 @@ class HandoverRequest:
     reflections: tuple[str, ...]
     commands: tuple[str, ...]
     view: View
+    helpers: tuple[str, ...] = ()
+
+    @property
+    def team(self) -> tuple[str, ...]:
+        """All robots that share, the leading one first."""
+        return (self.lead, self.helper, *self.helpers)

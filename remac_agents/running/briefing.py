@@ -24,7 +24,8 @@ class Bounds:
 class Briefing:
     """What stays the same during an episode.
 
-    `helper` is the second robot, None where there is none. `last`: no other iteration on this start is known to follow.
+    `helper` is the second robot, None where there is none; `helpers` are those beyond. `last`: no other iteration on
+    this start is known to follow.
     `skills`: robot -> the names of the skills that its commands need.
     """
 
@@ -35,6 +36,7 @@ class Briefing:
     lead: str
     helper: str | None
     task: str
+    helpers: tuple[str, ...] = ()
     episode: Mapping[str, Any] = field(default_factory=dict)
     verbs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     goal_test: Goal | None = None

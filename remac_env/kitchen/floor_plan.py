@@ -54,7 +54,10 @@ class Station:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """A floor plan, equal to itself alone. All mappings are read-only and keep the order of the file."""
+    """A floor plan, equal to itself alone. All mappings are read-only and keep the order of the file.
+
+    asides: parking places. team_asides: those that more robots than that have instead; see `kitchen.parking`.
+    """
 
     name: str
     version: int
@@ -64,6 +67,7 @@ class Layout:
     slots: Mapping[str, Slot]
     stations: Mapping[str, Station]
     asides: tuple[Station, ...]
+    team_asides: tuple[Station, ...] = ()
 
     def at_wall(self, wall: str) -> Iterator[Fixture]:
         """The fixtures of one wall."""

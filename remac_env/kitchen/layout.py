@@ -96,7 +96,8 @@ def parse(text: str, *, name: str, file: str, models: Models = NO_MODELS, certif
         fixtures=FrozenMap(fixtures),
         slots=FrozenMap({slot.name: slot for fixture in fixtures.values() for slot in fixture.slots}),
         stations=FrozenMap(stations),
-        asides=tuple(_aside(key, entry) for key, entry in table.tables("asides").items()),
+        asides=_asides(table, "asides"),
+        team_asides=_asides(table, "team_asides") if table.has("team_asides") else (),
     )
     table.close()
     check(layout, file)
@@ -130,6 +131,10 @@ def _station(name: str, table: Table, walls: Mapping[str, Wall]) -> Station:
     frame = walls[wall].frame
     yaw = 0.5 * pi + 0.5 * pi * ((frame.quarters + 1) % 4 - 1)
     return Station(name, *frame.point(x, y), yaw, wall)
+
+
+def _asides(table: Table, key: str) -> tuple[Station, ...]:
+    return tuple(_aside(name, entry) for name, entry in table.tables(key).items())
 
 
 def _aside(name: str, table: Table) -> Station:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 from remac_env.errors import KitchenFileError
@@ -43,8 +44,49 @@ def check(layout: Layout, file: str) -> None:
         _check_apart(first, second, layout, file)
     for fixture in layout.fixtures.values():
         _check_sweep(fixture, layout, file)
+    check_places(layout, file)
+    if layout.team_asides:
+        check_team(replace(layout, asides=layout.team_asides), file)
+
+
+def check_places(layout: Layout, file: str) -> None:
+    """Raise KitchenFileError where robots have no room to stand, or cannot pass one that works or is parked."""
     _check_stations(layout, file)
     _check_ways(layout, file)
+
+
+def check_team(layout: Layout, file: str) -> None:
+    """Raise KitchenFileError unless robots on all parking places have room there, and out of there.
+
+    Each reaches all stations while all others are parked, also while one of them works at any station.
+    """
+    check_places(layout, file)
+    space = floor(layout)
+    for own in layout.asides:
+        others = [place for place in layout.asides if place is not own]
+        for worker in (None, *others):
+            parked = [place for place in others if place is not worker]
+            alone = _without(space, layout, parked)
+            for station in layout.stations.values() if worker else ():
+                _check_team_way(_without(alone, layout, [station]), layout, own, [*parked, station], file)
+            if worker is None:
+                _check_team_way(alone, layout, own, parked, file)
+
+
+def _without(space: Floor, layout: Layout, places: Iterable[Station]) -> Floor:
+    for place in places:
+        block = in_use(layout, place)
+        space = space.without(block.low[:2], block.high[:2])
+    return space
+
+
+def _check_team_way(space: Floor, layout: Layout, own: Station, others: Sequence[Station], file: str) -> None:
+    cells, taken = space.reachable((own.x, own.y)), [in_use(layout, place) for place in others]
+    for station in layout.stations.values():
+        if not space.holds(cells, (station.x, station.y)) and not any(within(station, block) for block in taken):
+            around = " and ".join(place.name for place in others)
+            key = f"team_asides.{own.name}"
+            raise KitchenFileError(file, key, f"{station.name} cannot be reached from there past robots at {around}")
 
 
 def world_blocks(layout: Layout, fixture: Fixture) -> list[Block]:
@@ -57,6 +99,18 @@ def work_floor(frame: Frame, station: Station, *, beside: float = 0.0, behind: f
     x, _ = frame.local(station.x, station.y)
     half, depth = WORK_HALF + beside, WORK_DEPTH + behind
     return frame.block(Block((x - half, -depth, 0.0), (x + half, WALL_Y, 1.0)))
+
+
+def in_use(layout: Layout, place: Station) -> Block:
+    """The floor, world frame, that the axis of a robot must not enter while another one works or is parked there."""
+    if place.wall:
+        return work_floor(layout.facing(place), place, beside=_BESIDE, behind=_BEHIND)
+    return Block((place.x - _PARKED, place.y - _PARKED, 0.0), (place.x + _PARKED, place.y + _PARKED, 1.0))
+
+
+def within(place: Station, block: Block) -> bool:
+    """Whether the axis of a robot at a place is over a block, seen from above."""
+    return block.low[0] < place.x < block.high[0] and block.low[1] < place.y < block.high[1]
 
 
 def floor(layout: Layout, radius: float = BASE_RADIUS) -> Floor:
@@ -208,10 +262,8 @@ def _check_ways(layout: Layout, file: str) -> None:
     users = {station: fixture.name for fixture in layout.fixtures.values() for station in fixture.stations}
     _check_reached(space, places, users, file, "")
     for other in places:
-        around = Block((other.x - _PARKED, other.y - _PARKED, 0.0), (other.x + _PARKED, other.y + _PARKED, 1.0))
-        if other.wall:
-            around = work_floor(layout.facing(other), other, beside=_BESIDE, behind=_BEHIND)
-        rest = [p for p in places if p is not other and not _within(p, around)]
+        around = in_use(layout, other)
+        rest = [p for p in places if p is not other and not within(p, around)]
         _check_reached(space.without(around.low[:2], around.high[:2]), rest, users, file, other.name)
 
 
@@ -229,10 +281,6 @@ def _check_reached(
                 file, f"stations.{place.name}", f"cannot be reached from {first.name}{cause}{used}",
                 f"{2 * BASE_RADIUS:.2f} m of free floor all the way",
             )  # fmt: skip
-
-
-def _within(place: Station, block: Block) -> bool:
-    return block.low[0] < place.x < block.high[0] and block.low[1] < place.y < block.high[1]
 
 
 def _slot_span(slot: Slot, axis: int) -> tuple[float, float]:

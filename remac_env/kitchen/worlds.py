@@ -12,6 +12,7 @@ from remac_env.kitchen import style as styles
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.catalogue import Category
+from remac_env.kitchen.parking import for_robots
 from remac_env.kitchen.starts import sample
 from remac_env.seeding import generator
 from remac_env.start import Start
@@ -30,6 +31,10 @@ class Worlds:
     def layout(self, name: str, style: str) -> Layout:
         """A layout with the variants of fixtures that a style has; raises UnknownNameError."""
         return layouts.load(name, styles.load(style).models)
+
+    def layout_of(self, start: Start) -> Layout:
+        """The layout of a start, with a parking place for each of its robots."""
+        return for_robots(self.layout(start.layout, start.style), len(start.scene.robots))
 
 
 class TaskWorlds(Worlds):
@@ -91,7 +96,7 @@ class TaskWorlds(Worlds):
         style = style or picks[0]
         return sample(
             self.spec,
-            self.layout(layout or picks[1], style),
+            for_robots(self.layout(layout or picks[1], style), len(robots)),
             self.categories,
             style=style,
             starts=starts,

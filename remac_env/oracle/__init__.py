@@ -5,7 +5,7 @@ from remac_env.oracle.commands import relevant_commands
 from remac_env.oracle.distance import FARTHEST, Distances
 from remac_env.oracle.moves import LITTER_ROUNDS
 from remac_env.oracle.problems import problem_id
-from remac_env.oracle.search import Found, OraclePlan, search, search_plan
+from remac_env.oracle.search import Found, OraclePlan, most_states, search, search_plan
 
 __all__ = [
     "FARTHEST",
@@ -15,6 +15,7 @@ __all__ = [
     "Found",
     "OraclePlan",
     "certify",
+    "most_states",
     "problem_id",
     "relevant_commands",
     "search",

@@ -7,7 +7,7 @@ from typing import Literal
 
 from remac_env.oracle.bounds import IMPOSSIBLE, make_bound
 from remac_env.oracle.commands import relevant_commands
-from remac_env.oracle.search import MAX_STATES, OraclePlan, search
+from remac_env.oracle.search import OraclePlan, most_states, search
 from remac_env.rules.facts import ASIDE, Rules
 from remac_env.state import FrozenMap, WorldState
 from remac_env.tasks.goals import Goal
@@ -56,14 +56,16 @@ class Certificate:
 
 
 def certify(
-    scene: Rules, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int = MAX_STATES
+    scene: Rules, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int | None = None
 ) -> Certificate:
     """The certificate of a start for all robots of the scene.
 
     Args:
         max_rounds: what a plan may cost at most, in rounds.
-        max_states: states to look at before giving up; a second search for any plan may look at as many.
+        max_states: states to look at before giving up, `most_states` where None; a second search for any plan may look
+            at as many.
     """
+    max_states = most_states(scene) if max_states is None else max_states
     commands, bound = relevant_commands(scene, world, goal), make_bound(scene, goal)
 
     def reached(state: WorldState) -> bool:
@@ -82,7 +84,7 @@ def certify(
 
 
 def solve(
-    scene: Rules, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int = MAX_STATES
+    scene: Rules, world: WorldState, goal: Goal, *, max_rounds: int = 30, max_states: int | None = None
 ) -> OraclePlan | None:
     """The cheapest plan to the goal for all robots of the scene, or None where none of at most `max_rounds` is known.
 
@@ -92,7 +94,7 @@ def solve(
     return certificate.plan
 
 
-def solvable(scene: Rules, world: WorldState, goal: Goal, *, max_states: int = MAX_STATES) -> bool | None:
+def solvable(scene: Rules, world: WorldState, goal: Goal, *, max_states: int | None = None) -> bool | None:
     """Whether any plan reaches the goal, however long; None where the search gave up.
 
     One robot is tried first, since that is quicker; then all of them together.

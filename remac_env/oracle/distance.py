@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 from remac_env.oracle.certificate import certify
-from remac_env.oracle.search import MAX_STATES
 from remac_env.rules.facts import Rules
 from remac_env.rules.rounds import transition
 from remac_env.state import WorldState
@@ -21,11 +20,11 @@ MOST_KEPT = 200_000
 class Distances:
     """Exact distances in rounds (an object that falls counts as LITTER_ROUNDS more), remembered over episodes.
 
-    Every plan that is found gives the distance of each world on its way. Where the search gives up (two robots, far
-    from the goal), the least that is proven counts.
+    Every plan that is found gives the distance of each world on its way. Where the search gives up (several robots,
+    far from the goal), the least that is proven counts.
     """
 
-    def __init__(self, *, max_states: int = MAX_STATES) -> None:
+    def __init__(self, *, max_states: int | None = None) -> None:
         self._max_states = max_states
         self._known: dict[Hashable, int] = {}
         self.searched = 0

@@ -5,19 +5,41 @@ from __future__ import annotations
 import heapq
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from remac_env.oracle.bounds import IMPOSSIBLE
-from remac_env.oracle.moves import Joint, joint_moves
+from remac_env.oracle.moves import Joint, alike, joint_moves
 from remac_env.rules.facts import Rules
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.state import WorldState
 
 Reached = Callable[[WorldState], bool]
-_Entry = tuple[float, int, int, WorldState, WorldState | None, Joint]
 
 MAX_STATES = 200_000
-"""States that a search looks at before it gives up; about a minute for two robots."""
+"""States that a search looks at before it gives up, for one robot or two; about a minute for two. See `most_states`."""
+
+_ROUNDS_EACH = {3: 10, 4: 60}
+"""Robots -> how many times as long as with two robots a state takes, as there are more rounds to be played from it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Step:
+    """A world on the way, with the round that led to it from the one before."""
+
+    world: WorldState
+    before: _Step | None = None
+    joint: Joint = field(default_factory=dict)
+
+    def rounds(self) -> list[Joint]:
+        """All rounds up to this world."""
+        found, step = list[Joint](), self
+        while step.before is not None:
+            found.append(step.joint)
+            step = step.before
+        return found[::-1]
+
+
+_Entry = tuple[float, int, int, _Step]
 
 
 @dataclass(frozen=True)
@@ -73,7 +95,7 @@ def search_plan(
     commands: Sequence[Subtask],
     bound: Callable[[WorldState], int] = lambda state: 0,
     max_rounds: int = 30,
-    max_states: int = MAX_STATES,
+    max_states: int | None = None,
 ) -> OraclePlan | None:
     """The plan of `search`, where only that matters."""
     return search(
@@ -89,53 +111,52 @@ def search(
     commands: Sequence[Subtask],
     bound: Callable[[WorldState], int] = lambda state: 0,
     max_rounds: int = 30,
-    max_states: int = MAX_STATES,
+    max_states: int | None = None,
     greed: float = 1.0,
 ) -> Found:
     """The cheapest sequence of rounds to a state in which `reached` is true.
 
     Args:
+        reached: with three robots or more it must not hang on which robot is which.
         commands: the subtasks that robots may run; waiting is always allowed.
         bound: a cost in rounds that the rest needs at least; 0 makes the search uninformed.
         max_rounds: what a plan may cost at most, in rounds.
         max_states: states to look at before giving up.
+        max_states: where to give up; `most_states` where None.
         greed: more than 1 finds some plan sooner, not the cheapest; `lower` is then that of the start alone.
     """
     counter = itertools.count()
-    parents: dict[WorldState, tuple[WorldState, Joint] | None] = {}
-    first = bound(world)
+    max_states, first = most_states(scene) if max_states is None else max_states, bound(world)
     if first > max_rounds:
         return Found(None, first, too_long=first < IMPOSSIBLE)
-    costs = {world: 0}
-    queue: list[_Entry] = [(greed * first, next(counter), 0, world, None, {})]
+    costs, done = {alike(scene, world): 0}, set[WorldState]()
+    queue: list[_Entry] = [(greed * first, next(counter), 0, _Step(world))]
     expanded, too_long = 0, False
     while queue:
-        estimate, _, cost, state, parent, joint = heapq.heappop(queue)
-        if cost > costs[state] or (cost == costs[state] and state in parents):
+        estimate, _, cost, step = heapq.heappop(queue)
+        state = step.world
+        if cost > costs[key := alike(scene, state)] or (cost == costs[key] and key in done):
             continue  # a cheaper way to it was found since
         if expanded >= max_states:
             return Found(None, int(estimate) if greed == 1.0 else first, gave_up=True, too_long=too_long)
         expanded += 1
-        parents[state] = None if parent is None else (parent, joint)
+        done.add(key)
         if reached(state):
-            return Found(OraclePlan(tuple(_trace(parents, state)), expanded, cost), cost if greed == 1.0 else first)
+            return Found(OraclePlan(tuple(step.rounds()), expanded, cost), cost if greed == 1.0 else first)
         for move, after, price in joint_moves(scene, state, commands):
             total = cost + price
-            if total >= costs.get(after, IMPOSSIBLE):
+            if total >= costs.get(key := alike(scene, after), IMPOSSIBLE):
                 continue
             rest = bound(after)
             if total + rest > max_rounds:
                 too_long |= rest < IMPOSSIBLE
                 continue
-            costs[after] = total
-            parents.pop(after, None)
-            heapq.heappush(queue, (total + greed * rest, next(counter), total, after, state, move))
+            costs[key] = total
+            done.discard(key)
+            heapq.heappush(queue, (total + greed * rest, next(counter), total, _Step(after, step, move)))
     return Found(None, max_rounds + 1 if too_long else IMPOSSIBLE, too_long=too_long)
 
 
-def _trace(parents: Mapping[WorldState, tuple[WorldState, Joint] | None], state: WorldState) -> list[Joint]:
-    rounds: list[Joint] = []
-    while (step := parents[state]) is not None:
-        state, joint = step
-        rounds.append(joint)
-    return rounds[::-1]
+def most_states(scene: Rules) -> int:
+    """States that a search looks at before it gives up: fewer for larger teams, so that it takes a few minutes."""
+    return MAX_STATES // _ROUNDS_EACH.get(len(scene.robots), 1)

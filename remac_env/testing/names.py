@@ -8,18 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from remac_env.oracle import solve
+from remac_env.oracle import most_states, solve
 from remac_env.seeding import generator
 from remac_env.state import FrozenMap, Place, WorldState
 from remac_env.tasks.goals import lost, progress
 from remac_env.testing.play import Choice, EnvMaker, Tokens, Turn, expect, mask_of, opened, play, random_legal, scripted
 
-FEW_STATES = 2_000
-"""States in which a shortest plan is searched for; then any plan will do, so that the check stays quick."""
+FEW = 100
+"""A shortest plan is searched for in so many times fewer states than usual; then any plan will do, for quickness."""
 
 
 def check_names(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int = 30, replay: bool = True) -> None:
-    """Swap the two robots' actions: the robots are swapped in the result, and the verdict is the same.
+    """Swap the robots' actions: the robots are swapped in the result, and the verdict is the same.
+
+    Of three or more robots each is given the actions of the one before it, and the first those of the last.
 
     Plays random legal episodes, a plan that reaches the goal, and rounds in which both robots are given the same token.
 
@@ -38,7 +40,7 @@ def check_names(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int 
             vocabulary = env.vocabulary
             turns = _judged(env_fn, seed, random_legal(seed, vocabulary), rounds)
             observations, infos = env.reset(seed=seed)
-            plan = solve(env.start.scene, env.world, env.goal, max_states=FEW_STATES)
+            plan = solve(env.start.scene, env.world, env.goal, max_states=most_states(env.start.scene) // FEW)
             mask = mask_of(observations[env.agents[-1]], infos[env.agents[-1]])
             tokens = [int(token) for token in np.flatnonzero(mask) if token != vocabulary.encode("done")]
             shuffled = generator(seed, "check_names").permutation(tokens)[:rounds]
@@ -54,15 +56,20 @@ def check_names(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int 
 
 
 def swap_robots(world: WorldState) -> WorldState:
-    """The world of two robots with their names exchanged."""
-    first, second = world.robots
-    other = {first: second, second: first}
+    """The world with the robots' names exchanged: each has that of the next one, the last that of the first."""
+    other = _following(world.robots)
     objects = {
         name: replace(item, place=Place("held", other[item.place.where])) if item.place.relation == "held" else item
         for name, item in world.objects.items()
     }
-    robots = {name: world.robots[other[name]] for name in world.robots}
+    robots = {other[name]: state for name, state in world.robots.items()}
     return replace(world, robots=FrozenMap(robots), objects=FrozenMap(objects))
+
+
+def _following(robots: Iterable[str]) -> dict[str, str]:
+    """Robot -> the next one, by name; the last -> the first."""
+    names = sorted(robots)
+    return dict(zip(names, [*names[1:], *names[:1]], strict=True))
 
 
 def _judged(env_fn: EnvMaker, seed: int, choose: Choice, rounds: int) -> list[Turn]:
@@ -84,16 +91,16 @@ def _judged(env_fn: EnvMaker, seed: int, choose: Choice, rounds: int) -> list[Tu
 
 def _check_replay(env_fn: EnvMaker, seed: int, script: list[Tokens], wait: int) -> None:
     with opened(env_fn) as env:
-        first, second = env.possible_agents
-        swapped = [{first: tokens[second], second: tokens[first]} for tokens in script]
+        following = _following(env.possible_agents)
+        swapped = [{following[name]: token for name, token in tokens.items()} for tokens in script]
         one = list(play(env, seed, scripted(script, otherwise=wait), rounds=len(script)))
         two = list(play(env, seed, scripted(swapped, otherwise=wait), rounds=len(script)))
     for turn, mirror in zip(one, two, strict=False):
         where = f"check_names, seed {seed}, round {turn.number}"
-        for name, other in ((first, second), (second, first)):
+        for name, other in following.items():
             mine, theirs = _verdict(turn, name), _verdict(mirror, other)
             expect(mine == theirs, f"{where}: {name} gets {mine}, but as {other} {theirs}")
-        world, image = turn.infos[first]["world"], mirror.infos[first]["world"]
+        world, image = (next(iter(each.infos.values()))["world"] for each in (turn, mirror))
         expect(swap_robots(world) == image, f"{where}: the world is not the mirror image when actions are swapped")
     expect(len(one) == len(two), f"check_names, seed {seed}: {len(one) - 1} rounds, swapped {len(two) - 1}")
 

@@ -59,7 +59,7 @@ class Timeline:
     ) -> None:
         check_controllers(controllers, len(start.scene.robots))
         self.start, self._controllers = start, controllers
-        self._layout: Layout = worlds.layout(start.layout, start.style)
+        self._layout: Layout = worlds.layout_of(start)
         self._things: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
         robots = tuple(start.scene.robots)
         self.simulation = Simulation(_model(self._layout, robots, tuple(self._things.items())), robots, before)

@@ -42,7 +42,7 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
     `sensors.task_sensors`. An episode ends after `horizon` steps; `info` has `success` and `progress`.
 
     Args:
-        robots: names of one or two of robosuite's robots with one gripper of two fingers. "PandaOmron" fits the
+        robots: names of one to four of robosuite's robots with one gripper of two fingers. "PandaOmron" fits the
             kitchens: it is the body for which they are made.
         seed: of the start, which every reset brings back exactly; None draws another start for each hard reset.
             `set_seed` changes it. A start is the one that `remac_env.parallel_env(task).reset(seed=seed)` has.

@@ -61,7 +61,7 @@ def draw(worlds: TaskWorlds, cell: Cell) -> Episode:
     return Episode(
         cell=cell,
         start=start,
-        layout=worlds.layout(start.layout, start.style),
+        layout=worlds.layout_of(start),
         things={name: worlds.categories[category] for name, category in start.categories.items()},
         roles=roles,
         goal=spec.goal.bind(roles),
