@@ -51,4 +51,5 @@ def test_larger_teams_give_up_sooner_and_say_so() -> None:
     scene, world, goal = problem("SeasonedMicrowave", 5)
     found = certify(scene, world, goal, max_states=20)
     assert found.unknown and found.optimum is None and found.lower is not None
-    assert search(scene, world, lambda state: False, commands=relevant_commands(scene, world, goal), max_states=3).gave_up
+    commands = relevant_commands(scene, world, goal)
+    assert search(scene, world, lambda state: False, commands=commands, max_states=3).gave_up

@@ -138,7 +138,7 @@ CHANGES: dict[str, tuple[Any, str]] = {
     "deep": (lambda found: found | {"about": np.array("[" * 100_000)}, "cannot be read"),
     "no task": (lambda found: about(found, tasks=[]), "tasks"),
     "tasks that are none": (lambda found: about(found, tasks=7), "cannot be read"),
-    "three robots": (lambda found: about(found, robots=3), "robots 3"),
+    "five robots": (lambda found: about(found, robots=5), "robots 5"),
     "no robot": (lambda found: about(found, robots=True), "robots True"),
     "masks": (lambda found: about(found, masks="none"), "masks 'none'.*feasible"),
     "activation": (lambda found: about(found, activation=["tanh"]), "activation"),
