@@ -54,9 +54,10 @@ def changes() -> list[dict]:
         "obs_format": "flat",
         "failure_rate": 0.5,
     }
-    untold = {field.name for field in fields(Options)} - set(values) - {"naming", "render_mode"}
+    timed = {"clock": "events"}, {"clock": "events", "think": "fixed:5"}, {"clock": "events", "max_seconds": 60.0}
+    untold = {field.name for field in fields(Options)} - set(values) - {"naming", "render_mode"} - set().union(*timed)
     assert not untold, f"no other value is given here for {untold}"
-    return [{name: value} for name, value in values.items()]
+    return [*({name: value} for name, value in values.items()), *timed]
 
 
 def test_looking_at_an_episode_does_not_change_the_key() -> None:
