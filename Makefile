@@ -3,6 +3,7 @@
 # make test-all   the same with the long tests, and robosuite's
 # make rl         install torch and libraries for learners apart, and run the tests and examples of learning there
 # make docs       install what builds the site apart, and build it into build/site
+# make learned    train the weights that come with the package, from nothing, and measure them
 # make robosuite  install robosuite apart, run the tests of our kitchens in it and print how fast they are
 PYTHON ?= python3
 VENV := .venv
@@ -11,7 +12,7 @@ ROBOSUITE := .venv-robosuite
 RL := .venv-rl
 DOCS := .venv-docs
 
-.PHONY: demo test test-all rl docs robosuite robosuite-test tables tables-check lint install clean
+.PHONY: demo test test-all rl learned docs robosuite robosuite-test tables tables-check lint install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -74,6 +75,18 @@ $(DOCS)/.installed: pyproject.toml
 
 docs: $(DOCS)/.installed
 	$(DOCS)/bin/python docs/make_site.py
+
+# The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. About an hour.
+LEARNED := OpenDoor,CloseDoor,TurnOn,TurnOff
+SHIPPED := remac_env/backends/physics/controllers/learned/shipped
+$(RL)/.installed-learn: $(RL)/.installed
+	$(RL)/bin/pip install --quiet --disable-pip-version-check --editable ".[learn]"
+	touch $@
+
+learned: $(RL)/.installed-learn
+	$(RL)/bin/remac learn record --skills $(LEARNED) --episodes 240 --out demos --processes 2
+	$(RL)/bin/remac learn train --skills $(LEARNED) --demos demos --weights $(SHIPPED)
+	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials 300 --note --processes 2
 
 clean:
 	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) build .cache demo_output .pytest_cache .mypy_cache .ruff_cache

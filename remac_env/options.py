@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 
 from remac_env.errors import OptionError
 from remac_env.option_rows import Choice, Real, Whole, check_rows, option
+from remac_env.skill_sources import SCRIPTED, SkillValues
 from remac_env.thinking import ThinkValues
 from remac_env.values import python_fields
 
@@ -73,6 +74,10 @@ class Options:
         Choice(OBS_FORMATS), spoken=False,
     )  # fmt: skip
     failure_rate: float = option(0.0, "Probability that a subtask slips (symbolic).", Real(0.0, 1.0))
+    skills: str = option(
+        "scripted", "Who moves robots (physics): scripted, learned (the package's weights), a folder of weights, or "
+        "SKILL=one of these with commas between them; skills without weights are scripted.", SkillValues(),
+    )  # fmt: skip
     clock: str = option(
         "rounds", "rounds (all robots begin and end together) or events (each is asked again when it has ended).",
         Choice(CLOCKS),
@@ -96,7 +101,8 @@ class Options:
         check_rows(self)
         if self.failure_rate and self.backend != "symbolic":
             raise OptionError("failure_rate is for backend='symbolic'; in physics use perception_noise")
-
+        if self.skills != SCRIPTED and self.backend != "physics":
+            raise OptionError(f"skills={self.skills!r} is for backend='physics'; the skill table moves nothing")
         if self.think != "off" and self.clock != "events":
             raise OptionError(f"think={self.think!r} is for clock='events'; with clock='rounds' thinking costs nothing")
         if self.obs_format == "flat" and self.obs != "state":

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from remac_env.actions import check_actions, decode
-from remac_env.backends import make_backend
+from remac_env.backends import make_backend, told_skills
 from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms
 from remac_env.errors import LifecycleError
@@ -59,7 +59,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             "is_parallelizable": True,
             "render_fps": 20,
         }
-        self.render_mode = options.render_mode
+        self.render_mode, self.skills = options.render_mode, told_skills(options)
         self.possible_agents = list(options.robot_names)
         self.agents: list[str] = []
         self._facts = Facts(self.vocabulary, options.robots)

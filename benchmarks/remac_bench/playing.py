@@ -87,6 +87,7 @@ class Course:
     joined: bool = False
     book: StepBook = field(default_factory=StepBook)
     timeline: list[SpanEntry] = field(default_factory=list)
+    skills: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def shared(self) -> Mapping[str, Any]:
@@ -162,6 +163,7 @@ def _report(agent: Agent, folder: Path) -> _Report:
 
 def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, *, optimum: bool) -> None:
     observations, course.infos = env.reset(seed=job.seed)
+    course.skills = getattr(env, "skills", {})
     course.progress = env.progress
     course.worlds.append(as_values(env.world))
     course.problem = problem_id(env.start.scene, env.world, env.goal)
@@ -251,6 +253,7 @@ def make_record(
         error=None if fault is None else fault.entry(),
         options=printable_values(job.facts),
         versions=versions(),
+        skills=dict(course.skills),
         started=course.started,
         machine=machine(),
         **({} if job.suite is None else job.suite.fields),

@@ -177,6 +177,8 @@ class Record(Model):
             were reached; "job_seconds": the bound on the job's wall time.
         started: when it began, UTC, ISO 8601 to the second; machine: system, processor and cores. None in records from
             before 2026-11-30.
+        skills: skill -> "scripted", or the digest of the weights (sha256) by which it moved; empty where all of them
+            were scripted.
         suite, suite_version, suite_digest: the frozen list that the job belongs to, and the digest of its content;
             None for a job that was put together on the command line.
     """
@@ -237,6 +239,7 @@ class Record(Model):
     error: ErrorEntry | None = None
     options: dict[str, Any] = Field(default_factory=dict)
     versions: dict[str, str] = Field(default_factory=dict)
+    skills: dict[str, str] = Field(default_factory=dict)
     started: str | None = None
     machine: str | None = None
     suite: str | None = None

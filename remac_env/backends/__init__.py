@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 from remac_env.backends.base import Backend
 from remac_env.backends.symbolic import SymbolicBackend
+from remac_env.rules.skills import SKILLS
 from remac_env.simulator import load_mujoco
+from remac_env.skill_sources import SCRIPTED
 
 if TYPE_CHECKING:
     from remac_env.kitchen.worlds import TaskWorlds
@@ -19,5 +21,22 @@ def make_backend(options: Options, worlds: TaskWorlds) -> Backend:
         return SymbolicBackend(failure_rate=options.failure_rate)
     load_mujoco()
     from remac_env.backends.physics.backend import PhysicsBackend
+    from remac_env.backends.physics.controllers.learned.library import learned_skills, makers
 
-    return PhysicsBackend(worlds)
+    return PhysicsBackend(worlds, controllers=makers(learned_skills(options.skills, options.robots)))
+
+
+def told_skills(options: Options) -> dict[str, str]:
+    """Skill -> "scripted", or the digest of its weights (sha256); empty where all of them are scripted.
+
+    Raises:
+        OptionError: for weights that are not there or cannot be used.
+    """
+    if options.skills == SCRIPTED:
+        return {}
+    load_mujoco()
+    from remac_env.backends.physics.controllers.learned.library import learned_skills
+
+    learned = learned_skills(options.skills, options.robots)
+    moving = [skill for skill, row in SKILLS.items() if not row.still]
+    return {skill: learned[skill].sha256 if skill in learned else SCRIPTED for skill in moving}

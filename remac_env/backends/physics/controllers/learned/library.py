@@ -1,0 +1,69 @@
+"""The learned skills that an episode uses: those of the package, and those of folders."""
+
+from __future__ import annotations
+
+from functools import lru_cache, partial
+from pathlib import Path
+
+from remac_env.backends.physics.controllers.base import MakeController
+from remac_env.backends.physics.controllers.learned.controller import Learned
+from remac_env.backends.physics.controllers.learned.weights import SUFFIX, Weights, read_weights
+from remac_env.errors import OptionError
+from remac_env.rules.skills import SKILLS
+from remac_env.skill_sources import LEARNED, SCRIPTED, VALID, Sources
+
+SHIPPED = Path(__file__).with_name("shipped")
+"""The weights that come with the package."""
+
+
+def file_name(skill: str) -> str:
+    """What the file of a skill's weights is called in its folder."""
+    return "".join(word.capitalize() for word in skill.split()) + SUFFIX
+
+
+def learned_skills(text: str, robots: int) -> dict[str, Weights]:
+    """The weights of each skill that is learned by a value of the option `skills`; all others are scripted.
+
+    With several robots drives stay scripted, as learned ones know of no other robot.
+
+    Raises:
+        OptionError: for weights that cannot be used, a folder that is not there or has none, a skill that was named
+            and has no weights, or a learned drive of several robots that was named.
+    """
+    sources, found = Sources.read(text), dict[str, Weights]()
+    for skill in sources.named:
+        if sources.of(skill) != SCRIPTED and robots > 1 and SKILLS[skill].moves:
+            raise OptionError(f"skills: {skill!r} is learned with one robot only; valid: robots=1, or {skill}=scripted")
+    for skill, row in SKILLS.items():
+        source = sources.of(skill)
+        if source == SCRIPTED or row.still or (row.moves and robots > 1):
+            continue
+        path = _folder(source) / file_name(skill)
+        if path.exists():
+            found[skill] = _read(path, path.stat().st_mtime_ns)
+        elif skill in sources.named:
+            raise OptionError(f"skills: {source!r} has no weights for {skill!r}; valid: {_kept(_folder(source))}")
+    return found
+
+
+def makers(weights: dict[str, Weights]) -> dict[str, MakeController]:
+    """What makes the controllers of learned skills."""
+    return {skill: partial(Learned, known) for skill, known in weights.items()}
+
+
+def _folder(source: str) -> Path:
+    folder = SHIPPED if source == LEARNED else Path(source)
+    if source != LEARNED and not list(folder.glob(f"*{SUFFIX}")):
+        raise OptionError(f"skills: {source!r} is no folder with weights in it; valid: {VALID}")
+    return folder
+
+
+def _kept(folder: Path) -> str:
+    known = [skill for skill in SKILLS if (folder / file_name(skill)).exists()]
+    return ", ".join([*known, "or scripted"])
+
+
+@lru_cache(maxsize=64)
+def _read(path: Path, changed: int) -> Weights:
+    """Weights are shared between episodes; a file that has changed is read again."""
+    return read_weights(path)

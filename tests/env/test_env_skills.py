@@ -1,0 +1,123 @@
+"""The option `skills`: who moves robots, said in every way, refused where it means nothing, and recorded."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import remac_env
+from remac_env.backends.physics.controllers.learned.library import SHIPPED, file_name, learned_skills
+from remac_env.backends.physics.controllers.learned.network import COMMANDED, Network
+from remac_env.backends.physics.controllers.learned.seen import entries
+from remac_env.backends.physics.controllers.learned.weights import About, Weights, save_weights
+from remac_env.errors import OptionError, UnknownNameError
+from remac_env.options import Options
+from remac_env.rules.skills import SKILLS
+
+TASK = "OpenMicrowavePnP"
+
+
+def write(folder: Path, skill: str) -> Path:
+    """Weights that stand still, in this folder."""
+    inputs = len(entries(SKILLS[skill]))
+    layer = tuple(np.zeros(shape, np.float32) for shape in ((4, inputs), (4,), (4,), (4,)))
+    last = (np.zeros((COMMANDED, 4), np.float32), np.zeros(COMMANDED, np.float32))
+    out = np.zeros((1, COMMANDED), np.float32)
+    network = Network(np.zeros(inputs, np.float32), np.ones(inputs, np.float32), (layer,), last, out, out + 1)  # type: ignore[arg-type]
+    about = About(skill=skill, targets=(), execute=1)
+    path = folder / file_name(skill)
+    save_weights(path, Weights(about=about, network=network, sample=np.zeros((1, inputs), np.float32)))
+    return path
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for skill in ("open door", "navigate to"):
+        write(tmp_path, skill)
+    return tmp_path
+
+
+def told(skills: Any, robots: int = 1) -> dict[str, str]:
+    """Of the learned skills, the first digits of the digests that an environment tells."""
+    env = remac_env.parallel_env(TASK, robots=robots, skills=skills)
+    try:
+        return {skill: known[:6] for skill, known in env.skills.items() if known != "scripted"}
+    finally:
+        env.close()
+
+
+def test_scripted_skills_are_the_default_and_say_nothing() -> None:
+    assert Options().skills == "scripted" and told("scripted") == {}
+    assert remac_env.parallel_env(TASK).skills == {}
+
+
+def test_a_folder_is_used_as_far_as_it_goes(folder: Path) -> None:
+    assert set(told(str(folder))) == {"open door", "navigate to"} == set(told(folder))
+    assert set(told(str(folder), robots=2)) == {"open door"}, "drives of two robots stay scripted"
+
+
+@pytest.mark.parametrize("spoken", [
+    {"open door": "FOLDER"}, "open door=FOLDER", "scripted, open door = FOLDER", {"open door": Path("FOLDER")},
+    "FOLDER,navigate to=scripted",
+])  # fmt: skip
+def test_a_mapping_by_skill_says_the_same_as_a_text(spoken: Any, folder: Path) -> None:
+    if isinstance(spoken, dict):
+        given: Any = {skill: type(name)(str(name).replace("FOLDER", str(folder))) for skill, name in spoken.items()}
+    else:
+        given = spoken.replace("FOLDER", str(folder))
+    assert set(told(given)) == {"open door"}
+    assert Options(skills=Options(skills=given).skills).skills == Options(skills=given).skills
+
+
+@pytest.mark.parametrize(("given", "why"), [
+    ("nowhere", "folder with weights"), ("juggle=learned", "valid: navigate aside"),
+    ("wait=learned", "skill of skills"), ("", "SKILL="), ("open door=", "SKILL="), ("a,b", "SKILL="), (7, "SKILL="),
+    ({"open door": 3}, "SKILL="), ("open door=learned,open door=scripted", "SKILL="),
+    ("close door=FOLDER", "has no weights for 'close door'"),
+])  # fmt: skip
+def test_what_means_nothing_is_refused_before_anything_is_built(given: Any, why: str, folder: Path) -> None:
+    given = given.replace("FOLDER", str(folder)) if isinstance(given, str) else given
+    with pytest.raises((OptionError, UnknownNameError), match=why):
+        remac_env.parallel_env(TASK, robots=1, skills=given)
+
+
+def test_learned_drives_of_two_robots_and_symbolic_skills_are_refused(folder: Path) -> None:
+    with pytest.raises(OptionError, match="one robot"):
+        remac_env.parallel_env(TASK, robots=2, skills={"navigate to": str(folder)})
+    with pytest.raises(OptionError, match="physics"):
+        remac_env.parallel_env(TASK, backend="symbolic", skills="learned")
+
+
+def test_damaged_weights_are_refused_when_the_environment_is_made(folder: Path) -> None:
+    path = folder / file_name("open door")
+    path.write_bytes(path.read_bytes()[:200])
+    with pytest.raises(OptionError, match="OpenDoor.npz.*cannot be read"):
+        remac_env.parallel_env(TASK, robots=1, skills=folder)
+
+
+def test_a_learned_skill_is_played_without_torch_and_judged_by_the_kitchen(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for library in ("torch", "h5py"):
+        monkeypatch.setitem(sys.modules, library, None)
+    env = remac_env.parallel_env(TASK, robots=1, skills={"open door": folder})
+    env.reset(seed=3)
+    for text in ("navigate to microwave", "open microwave door"):
+        *_, infos = env.step({"robot_0": env.vocabulary.encode(text)})
+    outcome = infos["robot_0"]["outcome"]
+    assert (outcome["status"], outcome["reason"]) == ("failure", "slipped"), "these weights stand still"
+    env.close()
+
+
+def test_the_packages_own_weights_are_small_whole_and_measured() -> None:
+    found = learned_skills("learned", 1)
+    assert {file_name(skill) for skill in found} == {path.name for path in SHIPPED.glob("*.npz")}
+    for skill, known in found.items():
+        assert known.about.skill == skill and known.about.measured and known.about.demonstrations
+        assert (SHIPPED / file_name(skill)).stat().st_size < 1_000_000
+
+
