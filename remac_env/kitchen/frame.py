@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import pi
 
 import numpy as np
@@ -18,12 +18,13 @@ class Frame:
     """A level frame: its origin, m, and its heading in quarter turns about the vertical, world frame.
 
     Quarter turns are exact: numbers in a frame without any are those of the world to the last bit. More than three of
-    them mean the same directions, but other values of the joint that turns a robot.
+    them mean the same directions, but other values of the joint that turns a robot. `name`: whose it is.
     """
 
     x: float = 0.0
     y: float = 0.0
     quarters: int = 0
+    name: str = field(default="room", compare=False)
 
     @property
     def heading(self) -> float:

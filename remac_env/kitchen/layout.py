@@ -120,7 +120,7 @@ def _wall(name: str, table: Table, room: Room) -> Wall:
         frame = Frame(x, y, int(heading) // 90)
     tiles = (table.span("tiles_x"), table.span("tiles_z")) if table.has("tiles_x") else None
     table.close()
-    return Wall(name, frame, side, tiles)
+    return Wall(name, replace(frame, name=f"wall {name}"), side, tiles)
 
 
 def _station(name: str, table: Table, walls: Mapping[str, Wall]) -> Station:

@@ -17,7 +17,7 @@ from remac_env.backends.physics.controllers.base import Command, CommandError, M
 from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.sensing import Briefed
 from remac_env.errors import LifecycleError, OptionError, PhysicsError, UnknownNameError
-from remac_env.kitchen.frame import Frame
+from remac_env.kitchen.frame import WORLD, Frame
 from remac_env.robots import panda
 from remac_env.robots.rotation import about_z
 from remac_env.rules.outcomes import Outcome, failure
@@ -302,7 +302,7 @@ def test_pictures_are_drawn_when_asked_for() -> None:
 
 
 def test_poses_say_in_which_frame_they_are() -> None:
-    pose, frame = Pose(np.array([1.0, 2.0, 3.0]), about_z(0.3)), Frame(0.5, -1.0, 1)
+    pose, frame = Pose(np.array([1.0, 2.0, 3.0]), about_z(0.3), WORLD), Frame(0.5, -1.0, 1)
     seen = pose.seen_from(frame)
     assert seen.frame is frame
     np.testing.assert_allclose(seen.position, [3.0, -0.5, 3.0])

@@ -38,10 +38,9 @@ def test_things_are_seen_off_in_height_and_turn_too(looks: list[tuple[PhysicsBac
     shifts, turns = [], []
     for backend, here in looks:
         for name in THINGS:
-            position, rotation = here.simulation.in_world(name)
-            at, turned = backend._begun().simulation.pose(name)
-            shifts.append(position - at)
-            turns.append(rotation_vector(rotation @ turned.T))
+            seen, truth = here.simulation.in_room(name), backend._begun().simulation.pose(name)
+            shifts.append(seen.position - truth.position)
+            turns.append(rotation_vector(seen.rotation @ truth.rotation.T))
     assert (spread(shifts) > 0.5 * NOISE).all() and (spread(shifts) < 2.0 * NOISE).all(), spread(shifts)
     assert spread(turns)[2] > 0.5 * NOISE / 0.15
     assert np.abs(np.array(turns)[:, :2]).max() < 1e-9, "about the vertical"
@@ -73,7 +72,7 @@ def test_paths_are_checked_in_the_world_as_seen(looks: list[tuple[PhysicsBackend
                 assert np.abs(moved[body]).max() > 1e-5, name
         for name in THINGS:
             body = here.simulation.model.body(name).id
-            np.testing.assert_allclose(here.scratch.data.xpos[body], here.simulation.in_world(name)[0])
+            np.testing.assert_allclose(here.scratch.data.xpos[body], here.simulation.in_room(name).position)
 
 
 def test_a_handle_is_seen_where_the_checked_world_has_it(looks: list[tuple[PhysicsBackend, Surroundings]]) -> None:
@@ -109,12 +108,12 @@ def test_a_thing_in_the_hand_is_misjudged_as_a_whole() -> None:
 
 def test_each_round_looks_anew_and_each_episode_alike() -> None:
     backend, here = looking(NOISE)
-    first = here.simulation.in_world("mug")[0]
+    first = here.simulation.in_room("mug").position
     other_backend, other = looking(NOISE)
-    np.testing.assert_array_equal(first, other.simulation.in_world("mug")[0])
+    np.testing.assert_array_equal(first, other.simulation.in_room("mug").position)
     _, _, worlds = kitchen(THINGS, 120500, noise=NOISE)
     run(backend, worlds, ["wait"])
-    assert np.abs(here.simulation.in_world("mug")[0] - first).max() > 1e-4
+    assert np.abs(here.simulation.in_room("mug").position - first).max() > 1e-4
     assert other_backend.world == backend.world
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import mujoco
 import numpy as np
 import pytest
@@ -10,10 +12,12 @@ from remac_env.backends.physics.controllers.scripted.collision import Fence, Scr
 from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit
+from remac_env.backends.physics.pose import FrameError, Pose
 from remac_env.backends.physics.sensing import Senses
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.frame import WORLD, Frame
 from remac_env.kitchen.objects import catalogue
 from remac_env.robots import panda
 from remac_env.robots.ik import Kinematics
@@ -74,13 +78,30 @@ def test_gripper_may_touch_its_target_only(kitchen: tuple[Simulation, Scratch, P
     simulation, scratch, planner = kitchen
     scratch.begin()
     base = np.array([0.11, -0.31, 0.5 * np.pi])
-    goals = planner.reach(np.array([0.11, 0.24, 0.93]), DOWN, base, panda.tucked(*base))
+    goals = planner.reach(Pose(np.array([0.11, 0.24, 0.93]), DOWN, WORLD), base, panda.tucked(*base))
     assert goals
     scratch.fingers(0.02)
     assert not any(scratch.free(goal) for goal in goals)
     scratch.begin(target=simulation.geoms("vegetable"))
     scratch.fingers(0.02)
     assert any(scratch.free(goal) for goal in goals)
+
+
+def test_a_pose_of_another_frame_is_refused(kitchen: tuple[Simulation, Scratch, Planner]) -> None:
+    simulation, scratch, planner = kitchen
+    base, wall = np.array([0.11, -0.31, 0.5 * np.pi]), Frame(0.5, 0.0, 1, "wall left")
+    pose = Pose(np.array([0.11, 0.24, 0.93]), DOWN, WORLD)
+    told = pose.seen_from(wall)
+    uses: tuple[Callable[[Pose], object], ...] = (
+        lambda pose: planner.reach(pose, base, panda.tucked(*base)),
+        lambda pose: planner.line(panda.tucked(*base), pose),
+        lambda pose: scratch.robot.grip_pose().of(pose),
+    )
+    for use in uses:
+        with pytest.raises(FrameError, match="wall left.*is used in .*room"):
+            use(told)
+        use(told.in_room())
+        use(pose)
 
 
 def test_released_things_go_back_to_where_they_are(kitchen: tuple[Simulation, Scratch, Planner]) -> None:

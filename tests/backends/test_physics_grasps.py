@@ -11,10 +11,12 @@ from physics_kit import stand
 
 from remac_env.backends.physics.controllers.scripted.grasps import candidates
 from remac_env.backends.physics.crew import Crew
+from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.backends.physics.stage import pose_start
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.frame import WORLD
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.colliders import WALL_PIECES
 from remac_env.kitchen.scene import build_scene, resting_fixtures
@@ -60,7 +62,7 @@ def test_a_robot_that_has_gone_round_does_not_turn_back_to_come_home(
 @pytest.mark.parametrize("yaw", [0.0, 0.2, -1.4, 3.0])
 def test_a_rim_is_taken_in_the_middle_of_a_piece_the_nearest_first(category: str, yaw: float) -> None:
     obj, position = catalogue.get(category), np.array([0.3, 0.2, 0.93])
-    found = candidates(obj, position, about_z(yaw))
+    found = candidates(obj, Pose(position, about_z(yaw), WORLD))
     around = []
     for grasp in found:
         local = about_z(yaw).T @ (grasp.position - position)

@@ -13,10 +13,12 @@ from remac_env.backends.physics.controllers.scripted import insert, reach, searc
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.search import Budget, Reasons
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Hit, NoWay
+from remac_env.backends.physics.pose import Pose
+from remac_env.kitchen.frame import WORLD
 from remac_env.robots.rotation import Array
 
 STANDS = [np.array([x, 0.0, 0.0]) for x in (0.0, 1.0, 2.0)]
-GRASPS = [Grasp(np.full(3, float(k)), np.eye(3), np.zeros(3)) for k in range(4)]
+GRASPS = [Grasp(np.full(3, float(k)), np.eye(3), WORLD, before=np.zeros(3)) for k in range(4)]
 
 
 @dataclass
@@ -30,8 +32,8 @@ class Counted:
 class Three:
     """A planner that reaches every pose in three ways."""
 
-    def reach(self, position: Array, rotation: Array, base: Array, near: Array, *, most: int) -> list[Array]:
-        return [np.array([base[0], position[0], k]) for k in range(most)]
+    def reach(self, pose: Pose, base: Array, near: Array, *, most: int) -> list[Array]:
+        return [np.array([base[0], pose.position[0], k]) for k in range(most)]
 
 
 def look(checker: Counted, budget: Budget, right: tuple[float, float, float] | None = None) -> tuple[Any, list[Any]]:

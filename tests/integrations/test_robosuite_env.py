@@ -82,7 +82,7 @@ def test_a_start_is_the_one_of_the_same_seed_elsewhere(task: str) -> None:
     assert not env._check_success()
     assert env.reward() == 0.0
     for role, obj in env.episode.roles.items():
-        assert env._get_observations(force_update=True)[f"{role}_pos"] == pytest.approx(env._bodies.pose(obj)[0])
+        assert env._get_observations(force_update=True)[f"{role}_pos"] == pytest.approx(env._bodies.pose(obj).position)
     stand(env, solved(there.start, there.goal))
     # What was left on by a button and what was washed cannot be posed: those are tested where they happen.
     held = {type(atom).__name__: atom.holds(there.start.scene, env.world) for atom in env.episode.goal.atoms()}
@@ -208,7 +208,7 @@ def test_without_a_seed_hard_resets_draw_and_soft_ones_repeat() -> None:
     env.reset()
     assert env.episode.cell != first
     observed = env.reset()
-    assert observed["food_pos"] == pytest.approx(env._bodies.pose(env.episode.roles["food"])[0])
+    assert observed["food_pos"] == pytest.approx(env._bodies.pose(env.episode.roles["food"]).position)
     env.close()
 
 

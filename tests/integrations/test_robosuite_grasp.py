@@ -80,7 +80,7 @@ def test_a_hand_lifts_a_thing(step: float, monkeypatch: pytest.MonkeyPatch) -> N
     env.reset()
     obj, robot, layout = env.episode.roles["food"], "robot_0", env.episode.layout
     slot = layout.slots[env.world.objects[obj].place.where]
-    station, at, hand = layout.stations[slot.station], env._bodies.pose(obj)[0], Hand(env, robot)
+    station, at, hand = layout.stations[slot.station], env._bodies.pose(obj).position, Hand(env, robot)
     put(env, robot, station.x, station.y, station.yaw)
     assert env.world.robots[robot].station == slot.station
     put(env, robot, at[0] - AHEAD * math.cos(station.yaw), at[1] - AHEAD * math.sin(station.yaw), station.yaw)
@@ -91,7 +91,7 @@ def test_a_hand_lifts_a_thing(step: float, monkeypatch: pytest.MonkeyPatch) -> N
     hand.go(at + [0.0, 0.0, LIFTED], 50, 1.0)
     assert env.world.robots[robot].holding == obj
     assert env.world.objects[obj].place == Place("held", robot)
-    assert env._bodies.pose(obj)[0][2] - at[2] == pytest.approx(LIFTED, abs=0.02)
+    assert env._bodies.pose(obj).position[2] - at[2] == pytest.approx(LIFTED, abs=0.02)
     hand.go(at + [0.0, 0.0, 0.01], 50, 1.0)
     hand.go(at + [0.0, 0.0, 0.01], 20, -1.0)
     assert env.world.robots[robot].holding is None

@@ -8,6 +8,8 @@ from typing import Protocol
 import mujoco
 import numpy as np
 
+from remac_env.backends.physics.pose import Pose
+from remac_env.kitchen.frame import WORLD
 from remac_env.robots.rotation import Array
 
 
@@ -41,10 +43,10 @@ class Bodies:
         b = self.model.body(body)
         return list(range(int(b.geomadr[0]), int(b.geomadr[0]) + int(b.geomnum[0]))) if b.geomnum[0] else []
 
-    def pose(self, body: str) -> tuple[Array, Array]:
-        """Position (3,) and rotation (3, 3) of a body."""
+    def pose(self, body: str) -> Pose:
+        """Where a body is, in the frame of the room."""
         b = self.model.body(body).id
-        return self.data.xpos[b].copy(), self.data.xmat[b].reshape(3, 3).copy()
+        return Pose(self.data.xpos[b].copy(), self.data.xmat[b].reshape(3, 3).copy(), WORLD)
 
     def joint(self, name: str) -> float:
         """Position of a hinge (rad) or slide (m)."""

@@ -82,7 +82,8 @@ class Happened:
 
     def _watch_shaker(self, name: str, shaker: _Shaker) -> None:
         """Count jerks that change sides, for what lies where the grains fall."""
-        position, rotation = self._simulation.pose(name)
+        pose = self._simulation.pose(name)
+        position, rotation = pose.position, pose.rotation
         height, before = float(position[2]), shaker.height
         speed, last = (height - before) / CONTROL_PERIOD, shaker.speed
         shaker.height, shaker.speed = height, speed
@@ -106,7 +107,7 @@ class Happened:
         top = position + rotation[:, 2] * 2.0 * self._things[name].size[2]
         found: list[tuple[float, float, str]] = []
         for thing, kind in self._things.items():
-            at, _ = self._simulation.pose(thing)
+            at = self._simulation.pose(thing).position
             if thing != name and 0.0 < top[2] - at[2] < HIGHEST:
                 miss = max(0.0, math.dist(at[:2], top[:2]) - max(kind.size[:2]))
                 found += [(miss, -float(at[2]), thing)] if miss <= SCATTER else []

@@ -34,7 +34,7 @@ def blocks(here: Surroundings, bodies: Collection[str]) -> tuple[Block, ...]:
 
 
 def _block(here: Surroundings, body: str) -> Block:
-    (x, y, _), reach = here.simulation.in_world(body)[0], _reach(here, body)
+    (x, y, _), reach = here.simulation.in_room(body).position, _reach(here, body)
     return Block((x - reach, y - reach, 0.0), (x + reach, y + reach, 1.0))
 
 
@@ -45,7 +45,7 @@ def _reach(here: Surroundings, body: str) -> float:
 
 def pressed(here: Surroundings) -> frozenset[str]:
     """The objects on the floor that are at the base of a robot, and those at them."""
-    places = {body: here.simulation.in_world(body)[0][:2] for body in lying(here)}
+    places = {body: here.simulation.in_room(body).position[:2] for body in lying(here)}
     x, y, yaw = here.robot.standing
     turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
 

@@ -98,7 +98,7 @@ class Pilot:
         if held is None:
             here.hand.body, here.hand.contents = None, ()
         elif held != here.hand.body:
-            take(here, held, stood[held].seen_from(here.robot.frame).rotation, tuple(contents(told, held)))
+            take(here, held, stood[held].seen_from(here.robot.frame), tuple(contents(told, held)))
 
     def _kept(self, run: Generator[Command, None, Outcome], seconds: float) -> Attempt:
         """Run scripted motions; the set-points at which they leave the robot stay in force."""

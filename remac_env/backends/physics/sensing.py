@@ -16,6 +16,7 @@ from remac_env.backends.physics.snapshot import shifted
 from remac_env.errors import LifecycleError, UnknownNameError, check_choice
 from remac_env.kitchen.fixtures import FixtureReading
 from remac_env.kitchen.floor_plan import Layout, Station
+from remac_env.kitchen.frame import WORLD
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array, about_z, quaternion
 from remac_env.state import WorldState
@@ -57,17 +58,18 @@ class Senses:
 
     def hold(self, body: str) -> None:
         """Note that the robot's hand has taken an object, which it goes on misjudging as it does now."""
-        self.perception.hold(body, self._simulation.pose(body)[1])
+        self.perception.hold(body, self._simulation.pose(body).rotation)
 
     def pose(self, name: str) -> Pose:
         """Where an object is seen, or a part of a fixture by the name of its body, site or geom."""
         if name in self.objects:
-            return Pose(*self.perception.thing(name, *self._simulation.pose(name)))
+            truth = self._simulation.pose(name)
+            return Pose(*self.perception.thing(name, truth.position, truth.rotation), WORLD)
         position, rotation = self._part(name)
         error = self.perception.fixtures.get(name.partition("/")[0])
         if error is None:
-            return Pose(position, rotation)
-        return Pose(error.point(position), about_z(error.turn) @ rotation)
+            return Pose(position, rotation, WORLD)
+        return Pose(error.point(position), about_z(error.turn) @ rotation, WORLD)
 
     def _part(self, name: str) -> tuple[Array, Array]:
         """Position and rotation of a part in the simulation."""
@@ -88,7 +90,7 @@ class Senses:
         """Where the middle of a slot is seen; of one in a drawer, where the drawer has it now."""
         fixture, middle = self.layout.slots[name].fixture, np.array(self.layout.middle(name))
         at = middle + self.off(fixture, middle) + shifted(self._simulation, self.layout, name)
-        return Pose(at, about_z(self.turned(fixture)) @ self.layout.frame(fixture).rotation)
+        return Pose(at, about_z(self.turned(fixture)) @ self.layout.frame(fixture).rotation, WORLD)
 
     def off(self, part: str, point: Array) -> Array:
         """By how much (3,) a point (3,) of a fixture seems to be off; ``part``: a name that begins with it."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from remac_env.backends.physics.bodies import Bodies
 from remac_env.backends.physics.pose import Pose
 from remac_env.errors import PhysicsError
+from remac_env.kitchen.frame import WORLD
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array
 
@@ -91,7 +92,8 @@ class RobotHandle:
     @property
     def grip_pose(self) -> Pose:
         """Measured pose of the grip site."""
-        return Pose(self._data.site_xpos[self._site].copy(), self._data.site_xmat[self._site].reshape(3, 3).copy())
+        rotation = self._data.site_xmat[self._site].reshape(3, 3).copy()
+        return Pose(self._data.site_xpos[self._site].copy(), rotation, WORLD)
 
 
 class Simulation(Bodies):

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from remac_env.backends.physics.bodies import Bodies, Standing
+from remac_env.backends.physics.pose import Pose
 from remac_env.kitchen.fixtures import Slot
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
@@ -31,8 +32,8 @@ _UPRIGHT = 0.8  # z component of a vessel's axis
 class Posed(Protocol):
     """Whatever says where bodies are, or are seen."""
 
-    def pose(self, body: str) -> tuple[Array, Array]:
-        """Position (3,) and rotation (3, 3) of a body."""
+    def pose(self, body: str) -> Pose:
+        """Where a body is."""
 
 
 def read_world(
@@ -88,7 +89,7 @@ def _place(
 ) -> Place:
     if name in holders:
         return Place("held", holders[name])
-    position, _ = simulation.pose(name)
+    position = simulation.pose(name).position
     vessel = vessel_around(simulation, things, name, position)
     if vessel is not None:
         return Place("vessel", vessel)
@@ -106,7 +107,8 @@ def vessel_around(
     for other, kind in things.items():
         if other == name or not kind.vessel:
             continue
-        middle, rotation = simulation.pose(other)
+        pose = simulation.pose(other)
+        middle, rotation = pose.position, pose.rotation
         aside, _, up = rotation.T @ (position - middle)
         away = math.hypot(aside, float((rotation.T @ (position - middle))[1]))
         if rotation[2, 2] >= _UPRIGHT and away <= kind.body["radius"] and _VESSEL_BAND[0] <= up <= _VESSEL_BAND[1]:

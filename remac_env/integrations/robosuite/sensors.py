@@ -46,7 +46,7 @@ def task_sensors(
 def _position(bodies: Source, obj: str) -> Sensor:
     @sensor(modality="object")
     def read(cache: dict[str, Any]) -> Array:
-        return bodies().pose(obj)[0]
+        return bodies().pose(obj).position
 
     return read  # type: ignore[no-any-return]
 

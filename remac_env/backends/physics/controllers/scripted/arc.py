@@ -35,7 +35,7 @@ _SQUEEZE = 20.0  # N with which each finger holds the bar; a door needs 3 N
 _BAR_GRIP = 0.010  # m of finger travel around the bar
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class DoorGrasp(Grasp):
     """A hand at a panel, with the share of the door's turn that it follows.
 
@@ -76,9 +76,8 @@ def arc_is_free(
         free = NoWay("the arm cannot follow") if off else scratch.free(q, panel)
         if not free:
             return NoWay(f"arc at {angle:.2f} rad: {free}")
-    position, turned = planner.kinematics.forward(q)
     scratch.fingers(0.0 if grasp.pushes else NARROW_GRIP)
-    away = planner.line(q, position - turned[:, 2] * BACK, turned, weights=grasp.weights)
+    away = planner.line(q, planner.hand(q).back(BACK), weights=grasp.weights)
     if isinstance(away, Hit | NoWay):
         return away
     back = away[-1].copy()

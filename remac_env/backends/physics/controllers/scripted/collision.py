@@ -17,6 +17,7 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit
+from remac_env.backends.physics.pose import Pose
 from remac_env.robots.ik import Kinematics
 from remac_env.robots.rotation import Array, quaternion
 
@@ -131,16 +132,15 @@ class Scratch:
         """Plan with each finger ``opening`` (m) from the middle."""
         self.data.qpos[self.robot.finger_qpos] = opening
 
-    def hold(self, body: str, grip: tuple[Array, Array], pose: tuple[Array, Array], *, meets: bool = True) -> None:
+    def hold(self, body: str, grip: Pose, pose: Pose, *, meets: bool = True) -> None:
         """Attach ``body`` to the hand, at ``pose`` when the grip is at ``grip``."""
         self.release()
         geoms = self.simulation.geoms(body)
         self.mark(geoms, HELD)
         self._fenced = np.concatenate([self._fenced, geoms])
         self._set_meeting(body, 3 if meets else 0)
-        turn = grip[1].T
         address = int(self.simulation.model.joint(body).qposadr[0])
-        self.held = Attached(body, address, turn @ (pose[0] - grip[0]), turn @ pose[1])
+        self.held = Attached(body, address, *grip.of(pose))
 
     def release(self, *, leave: bool = False) -> None:
         """Detach the held thing: back to where it was, or left where it is now."""

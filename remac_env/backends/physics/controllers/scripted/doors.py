@@ -107,8 +107,8 @@ def _door(here: Surroundings, leaf: Door) -> Leaf:
     (along, out, _), (width, thickness, _) = model.geom_pos[geoms[0]], model.geom_size[geoms[0]]
     edge, faces = sign * float(along + sign * width), (float(out - thickness), float(out + thickness))
     return Leaf(
-        leaf.joint, hinge, bar, float(half), float(radius), edge, faces, sign, int(joint.qposadr[0]), geoms,
-        here.simulation.turned(leaf.joint),
+        leaf.joint, here.robot.frame, hinge, bar, float(half), float(radius), edge, faces, sign, int(joint.qposadr[0]),
+        geoms, here.simulation.turned(leaf.joint),
     )
 
 
@@ -196,7 +196,11 @@ def _grasps(door: Leaf, angle: float, *, closing: bool) -> list[DoorGrasp]:
                 hand = grip_frame(approach, turn @ np.array([side, 0.0, 0.0]))
                 for help_ in _HELP:
                     before = at - hand[:, 2] * 0.12
-                    found.append(DoorGrasp(at + hand[:, 2] * 0.004, hand, before, follows, help_, higher))
+                    grasp = DoorGrasp(
+                        at + hand[:, 2] * 0.004, hand, door.frame, before=before, follows=follows, weights=help_,
+                        higher=higher,
+                    )
+                    found.append(grasp)
     return sorted(found, key=lambda grasp: grasp.weights is not _HELP[0])
 
 
@@ -210,7 +214,10 @@ def _pushes(door: Leaf, angle: float, *, closing: bool) -> list[DoorGrasp]:
         approach = turn @ np.array([0.0, math.cos(pitch), math.sin(pitch)])
         for side in (1.0, -1.0):
             hand = grip_frame(approach, turn @ np.array([0.0, -side * math.sin(pitch), side * math.cos(pitch)]))
-            grasp = DoorGrasp(np.zeros(3), hand, np.zeros(3), follows, DOOR_WEIGHTS, door.half + higher, beside, True)
+            grasp = DoorGrasp(
+                np.zeros(3), hand, door.frame, before=np.zeros(3), follows=follows, weights=DOOR_WEIGHTS,
+                higher=door.half + higher, beside=beside, pushes=True,
+            )
             at = grasp.at(door, angle)
             found.append(replace(grasp, position=at, before=at - hand[:, 2] * 0.12))
     return found

@@ -12,6 +12,7 @@ import numpy as np
 from remac_env.backends.physics.controllers.scripted.grasps import tip_depth
 from remac_env.backends.physics.controllers.scripted.place import upright_poses
 from remac_env.backends.physics.controllers.scripted.skill import Surroundings, lowest
+from remac_env.backends.physics.pose import Pose
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array, about_z, grip_frame
 
@@ -26,13 +27,16 @@ _TOUCH = 0.003  # m between the thing's lowest point and the floor where the han
 _FORWARD = 0.03  # m by which a thing let go on end moves on as it falls
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A hand pose inside: where it is while the base drives in (3,), where in the end, and its rotation (3, 3)."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Entry(Pose):
+    """A pose of the hand while the base drives in, and its position (3,) in the ``end``."""
 
-    position: Array
     end: Array
-    rotation: Array
+
+    @property
+    def last(self) -> Pose:
+        """The pose in the end."""
+        return Pose(self.end, self.rotation, self.frame)
 
 
 def placing(here: Surroundings, body: str, point: Array, clear: float, base: Array) -> Iterator[Entry]:
@@ -40,9 +44,7 @@ def placing(here: Surroundings, body: str, point: Array, clear: float, base: Arr
 
     Those come first in which the thing is nearly as it will lie, so that it does not topple.
     """
-    grip, pose = here.robot.grip_pose(), here.simulation.pose(body)
-    inward = grip[1].T
-    offset, turned = inward @ (pose[0] - grip[0]), inward @ pose[1]
+    offset, turned = here.robot.grip_pose().of(here.simulation.pose(body))
     heading = about_z(float(base[2]))
     found: list[tuple[float, int, Array, float]] = []
     for tilt in _TILTS:
@@ -55,13 +57,14 @@ def placing(here: Surroundings, body: str, point: Array, clear: float, base: Arr
         shift = -hand @ offset
         height = max(point[2] + below + _TOUCH, point[2] + 0.03 - shift[2])
         at = np.array([point[0], point[1], height]) + shift - _FORWARD * abs(math.sin(fall)) * heading[:, 0]
-        yield Entry(at + [0.0, 0.0, clear], at, hand)
+        yield Entry(at + [0.0, 0.0, clear], hand, here.robot.frame, end=at)
 
 
 def level(here: Surroundings, point: Array) -> list[Entry]:
     """Hand poses that bring a vessel in level over ``point``."""
     grasps = upright_poses(here, point, "cavity")
-    return [Entry(grasp.position + [0.0, 0.0, _CLEAR_OF_FLOOR], grasp.position, grasp.rotation) for grasp in grasps]
+    raised = [0.0, 0.0, _CLEAR_OF_FLOOR]
+    return [Entry(grasp.position + raised, grasp.rotation, grasp.frame, end=grasp.position) for grasp in grasps]
 
 
 def _fall(thing: Category, rotation: Array) -> float:
@@ -73,9 +76,10 @@ def _fall(thing: Category, rotation: Array) -> float:
 
 
 def grasping(
-    thing: Category, position: Array, rotation: Array, raised: Sequence[float], askew: float, base: Array
+    thing: Category, pose: Pose, raised: Sequence[float], askew: float, base: Array
 ) -> Iterator[Entry]:
     """Hand poses that grasp a thing from the front, ``askew`` rad at most."""
+    position, rotation = pose.position, pose.rotation
     heading = float(base[2])
     turns: tuple[float, ...] = (0.0, 0.3, -0.3, 0.6, -0.6)
     if thing.grasp.mode == "side" and not thing.grasp.any_yaw:
@@ -102,7 +106,7 @@ def grasping(
                 aside, turned = _bent(thing, -nearer * front[:, 0] @ rotation)
                 at, hand = at + rotation @ aside, about_z(turned) @ hand
                 approach = hand[:, 2]
-                yield Entry(at + [0.0, 0.0, 0.03] - 0.04 * approach, at, hand)
+                yield Entry(at + [0.0, 0.0, 0.03] - 0.04 * approach, hand, pose.frame, end=at)
 
 
 def _bent(thing: Category, at: Array) -> tuple[Array, float]:

@@ -9,6 +9,7 @@ from itertools import product
 
 import numpy as np
 
+from remac_env.backends.physics.pose import Pose
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.colliders import WALL_PIECES
 from remac_env.robots.model import PAD_FRICTION
@@ -18,13 +19,16 @@ OPENINGS = {"side": 0.04, "rim": 0.016, "handle": 0.03}
 """Travel of each finger (m) while the hand approaches, by grasp mode: no wider than needed among other objects."""
 
 
-@dataclass(frozen=True)
-class Grasp:
-    """One candidate: the grip's position and rotation at the grasp, and its position before the approach."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Grasp(Pose):
+    """One candidate: the grip's pose at the grasp, and its position (3,) ``before`` the approach."""
 
-    position: Array
-    rotation: Array
     before: Array
+
+    @property
+    def first(self) -> Pose:
+        """The pose before the approach."""
+        return Pose(self.before, self.rotation, self.frame)
 
 
 _GENTLE = 7.0  # N a finger: tapered objects, which are light, creep out of a harder grip
@@ -48,24 +52,24 @@ def squeeze(obj: Category) -> float | None:
     return max(_GENTLE, _SURE * obj.mass * _GRAVITY / (2.0 * PAD_FRICTION))
 
 
-def candidates(obj: Category, position: Array, rotation: Array) -> list[Grasp]:
-    """Grasps of an object whose frame is at ``position`` (3,) and ``rotation`` (3, 3), best first."""
+def candidates(obj: Category, pose: Pose) -> list[Grasp]:
+    """Grasps of an object that is seen there, best first."""
     makers = {"side": _sides, "rim": _rims, "handle": _handles}
-    return list(makers[obj.grasp.mode](obj, position, rotation))
+    return list(makers[obj.grasp.mode](obj, pose))
 
 
-def _sides(obj: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
-    for lean, turn in product(_leans(obj, rotation), _ANY_YAW if obj.grasp.any_yaw else (0.0,)):
-        yield from _side(obj, position, _along(rotation) + turn, lean)
+def _sides(obj: Category, pose: Pose) -> Iterator[Grasp]:
+    for lean, turn in product(_leans(obj, pose.rotation), _ANY_YAW if obj.grasp.any_yaw else (0.0,)):
+        yield from _side(obj, pose, _along(pose.rotation) + turn, lean)
 
 
-def awkward(obj: Category, position: Array, rotation: Array) -> list[Grasp]:
+def awkward(obj: Category, pose: Pose) -> list[Grasp]:
     """Further grasps of a long object, askew or leaning the other way, for where a hand square to it has no room."""
     if obj.grasp.mode != "side" or obj.grasp.any_yaw:
         return []
     turns = [turn for turn in _ASKEW if _width(obj, turn) <= _FITS]
-    every = product(turns, (*_leans(obj, rotation), *_AWAY))
-    return [grasp for turn, lean in every for grasp in _side(obj, position, _along(rotation) + turn, lean)]
+    every = product(turns, (*_leans(obj, pose.rotation), *_AWAY))
+    return [grasp for turn, lean in every for grasp in _side(obj, pose, _along(pose.rotation) + turn, lean)]
 
 
 def _along(rotation: Array) -> float:
@@ -79,7 +83,7 @@ def _leans(obj: Category, rotation: Array) -> tuple[float, ...]:
     return _LYING_LEANS if lying else obj.grasp.lean
 
 
-def _side(obj: Category, position: Array, yaw: float, lean: float) -> Iterator[Grasp]:
+def _side(obj: Category, pose: Pose, yaw: float, lean: float) -> Iterator[Grasp]:
     """Hands over an object, the fingers to either side of the direction ``yaw``, leaning from the vertical."""
     for side in (0.5 * math.pi, -0.5 * math.pi):
         finger = about_z(yaw + side)[:, 0]
@@ -89,8 +93,8 @@ def _side(obj: Category, position: Array, yaw: float, lean: float) -> Iterator[G
         hand = grip_frame(out * math.sin(lean) + DOWN * math.cos(lean), finger)
         tilt = abs(lean)
         height = max(obj.grasp.height + 0.008 * math.sin(tilt), tip_depth(tilt) - obj.rest_height)
-        at = position + _UP * height
-        yield Grasp(at, hand, at - hand[:, 2] * _STAND_OFF)
+        at = pose.position + _UP * height
+        yield Grasp(at, hand, pose.frame, before=at - hand[:, 2] * _STAND_OFF)
 
 
 def _width(obj: Category, turn: float) -> float:
@@ -103,7 +107,8 @@ def tip_depth(lean: float) -> float:
     return 0.0164 * math.cos(lean) + 0.0095 * math.sin(lean) + 0.0025
 
 
-def _rims(obj: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
+def _rims(obj: Category, pose: Pose) -> Iterator[Grasp]:
+    position, rotation = pose.position, pose.rotation
     # Flat fingers hold a flat piece of the ring at its middle; over the edge of two, the rim turns in them.
     yaw, piece = math.atan2(rotation[1, 0], rotation[0, 0]), 2 * math.pi / WALL_PIECES
     facing = [(yaw + k * piece + 0.5 * math.pi + math.pi) % (2 * math.pi) - math.pi for k in range(WALL_PIECES)]
@@ -113,10 +118,11 @@ def _rims(obj: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
             approach = DOWN * math.cos(lean) - out * math.sin(lean)
             for side in (1.0, -1.0):
                 at = position + out * obj.grasp.reach[0] + _UP * obj.grasp.height
-                yield Grasp(at, grip_frame(approach, side * out), at - approach * _STAND_OFF)
+                yield Grasp(at, grip_frame(approach, side * out), pose.frame, before=at - approach * _STAND_OFF)
 
 
-def _handles(obj: Category, position: Array, rotation: Array) -> Iterator[Grasp]:
+def _handles(obj: Category, pose: Pose) -> Iterator[Grasp]:
+    position, rotation = pose.position, pose.rotation
     along = -rotation[:, 1] * [1.0, 1.0, 0.0]
     along = along / np.linalg.norm(along)
     across = np.cross(_UP, along)
@@ -125,4 +131,5 @@ def _handles(obj: Category, position: Array, rotation: Array) -> Iterator[Grasp]
             for side in (1.0, -1.0):
                 approach = DOWN * math.cos(lean) - along * math.sin(lean)
                 at = position + along * reach + _UP * obj.grasp.height
-                yield Grasp(at, grip_frame(approach, side * across), at - approach * _HANDLE_STAND_OFF)
+                hand = grip_frame(approach, side * across)
+                yield Grasp(at, hand, pose.frame, before=at - approach * _HANDLE_STAND_OFF)

@@ -29,6 +29,7 @@ from remac_env.backends.physics.controllers.scripted.skill import (
     tuck,
 )
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
+from remac_env.backends.physics.pose import Pose
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots import panda
 from remac_env.robots.rotation import Array, about_z
@@ -73,10 +74,9 @@ def insert(here: Surroundings, point: Array, *, vessel: str | None = None) -> St
     yield from _enter(here, found)
     check_held(here)
     yield from release(here, 10)
-    position, rotation = here.kinematics.forward(here.robot.q)
-    away = position - _WITHDRAW * rotation[:, 2]
+    away = here.planner.hand(here.robot.q).back(_WITHDRAW)
     here.begin(here.simulation.geoms(body) + (here.simulation.geoms(vessel) if vessel else []))
-    yield from here.mover.play(here.planner.line(here.robot.q, away, rotation, speed=0.15) or [])
+    yield from here.mover.play(here.planner.line(here.robot.q, away, speed=0.15) or [])
     yield from _leave(here, found)
     here.begin()
     yield from go_home(here)
@@ -100,8 +100,8 @@ def take_out(here: Surroundings, body: str, *, vessel: str | None = None) -> Ste
     opening = OPENINGS[thing.grasp.mode]
     here.robot.grip = opening
     here.begin(here.simulation.geoms(body))
-    position, rotation = here.simulation.pose(body)
-    found = _way_to(here, thing, position, rotation, vessel)
+    stood = here.simulation.pose(body)
+    found = _way_to(here, thing, stood, vessel)
     yield from _enter(here, found)
     yield from here.mover.settle(0.001, 20)
     yield from here.mover.grasp(squeeze(thing))
@@ -110,14 +110,12 @@ def take_out(here: Surroundings, body: str, *, vessel: str | None = None) -> Ste
         yield from here.mover.fingers(opening, 6)
         yield from _leave(here, found)
         raise SkillFailure("slipped", f"the {body} did not come with the hand")
-    take(here, body, rotation, ())
+    take(here, body, stood, ())
     yield from _leave(here, found)
     yield from go_home(here)
 
 
-def _way_to(
-    here: Surroundings, thing: Category, position: Array, rotation: Array, vessel: str | None
-) -> Insertion:
+def _way_to(here: Surroundings, thing: Category, pose: Pose, vessel: str | None) -> Insertion:
     """A way to a grasp square to the thing, else askew; clear of the vessel that it lies in, else over its rim."""
     carry = panda.tucked(*here.robot.q[:3])
     rims: list[list[int]] = [[]] if vessel is None else [[], here.simulation.geoms(vessel)]
@@ -125,8 +123,8 @@ def _way_to(
 
     def over(rim: list[int], askew: float) -> Insertion:
         here.scratch.mark(rim, TARGET)
-        poses = partial(grasping, thing, position, rotation, _RAISED[::-1] if rim else _RAISED, askew)
-        return _search(here, position, carry, poses, _advanced, CHECKS if rim is rims[-1] else CHECKS // 2)
+        poses = partial(grasping, thing, pose, _RAISED[::-1] if rim else _RAISED, askew)
+        return _search(here, pose.position, carry, poses, _advanced, CHECKS if rim is rims[-1] else CHECKS // 2)
 
     return _first([partial(over, rim, askew) for rim, askew in product(rims, turns)])
 
@@ -142,12 +140,12 @@ def _first(searches: Sequence[Callable[[], Insertion]]) -> Insertion:
 
 def _up(here: Surroundings) -> Path:
     """Off the floor, over the rim of a plate where there is room for the hand."""
-    position, rotation = here.kinematics.forward(here.robot.q)
+    hand = here.planner.hand(here.robot.q)
     for rise in (0.05, 0.04, 0.03):
-        up = here.planner.line(here.robot.q, position + [0.0, 0.0, rise], rotation, speed=0.1)
+        up = here.planner.line(here.robot.q, hand.shifted([0.0, 0.0, rise]), speed=0.1)
         if up:
             return up
-    return here.planner.line(here.robot.q, position + [0.0, 0.0, 0.025], rotation, speed=0.1, check=False) or []
+    return here.planner.line(here.robot.q, hand.shifted([0.0, 0.0, 0.025]), speed=0.1, check=False) or []
 
 
 Last = Callable[[Surroundings, Array, Entry], Path | Hit | NoWay]
@@ -190,12 +188,12 @@ def _search(
 
 
 def _lowered(here: Surroundings, q: Array, entry: Entry) -> Path | Hit | NoWay:
-    return here.planner.line(q, entry.end, entry.rotation, speed=0.1, check=False)
+    return here.planner.line(q, entry.last, speed=0.1, check=False)
 
 
 def _advanced(here: Surroundings, q: Array, entry: Entry) -> Path | Hit | NoWay:
     """A straight way that ends just there: pads that close a few mm too high squeeze a round thing out."""
-    path = here.planner.line(q, entry.end, entry.rotation, speed=0.12)
+    path = here.planner.line(q, entry.last, speed=0.12)
     if not path:
         return path
     there = here.kinematics.track(path[-1], entry.end, entry.rotation, iterations=_ITERATIONS, largest=STEP_LIMIT)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remac_env.kitchen.frame import Frame
 from remac_env.robots.rotation import Array, about_z
 
 _PALM = 0.025  # m along the hand from the bar's middle to the palm, with a little air
@@ -21,6 +22,7 @@ class Leaf:
     """
 
     joint: str
+    frame: Frame
     hinge: Array
     bar: Array
     half: float

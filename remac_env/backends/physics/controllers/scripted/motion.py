@@ -73,7 +73,7 @@ class Mover:
         if len(self._commands) < LAG_PERIODS:
             return np.zeros(3)
         wanted, _ = self._kinematics.forward(self._commands[-1 - SERVO_LAG])
-        return np.asarray(self.robot.grip_pose()[0] - wanted)
+        return np.asarray(self.robot.grip_pose().position - wanted)
 
     def go(self, corners: Sequence[Array], speed: float = 1.0) -> Steps:
         """Through joint way points, slowing down at each; ``speed`` scales the usual speeds."""
@@ -95,7 +95,7 @@ class Mover:
         for _ in range(most):
             yield from self.step(self.robot.q)
             wanted, _ = self._kinematics.forward(self.robot.q)
-            if np.linalg.norm(wanted - self.robot.grip_pose()[0]) < tolerance:
+            if np.linalg.norm(wanted - self.robot.grip_pose().position) < tolerance:
                 return
 
     def grasp(self, force: float | None) -> Steps:

@@ -14,6 +14,7 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.collision import TRANSIT_MARGIN, Scratch
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
+from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.robots import panda
 from remac_env.robots.ik import ARM_WEIGHTS, TORSO_HEIGHTS, solutions
@@ -156,13 +157,15 @@ class Planner:
     # -- straight lines of the hand --------------------------------------------------------------------------
 
     def line(
-        self, q: Array, position: Array, rotation: Array, *, speed: float = 0.2, turn_speed: float = 1.5,
+        self, q: Array, end: Pose, *, speed: float = 0.2, turn_speed: float = 1.5,
         weights: Array = ARM_WEIGHTS, check: bool = True, joints: Mapping[int, float] | None = None,
     ) -> Path | Hit | NoWay:
         """One configuration per control period along the straight line from ``q`` to a pose, or why there is none.
 
         ``speed`` in m/s, ``turn_speed`` in rad/s. Without ``check`` contacts are not looked at.
         """
+        end.expressed_in(self.robot.frame)
+        position, rotation = end.position, end.rotation
         start, turned = self.kinematics.forward(q)
         turn = rotation_vector(rotation @ turned.T)
         seconds = max(np.linalg.norm(position - start) / speed, np.linalg.norm(turn) / turn_speed) * 1.2
@@ -185,9 +188,13 @@ class Planner:
             return NoWay("the arm does not reach the end of the line")
         return path
 
-    def approach(self, goal: Array, rotation: Array, start: Array, *, speed: float = 0.15) -> Path | Hit | NoWay:
-        """Configurations from a pre-grasp at ``start`` (3,) to ``goal``, tracked backwards from the tightest pose."""
-        back = self.line(goal, start, rotation, speed=speed)
+    def hand(self, q: Array) -> Pose:
+        """The pose of the hand in configuration ``q`` (11,)."""
+        return Pose(*self.kinematics.forward(q), self.robot.frame)
+
+    def approach(self, goal: Array, start: Pose, *, speed: float = 0.15) -> Path | Hit | NoWay:
+        """Configurations from a pre-grasp to ``goal``, tracked backwards from the tightest pose."""
+        back = self.line(goal, start, speed=speed)
         return [*back[::-1], goal] if back else back
 
     # -- the base --------------------------------------------------------------------------------------------
@@ -218,12 +225,13 @@ class Planner:
     # -- inverse kinematics ----------------------------------------------------------------------------------
 
     def reach(
-        self, position: Array, rotation: Array, base: Array, near: Array, *, torsos: Sequence[float] | None = None,
+        self, pose: Pose, base: Array, near: Array, *, torsos: Sequence[float] | None = None,
         most: int = 8,
     ) -> Path:
         """Configurations that reach a pose, best first: near ``near``, away from limits, of different branches."""
         heights = TORSO_HEIGHTS if torsos is None else np.asarray(torsos, float)
-        found = solutions(position, rotation, base, torsos=heights)
+        pose.expressed_in(self.robot.frame)
+        found = solutions(pose.position, pose.rotation, base, torsos=heights)
         if not len(found):
             return []
         change = np.abs(found - near)

@@ -19,6 +19,7 @@ from remac_env.backends.physics.controllers.scripted.skill import (
     tuck,
 )
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
+from remac_env.backends.physics.pose import Pose
 from remac_env.robots.rotation import Array
 
 Lifts = tuple[tuple[float, float], ...]
@@ -39,7 +40,7 @@ def pick_up(
     here.begin()
     yield from tuck(here)
     here.begin(simulation.geoms(body) + (simulation.geoms(vessel) if vessel else []))
-    position, rotation = here.simulation.pose(body)
+    stood = here.simulation.pose(body)
     opening = OPENINGS[obj.grasp.mode]
     here.scratch.fingers(opening)
     here.robot.grip = opening
@@ -49,20 +50,20 @@ def pick_up(
     def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
         return _lift(here, body, goal, grasp, lift, lifts)
 
-    grasps = candidates(obj, position, rotation)
+    grasps = candidates(obj, stood)
     # A handle lies well in front of its pan; too near to it the arm could not draw the pan in.
-    target = grasps[0].position if obj.grasp.mode == "handle" else position
-    found = reach_in_slot(here, kind, target, grasps, after, awkward=awkward(obj, position, rotation))
+    target = grasps[0].position if obj.grasp.mode == "handle" else stood.position
+    found = reach_in_slot(here, kind, target, grasps, after, awkward=awkward(obj, stood))
     yield from go_to_grasp(here, found)
     if obj.grasp.mode == "rim":
         yield from here.mover.settle(_RIM_TOLERANCE, 20)
     yield from here.mover.grasp(squeeze(obj))
     yield from here.mover.play(found.after)
-    risen = simulation.pose(body)[0][2] - position[2]
+    risen = simulation.pose(body).position[2] - stood.position[2]
     if here.robot.opening < EMPTY or risen < _LEAST_RISE:
         yield from here.mover.fingers(opening, 6)
         raise SkillFailure("slipped", f"the {body} did not come up with the hand")
-    take(here, body, rotation, contents)
+    take(here, body, stood, contents)
     if obj.vessel:
         yield from draw_in(here)
     yield from go_home(here)
@@ -74,14 +75,14 @@ def _lift(
 ) -> Path | Hit | NoWay:
     """Off the surface unchecked for the object itself, then up, or slanting out from under something."""
     scratch, planner = here.scratch, here.planner
-    at = planner.kinematics.forward(goal)
+    at = planner.hand(goal)
     pose = here.simulation.pose(body)
     scratch.hold(body, at, pose, meets=False)
-    off = path = planner.line(goal, grasp.position + [0.0, 0.0, 0.03], grasp.rotation, speed=0.15)
+    off = path = planner.line(goal, grasp.shifted([0.0, 0.0, 0.03]), speed=0.15)
     if off:
         scratch.hold(body, at, pose)
         for back, share in lifts:
-            rest = planner.line(off[-1], grasp.position + [0.0, back, share * lift], grasp.rotation)
+            rest = planner.line(off[-1], grasp.shifted([0.0, back, share * lift]))
             path = off + rest if rest else rest
             if path:
                 break
@@ -94,7 +95,8 @@ def draw_in(here: Surroundings) -> Steps:
     """Bring an object that must stay level to the carry posture: near the body, the hand's orientation kept."""
     here.begin()
     robot, planner = here.robot, here.planner
-    position, rotation = planner.kinematics.forward(robot.q)
+    hand = planner.hand(robot.q)
+    height = float(hand.position[2])
     forward = robot.heading
     left = np.array([-forward[1], forward[0], 0.0])
     why: Hit | NoWay = NoWay("no room to stand")
@@ -105,10 +107,10 @@ def draw_in(here: Surroundings) -> Steps:
             continue
         axis = np.array([stand[0], stand[1], 0.0])
         for ahead in (0.42, 0.50, 0.36, 0.60):
-            for up in (0.06, 0.15, 0.0, 1.15 - position[2], 1.25 - position[2]):
+            for up in (0.06, 0.15, 0.0, 1.15 - height, 1.25 - height):
                 for side in (0.0, -0.1, 0.1, -0.2, 0.2):
-                    target = axis + ahead * forward + side * left + [0.0, 0.0, position[2] + up]
-                    path = planner.line(stand, target, rotation, speed=0.25)
+                    target = axis + ahead * forward + side * left + [0.0, 0.0, height + up]
+                    path = planner.line(stand, Pose(target, hand.rotation, hand.frame), speed=0.25)
                     if not isinstance(path, Hit | NoWay):
                         yield from here.mover.go([stand] if back else [])
                         yield from here.mover.play(path)

@@ -56,7 +56,7 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
         here.scratch.release(leave=True)
         here.scratch.mark(here.simulation.geoms(body), TARGET)
         back = _OVER_RIM if kind == "basin" and obj.vessel else 0.12
-        out = here.planner.line(goal, grasp.position - grasp.rotation[:, 2] * back, grasp.rotation, speed=0.25)
+        out = here.planner.line(goal, grasp.back(back), speed=0.25)
         here.scratch.hold(body, grip, pose)
         return out
 
@@ -84,12 +84,11 @@ def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
         return []
     obj = here.things[body]
     grip, pose = here.robot.grip_pose(), here.simulation.pose(body)
-    inward = grip[1].T
-    offset, turned = inward @ (pose[0] - grip[0]), inward @ pose[1]
+    offset, turned = grip.of(pose)
     # A vessel droops in the fingers, the more the longer it is carried: the hand sets it level again, or partly where
     # it would touch the worktop itself. Other objects stood as they were found.
-    level = about_z(math.atan2(pose[1][1, 0], pose[1][0, 0]))
-    droop = rotation_vector(pose[1] @ level.T)
+    level = about_z(math.atan2(pose.rotation[1, 0], pose.rotation[0, 0]))
+    droop = rotation_vector(pose.rotation @ level.T)
     stood = [from_rotation_vector(part * droop) @ level for part in _DROOPS] if obj.vessel else [here.hand.upright]
     edges = [lowest(here, body, upright) - obj.rest_height if obj.vessel else 0.0 for upright in stood]
     goals = [point + [0.0, 0.0, obj.rest_height]]
@@ -102,7 +101,8 @@ def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
         hand = about_x(lean) @ about_z(turn) @ upright @ turned.T
         shift = [0.0, -0.05 * lean, _RELEASE + 0.035 * math.sin(abs(lean)) + edge]
         at = goal + shift - hand @ offset
-        found.append(Grasp(at, hand, at + [0.0, -0.08 * math.sin(max(0.0, lean)), above]))
+        before = at + [0.0, -0.08 * math.sin(max(0.0, lean)), above]
+        found.append(Grasp(at, hand, pose.frame, before=before))
     if not obj.vessel and point[2] > 0.85 and _covered(here, point):
         # Under something low every upright hand would be tried in vain: lean first.
         found = found[len(found) // 3 :] + found[: len(found) // 3]

@@ -19,6 +19,7 @@ from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free,
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.fixtures.level import Level
+from remac_env.kitchen.frame import Frame
 from remac_env.robots import panda
 from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array, about_x, about_z, grip_frame
@@ -35,7 +36,7 @@ _PITCHES = (-0.3, 0.0, -0.6, -0.9)
 _TURNING_PITCHES, _TURNING_FOLLOWS = (0.0, -0.3, 0.3, 0.6, -0.6), (0.3, 0.0, 0.6)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Hold(Grasp):
     """A hand around the bar, with the share of the door's turn that it follows; the round bar turns in the fingers."""
 
@@ -52,6 +53,7 @@ class _Way:
 
     door: Level
     address: int
+    frame: Frame
     bar: Array
     seen: Array
     start: float
@@ -81,7 +83,7 @@ def pull(here: Surroundings, door: Level, opened: float) -> Steps:
     model = simulation.model
     bar = simulation.located(door.joint, np.array(model.body(door.joint).pos) + np.array(model.site(door.grip).pos))
     way = _Way(
-        door, int(model.joint(door.joint).qposadr[0]), bar, about_z(simulation.turned(door.joint)),
+        door, int(model.joint(door.joint).qposadr[0]), robot.frame, bar, about_z(simulation.turned(door.joint)),
         simulation.joint(door.joint), door.position(opened), tuple(simulation.geoms(door.joint)),
         dict(_inside(here, door.name)),
     )  # fmt: skip
@@ -136,7 +138,8 @@ def _grasps(way: _Way) -> list[_Hold]:
         for side in (1.0, -1.0):
             up = [0.0, -side * math.sin(pitch), side * math.cos(pitch)]
             hand = way.seen @ grip_frame([0.0, math.cos(pitch), math.sin(pitch)], up)
-            found.append(_Hold(at + hand[:, 2] * _INTO, hand, at - hand[:, 2] * 0.12, follows))
+            before = at - hand[:, 2] * 0.12
+            found.append(_Hold(at + hand[:, 2] * _INTO, hand, way.frame, before=before, follows=follows))
     return found
 
 
@@ -154,8 +157,7 @@ def _way_is_free(here: Surroundings, way: _Way, q: Array, hold: _Hold, before: A
         free = NoWay("the arm cannot follow") if off else scratch.free(q, way.moved(position, before))
         if not free:
             return NoWay(f"way at {position:.2f}: {free}")
-    at, rotation = planner.kinematics.forward(q)
-    away = planner.line(q, at - rotation[:, 2] * BACK, rotation, weights=DOOR_WEIGHTS)
+    away = planner.line(q, planner.hand(q).back(BACK), weights=DOOR_WEIGHTS)
     if isinstance(away, Hit | NoWay):
         return away
     return FREE if planner.path(away[-1], panda.tucked(*away[-1][:3])) else NoWay("no way on")

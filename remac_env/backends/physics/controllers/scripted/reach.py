@@ -17,6 +17,8 @@ from remac_env.backends.physics.controllers.scripted.motion import periods_betwe
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.search import CHECKS, Budget, Reasons, search
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, drive_to, stances
+from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
+from remac_env.backends.physics.pose import Pose
 from remac_env.robots import panda
 from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array
@@ -134,12 +136,12 @@ def _try_goal(
     if not free:
         why.add("goal", free)
         return None
-    approach = planner.approach(goal, grasp.rotation, grasp.before)
+    approach = planner.approach(goal, grasp.first)
     if not approach:
         why.add("approach", approach)
         return None
     following = after(goal, grasp)
-    if not following:
+    if isinstance(following, Hit | NoWay):
         why.add("after", following)
         return None
     way = planner.path(ready, approach[0], tree=False) or planner.path(ready, approach[0], via=False)
@@ -183,13 +185,14 @@ def _keeps_level(here: Surroundings, ready: Array, reach: Reach) -> bool:
 def _straight(here: Surroundings, ready: Array, reach: Reach) -> Reach | None:
     """The same with the hand on straight lines, which keep a vessel level: at once, from above, or from the front."""
     planner, before = here.planner, reach.way[-1]
-    (start, _), (end, turned) = here.kinematics.forward(ready), here.kinematics.forward(before)
+    start, there = here.kinematics.forward(ready)[0], planner.hand(before)
+    end = there.position
     above, aside = np.array([end[0], end[1], start[2]]), np.array([end[0], start[1], start[2]])
     low = np.array([end[0], start[1], end[2]])
     for corners in ([end], [above, end], [aside, above, end], [low, end]):
         path = [ready]
         for corner in corners:
-            line = planner.line(path[-1], corner, turned, speed=_CARRYING)
+            line = planner.line(path[-1], Pose(corner, there.rotation, there.frame), speed=_CARRYING)
             if not line:
                 break
             path += line
@@ -227,10 +230,9 @@ def let_go(here: Surroundings, geoms: Sequence[int], opening: float) -> Steps:
     robot, planner = here.robot, here.planner
     yield from here.mover.fingers(opening, 6)
     here.begin(geoms)
-    position, rotation = planner.kinematics.forward(robot.q)
-    away = position - rotation[:, 2] * BACK
-    path = planner.line(robot.q, away, rotation, weights=DOOR_WEIGHTS) or planner.line(
-        robot.q, away, rotation, weights=DOOR_WEIGHTS, check=False
+    away = planner.hand(robot.q).back(BACK)
+    path = planner.line(robot.q, away, weights=DOOR_WEIGHTS) or planner.line(
+        robot.q, away, weights=DOOR_WEIGHTS, check=False
     )
     yield from here.mover.play(path or [])
     here.begin()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remac_env.backends.physics.controllers.base import Command, in_room, seen_from
+from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.sensing import Senses
 from remac_env.backends.physics.simulation import RobotHandle
 from remac_env.kitchen.frame import WORLD, Frame
@@ -63,10 +64,9 @@ class Robot:
         """Distance between the fingertip pads (m)."""
         return self._handle.opening
 
-    def grip_pose(self) -> tuple[Array, Array]:
-        """Measured position (3,) and rotation (3, 3) of the grip site."""
-        pose = self._handle.grip_pose.seen_from(self.frame)
-        return pose.position, pose.rotation
+    def grip_pose(self) -> Pose:
+        """Measured pose of the grip site."""
+        return self._handle.grip_pose.seen_from(self.frame)
 
     @property
     def heading(self) -> Array:
@@ -83,15 +83,13 @@ class View:
         self.geoms, self.joint, self.hold = senses.geoms, senses.joint, senses.hold
         self.positions, self.off, self.turned, self.stand = senses.positions, senses.off, senses.turned, senses.stand
 
-    def pose(self, body: str) -> tuple[Array, Array]:
-        """Position (3,) and rotation (3, 3) of an object, in the robot's frame."""
-        pose = self.senses.pose(body).seen_from(self._robot.frame)
-        return pose.position, pose.rotation
+    def pose(self, body: str) -> Pose:
+        """Where an object is seen, in the robot's frame."""
+        return self.senses.pose(body).seen_from(self._robot.frame)
 
-    def in_world(self, body: str) -> tuple[Array, Array]:
-        """The same in the world."""
-        pose = self.senses.pose(body)
-        return pose.position, pose.rotation
+    def in_room(self, body: str) -> Pose:
+        """The same in the frame of the room."""
+        return self.senses.pose(body)
 
     def located(self, part: str, point: Array) -> Array:
         """Where a point (3,) of a fixture, robot's frame, is seen; ``part``: a name that begins with the fixture's."""

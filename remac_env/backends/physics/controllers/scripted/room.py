@@ -73,7 +73,7 @@ def spot_in(here: Surroundings, slot: Slot, vessel: str | None, body: str) -> Sp
     if len(inner) >= here.things[vessel].holds or not lies_in_dish(here, body):
         return None
     floor = np.array([0.0, 0.0, here.things[vessel].inside_height])
-    return Spot(slot, vessel, here.simulation.pose(vessel)[0] + floor)
+    return Spot(slot, vessel, here.simulation.pose(vessel).position + floor)
 
 
 def lies_in_dish(here: Surroundings, body: str) -> bool:
@@ -90,7 +90,7 @@ def seen_on_slots(here: Surroundings) -> dict[str, list[str]]:
     for body, thing in here.things.items():
         if body == here.hand.body or body in here.hand.contents:
             continue
-        bottom = here.simulation.in_world(body)[0] - [0.0, 0.0, thing.rest_height]
+        bottom = here.simulation.in_room(body).position - [0.0, 0.0, thing.rest_height]
         slot = slot_under(layout, bottom, partial(_off, here))
         if slot is not None:
             found.setdefault(slot, []).append(body)
@@ -105,4 +105,4 @@ def _off(here: Surroundings, slot: str) -> Array:
 
 def _around(here: Surroundings, body: str) -> str | None:
     """The vessel in or on which a thing is seen."""
-    return vessel_around(here.simulation, here.things, body, here.simulation.pose(body)[0])
+    return vessel_around(here.simulation, here.things, body, here.simulation.pose(body).position)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 from remac_env.backends.physics.controllers.scripted.collision import Scratch
 from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure
+from remac_env.backends.physics.pose import Pose
 from remac_env.robots.rotation import Array
 
 CHECKS = 9000
@@ -17,19 +18,7 @@ CHECKS = 9000
 _FENCED_CHECKS = 1500  # collision checks; of 62 searches that ended well within fences one took more
 
 
-class HandPose(Protocol):
-    """A pose that the hand is to take."""
-
-    @property
-    def position(self) -> Array:
-        """Of the grip site (3,), m."""
-
-    @property
-    def rotation(self) -> Array:
-        """Of the grip site (3, 3)."""
-
-
-P = TypeVar("P", bound=HandPose)
+P = TypeVar("P", bound=Pose)
 T = TypeVar("T")
 
 
@@ -83,7 +72,7 @@ def search(
         for pose in poses(base):
             if budget.spent:
                 return None
-            for q in planner.reach(pose.position, pose.rotation, base, ready(base), most=most):
+            for q in planner.reach(pose, base, ready(base), most=most):
                 found = attempt(base, pose, q)
                 if found is not None:
                     return found

@@ -34,13 +34,13 @@ def season(here: Surroundings, food: str, *, inside: str | None = None) -> Steps
         raise SkillFailure("hands_empty", "there is no shaker in the hand")
     here.begin()
     robot, planner = here.robot, here.planner
-    over = here.simulation.pose(food)[0]
+    over = here.simulation.pose(food).position
     # Behind an opening, the shaker stays in front of it; grains scatter so far.
     points = [over - [0.0, ahead, 0.0] for ahead in _AHEAD] if inside else [over]
     grasps = [grasp for point in points for grasp in _over(here, point)]
 
     def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
-        up = planner.line(goal, grasp.position + [0.0, 0.0, _SHAKE], grasp.rotation, speed=_SHAKING)
+        up = planner.line(goal, grasp.shifted([0.0, 0.0, _SHAKE]), speed=_SHAKING)
         if not up:
             return up
         down = [*up[::-1], goal]
@@ -59,9 +59,7 @@ def season(here: Surroundings, food: str, *, inside: str | None = None) -> Steps
 
 def _held(here: Surroundings) -> tuple[Array, Array]:
     """Offset (3,) and rotation (3, 3) of the held object in the grip frame."""
-    grip, pose = here.robot.grip_pose(), here.simulation.pose(str(here.hand.body))
-    inward = grip[1].T
-    return inward @ (pose[0] - grip[0]), inward @ pose[1]
+    return here.robot.grip_pose().of(here.simulation.pose(str(here.hand.body)))
 
 
 def _over(here: Surroundings, point: Array) -> list[Grasp]:
@@ -74,5 +72,5 @@ def _over(here: Surroundings, point: Array) -> list[Grasp]:
         tipped = from_rotation_vector(upright[:, 0] * tip) @ upright
         hand = tipped @ turned.T
         at = point + [0.0, 0.0, height] - top * tipped[:, 2] * [1.0, 1.0, 0.0] - hand @ offset
-        found.append(Grasp(at, hand, at + [0.0, -0.06, 0.06]))
+        found.append(Grasp(at, hand, here.robot.frame, before=at + [0.0, -0.06, 0.06]))
     return found

@@ -14,6 +14,7 @@ from remac_env.backends.physics.controllers.scripted.motion import Mover, Steps
 from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit
+from remac_env.backends.physics.pose import Pose
 from remac_env.kitchen.fixtures import Fixture, FixtureReading
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import WORLD
@@ -106,7 +107,7 @@ class Surroundings:
 
     def on_floor(self, body: str) -> bool:
         """Whether a thing lies on the floor, as the robot sees it."""
-        return bool(self.simulation.pose(body)[0][2] < _FLOOR_THING)
+        return bool(self.simulation.pose(body).position[2] < _FLOOR_THING)
 
     def begin(
         self, target: Iterable[int] = (), *, held_meets: bool = True, avoid: Collection[str] = ()
@@ -142,9 +143,10 @@ def stances(
     return [np.array(pose) for pose in dict.fromkeys(pose for _, pose in found)]
 
 
-def take(here: Surroundings, body: str, upright: Array, contents: tuple[str, ...]) -> None:
-    """Note that the hand has taken ``body``, which stood as ``upright`` (3, 3) with ``contents`` in it."""
-    here.hand.body, here.hand.upright, here.hand.contents = body, upright, contents
+def take(here: Surroundings, body: str, stood: Pose, contents: tuple[str, ...]) -> None:
+    """Note that the hand has taken ``body``, which ``stood`` so with ``contents`` in it."""
+    stood.expressed_in(here.robot.frame)
+    here.hand.body, here.hand.upright, here.hand.contents = body, stood.rotation, contents
     here.hand.away = _away(here, body)
     here.simulation.hold(body)
 
@@ -160,7 +162,7 @@ def check_held(here: Surroundings) -> None:
 
 
 def _away(here: Surroundings, body: str) -> float:
-    return float(np.linalg.norm(here.simulation.pose(body)[0] - here.robot.grip_pose()[0]))
+    return float(np.linalg.norm(here.simulation.pose(body).position - here.robot.grip_pose().position))
 
 
 def lowest(here: Surroundings, body: str, rotation: Array) -> float:
@@ -220,10 +222,10 @@ def tuck(here: Surroundings) -> Steps:
             yield from here.mover.go(([stand] if back else []) + way, 1.0 if here.hand.body is None else _LADEN)
             return
         met = way
-    position, rotation = here.kinematics.forward(robot.q)
+    hand = planner.hand(robot.q)
     for rise in _RISES:
         # A wrist low in a basin is too near its rim for any planned way: straight up first.
-        up = planner.line(robot.q, position + [0.0, 0.0, rise], rotation, speed=0.2, check=False)
+        up = planner.line(robot.q, hand.shifted([0.0, 0.0, rise]), speed=0.2, check=False)
         if not up or not here.scratch.free(up[-1]):
             continue
         way = planner.path(up[-1], panda.tucked(*up[-1][:3]))

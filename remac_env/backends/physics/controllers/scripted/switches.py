@@ -66,7 +66,7 @@ def _turn_knob(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
         for side in (1.0, -1.0):
             approach = [0.0, math.sin(pitch), -math.cos(pitch)] if above else [0.0, math.cos(pitch), -math.sin(pitch)]
             hand = grip_frame(seen @ approach, turn_by(start) @ seen @ [side, 0.0, 0.0])
-            grasps.append(Grasp(at, hand, at - hand[:, 2] * 0.12))
+            grasps.append(Grasp(at, hand, here.robot.frame, before=at - hand[:, 2] * 0.12))
     target, beyond = (actuator.worked, 0.15) if on else (0.0, -0.10)
     turn = _Turn(joint, joint, lambda _: at, turn_by, target, beyond, 1.2, 0.035, 0.0)
     stands = stances(here, at, (0.66, 0.74, 0.58, 0.82), (0.0, 0.12, -0.12, 0.25, -0.25))
@@ -90,11 +90,11 @@ def _swing_lever(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
             for side in (1.0, -1.0):
                 approach = tilted @ about_z(yaw) @ [0.0, math.cos(pitch), -math.sin(pitch)]
                 hand = grip_frame(approach, tilted @ [0.0, 0.0, side])
-                grasps.append(Grasp(at(start), hand, at(start) - hand[:, 2] * 0.10))
+                grasps.append(Grasp(at(start), hand, here.robot.frame, before=at(start) - hand[:, 2] * 0.10))
     for pitch in (0.8, 1.1):
         for side in (1.0, -1.0):
             hand = seen @ grip_frame([0.0, math.cos(pitch), -math.sin(pitch)], [side, 0.0, 0.0])
-            grasps.append(Grasp(at(start), hand, at(start) - hand[:, 2] * 0.12))
+            grasps.append(Grasp(at(start), hand, here.robot.frame, before=at(start) - hand[:, 2] * 0.12))
     target, beyond = (actuator.worked, 0.2) if on else (0.0, -0.15)
     turn = _Turn(joint, joint, at, lambda a: about_x(-0.6 * a), target, beyond, 0.8, 0.03, 0.004)
     stands = stances(here, at(start), (0.64, 0.7, 0.58, 0.76), (0.0, 0.12, -0.12, 0.25, -0.25))
@@ -121,11 +121,10 @@ def _push_button(here: Surroundings, actuator: Actuator) -> Steps:
                 hand = seen @ grip_frame(approach, about_z(yaw) @ [side, 0.0, 0.0])
                 # The fingertips end 17 mm beyond the grip site.
                 at = face - hand[:, 2] * 0.021
-                grasps.append(Grasp(at, hand, at - hand[:, 2] * 0.10))
+                grasps.append(Grasp(at, hand, here.robot.frame, before=at - hand[:, 2] * 0.10))
 
     def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
-        push = grasp.position + seen @ [0.0, 0.018, 0.0]
-        return planner.line(goal, push, grasp.rotation, speed=0.05, check=False)
+        return planner.line(goal, grasp.shifted(seen @ [0.0, 0.018, 0.0]), speed=0.05, check=False)
 
     stands = stances(here, face, (0.66, 0.74, 0.58, 0.82), (0.0, -0.12, 0.12, -0.25, 0.25))
     found = plan_reach(here, stands, grasps, after)
@@ -164,8 +163,7 @@ def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands
             free = NoWay("the arm cannot follow") if off else here.scratch.free(q)
             if not free:
                 return NoWay(f"turning: {free}")
-        position, rotation = planner.kinematics.forward(q)
-        away = planner.line(q, position - rotation[:, 2] * 0.12, rotation)
+        away = planner.line(q, planner.hand(q).back(0.12))
         return away if isinstance(away, Hit | NoWay) else FREE
 
     found = plan_reach(here, stands, grasps, after)
@@ -181,9 +179,8 @@ def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands
             break
     yield from here.mover.fingers(turn.opening, 5)
     here.begin(geoms)
-    position, rotation = planner.kinematics.forward(robot.q)
-    away = position - rotation[:, 2] * 0.12
-    path = planner.line(robot.q, away, rotation) or planner.line(robot.q, away, rotation, check=False)
+    away = planner.hand(robot.q).back(0.12)
+    path = planner.line(robot.q, away) or planner.line(robot.q, away, check=False)
     yield from here.mover.play(path or [])
     here.begin()
     yield from go_home(here)
