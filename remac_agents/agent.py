@@ -89,6 +89,7 @@ class Agent:
         book = Bookkeeper(view, world, infos[briefing.lead]["scene"])
         run = MethodRun(briefing, self._checked, book, bounds=self.bounds, memory=self.memory)
         run.won = self._won.get(self._label)
+        run.spent, run.declared = lambda: self._correspondence.spent, declared_seconds(self.roles.named())
         seed = briefing.episode.get("seed", "")
         label = f"{self.method.name}/{briefing.task}/{seed}/{briefing.episode.get('digest', '')}/{self._iteration}"
         self._correspondence.begin_episode(label, book.ledger.errors)
@@ -116,6 +117,7 @@ class Agent:
         self._thoughts = {}
         if not self._pace.take_in(infos):
             return self._tokens_of({}, infos, WAIT)
+        run.thoughts = {}
         turn = self._next_turn(obs, self._pace.gathered(infos))
         first, self._played = self._played is None, turn
         self._pace.asked_for(turn, infos)
@@ -215,7 +217,7 @@ class Agent:
         """What was thought since, for each of the robots: as the method says whose it was, or for all of them."""
         before, (tokens, seconds) = self._spent, self._correspondence.spent
         self._spent = (tokens, seconds)
-        whole = Thought(tokens - before[0], round(seconds - before[1], 6), declared_seconds(self.roles.named()))
+        whole = Thought(tokens - before[0], round(seconds - before[1], 6), self._running().declared)
         own = self._running().thoughts
         return {robot: own.get(robot, whole) for robot in robots}
 

@@ -23,6 +23,7 @@ from remac_agents.methods.best import best_of
 from remac_agents.methods.cape import cape
 from remac_agents.methods.cc import cc
 from remac_agents.methods.re import re
+from remac_agents.methods.react import react
 from remac_agents.methods.reflect import reflect, reflect_cc
 from remac_agents.methods.remac import remac
 from remac_agents.methods.smart_llm import smart_llm
@@ -91,6 +92,7 @@ METHODS: dict[str, Method] = {
         Method(name="CAPE-RESAMPLE", run=cape("resample"), plans_ahead=False, asks_again=True),
         Method(name="BASE-BEST", run=best_of(base), iterates=True, checks=False),
         Method(name="CC-BEST", run=best_of(cc), iterates=True),
+        Method(name="REACT", run=react, robots=2, plans_ahead=False, checks=False, asks_again=True, by_events=True),
     )
 }
 """Every method by its name."""

@@ -16,7 +16,7 @@ from remac_agents.planning.lessons import read_lesson
 from remac_agents.planning.rewriting import apply, tidy
 from remac_agents.planning.teamwork import parts_of, share_out
 from remac_agents.roles import PlanRequest
-from remac_env.rules.subtasks import Subtask
+from remac_env.rules.subtasks import DONE, WAIT, Subtask
 
 
 class LiteralPlanner:
@@ -49,6 +49,8 @@ class LiteralPlanner:
                 steps = tidy(apply(steps, lesson), request.facts)
         if request.question == "decompose":
             return decomposed(steps, request)
+        if request.question == "act":
+            return Plan.of({request.lead: self._acting(steps, request)})
         if request.single_step:
             steps = next_steps(steps, request)
         elif request.explanation:
@@ -56,6 +58,17 @@ class LiteralPlanner:
         elif len(request.robots) > 1:
             return self._shared(steps, request)
         return Plan.of({request.lead: steps})
+
+    def _acting(self, steps: Sequence[Subtask], request: PlanRequest) -> list[Subtask]:
+        """What a robot of a team does next: its own part of the work, which is shared out as all would do it.
+
+        What has just failed is tried again once a teammate has done something.
+        """
+        row = share_out(parts_of(steps, fine=True), sorted(request.facts.robots), request.facts, places=False)
+        left = next_steps([step for step in row.row(request.lead) if step != WAIT], request)
+        failed = bool(request.history) and request.history[-1].succeeded is False
+        busy = any(command != WAIT.text for command in request.teammates.values())
+        return [WAIT, *left] if failed and busy and left else left or [DONE]
 
     def _shared(self, steps: Sequence[Subtask], request: PlanRequest) -> Plan:
         names = sorted(request.robots, key=lambda robot: robot != request.lead)

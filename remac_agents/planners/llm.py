@@ -11,12 +11,15 @@ from remac_agents.prompting.model_role import JSON, ModelRole, sent_back
 from remac_agents.prompting.prompt import Prompt, load
 from remac_agents.roles import PlanRequest
 
+QUESTION = "act"
+"""The question for one robot's next command (ReAct)."""
+
 STAGES = {"decompose": "smart_llm_decompose", "allocate": "smart_llm_allocate"}
 """Question of SMART-LLM -> its prompt."""
 
 
 class LlmPlanner(ModelRole):
-    """Asks for the whole plan, for the next step (CAPE) or for a corrected plan (REFLECT), or a stage of SMART-LLM."""
+    """Asks for the whole plan, for the next step (CAPE, ReAct), for a corrected plan (REFLECT), or as SMART-LLM."""
 
     role = "planner"
 
@@ -35,6 +38,8 @@ class LlmPlanner(ModelRole):
 def _prompt(request: PlanRequest) -> str:
     if request.question in STAGES:
         return STAGES[request.question]
+    if request.question == QUESTION:
+        return "react_step"
     if request.single_step:
         return "planner_step"
     return "planner_correct" if request.explanation else "planner"
@@ -57,5 +62,6 @@ def _fields(request: PlanRequest, prompt: Prompt) -> dict[str, str]:
         "events": wording.numbered(request.events),
         "explanation": request.explanation,
         "skills": wording.rows(request.skills),
+        "teammates": "\n".join(f"{robot}: {command}" for robot, command in request.teammates.items()),
         "subtasks": "\n".join(json.dumps(subtask) for subtask in request.subtasks),
     }

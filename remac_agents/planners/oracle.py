@@ -20,7 +20,9 @@ class OraclePlanner:
         """A shortest plan, or an error where there is none."""
         if request.world is None or request.rules is None or request.goal_test is None:
             return PlanError("the oracle was not given the truth")
-        scene, world = for_robots(request.rules, request.world, request.robots)
+        # Who acts by itself reckons with the others: what they hold and where they stand.
+        robots = request.facts.robots if request.question == "act" else request.robots
+        scene, world = for_robots(request.rules, request.world, robots)
         found = oracle.solve(scene, world, request.goal_test)
         if found is None:
             return PlanError("no plan reaches the goal")

@@ -87,7 +87,9 @@ class PlanRequest:
         rules: for planners that need them.
         world, goal_test: the truth and what is to become true, for planners that need it.
         question, skills, subtasks: "plan", or for SMART-LLM "decompose" or "allocate", robot -> its skills
-            and the decomposition that is to be allocated, a mapping a subtask (docs/planners.md).
+            and the decomposition that is to be allocated, a mapping a subtask (docs/planners.md). "act": only the
+            leading robot's next command is wanted (ReAct).
+        teammates: robot -> the command that it is at or has just been given, where a robot is asked for by itself.
     """
 
     goal: str
@@ -118,6 +120,7 @@ class PlanRequest:
     question: str = "plan"
     skills: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     subtasks: tuple[Mapping[str, Any], ...] = ()
+    teammates: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 
 from remac_agents.memory import Memory
 from remac_agents.plan import Commands, Plan, PlanError
@@ -35,6 +35,8 @@ class MethodRun:
         self.reflecting = False
         self.won: Try | None = None
         self.thoughts: dict[str, Thought] = {}
+        self.spent: Callable[[], tuple[int, float]] = lambda: (0, 0.0)
+        self.declared = 0.0
 
     @property
     def plan(self) -> Plan:

@@ -75,6 +75,10 @@ class ScriptedModel:
         steps = [*RIGHT.split(", "), "done"]
         return f"Plan: [{steps[user.count(': worked')]}]"
 
+    def _react_step(self, user: str) -> str:
+        steps = [*RIGHT.split(", "), "done"] if "Robot: robot_0" in user else ["done"]
+        return f"Thought: it is my turn.\nPlan: [{steps[min(user.count(': worked'), len(steps) - 1)]}]"
+
     def _planner_correct(self, user: str) -> str:
         return f"<think>what now?</think>Plan: [{REPAIRED}]"
 
