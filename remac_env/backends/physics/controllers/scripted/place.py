@@ -51,12 +51,16 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
     grip, pose = robot.grip_pose(), here.simulation.pose(body)
     grasps = upright_poses(here, point, kind)
 
+    # Out of a basin the arm is folded more easily from over its rim.
+    backs = (0.12,) if kind != "basin" else (_OVER_RIM,) if obj.vessel else (_OVER_RIM, 0.12)
+
     def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
         here.scratch.free(goal)
         here.scratch.release(leave=True)
         here.scratch.mark(here.simulation.geoms(body), TARGET)
-        back = _OVER_RIM if kind == "basin" and obj.vessel else 0.12
-        out = here.planner.line(goal, grasp.back(back), speed=0.25)
+        out: Path | Hit | NoWay = NoWay("no way out")
+        for back in backs:
+            out = out or here.planner.line(goal, grasp.back(back), speed=0.25)
         here.scratch.hold(body, grip, pose)
         return out
 

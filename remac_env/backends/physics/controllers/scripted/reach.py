@@ -11,12 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from remac_env.backends.physics.controllers.scripted.collision import HELD_MARGIN, TRANSIT_MARGIN
+from remac_env.backends.physics.controllers.scripted.collision import HELD_MARGIN
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.motion import periods_between, smooth
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.search import CHECKS, Budget, Reasons, search
-from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, drive_to, stances
+from remac_env.backends.physics.controllers.scripted.skill import (
+    SkillFailure,
+    Steps,
+    Surroundings,
+    drive_to,
+    go_carefully,
+    stances,
+)
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
 from remac_env.backends.physics.pose import Pose
 from remac_env.robots import panda
@@ -31,7 +38,6 @@ _CLOSE = 0.003  # m around the arm where nothing else reaches into a basin
 _LEANS, _LEVEL_STEP = 0.4, 0.15  # rad by which a held vessel may lean, and of a joint's turn between looks at that
 _CARRYING, _CALMLY = 0.25, 0.5  # m/s, of the hand on a straight way with a vessel; share of the usual joint speeds
 _CALMEST = 2  # of ways: 0, 1 where a vessel stays level, 2 where what is held keeps clear of everything too
-_TIGHT = 0.5  # share of its speed with which the arm goes where it keeps less room than usual
 _SET_DOWN = 0.04  # m before the goal from where a held thing may come near to others
 
 BACK = 0.10
@@ -217,11 +223,9 @@ def _keeps_clear(here: Surroundings, ready: Array, reach: Reach) -> bool:
 
 
 def go_to_grasp(here: Surroundings, reach: Reach, *, speed: float = 1.0) -> Steps:
-    """Drive to the stance, move to the pre-grasp, more slowly where there is little room, and approach."""
+    """Drive to the stance, move to the pre-grasp and approach."""
     yield from drive_to(here, reach.base)
-    with here.scratch.clearance(TRANSIT_MARGIN):
-        roomy = all(here.planner.edge(start, end) for start, end in pairwise([here.robot.q, *reach.way]))
-    yield from here.mover.go(reach.way, speed if roomy else _TIGHT * speed)
+    yield from go_carefully(here, reach.way, speed)
     yield from here.mover.play(reach.approach)
 
 

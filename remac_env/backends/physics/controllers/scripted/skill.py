@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise, product
 
 import mujoco
 import numpy as np
 
-from remac_env.backends.physics.controllers.scripted.collision import IGNORED, Scratch
+from remac_env.backends.physics.controllers.scripted.collision import IGNORED, TRANSIT_MARGIN, Scratch
 from remac_env.backends.physics.controllers.scripted.motion import Mover, Steps
-from remac_env.backends.physics.controllers.scripted.paths import Planner
+from remac_env.backends.physics.controllers.scripted.paths import Path, Planner
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit
 from remac_env.backends.physics.pose import Pose
@@ -29,8 +30,11 @@ STATION_REACH = 0.34  # m, how far aside of its station a robot may stand within
 FRONT_LIMIT = -0.20  # y of the arm axis nearest to the counters (their fronts are at 0, the base reaches 0.15 ahead)
 EMPTY = 0.002  # m between fingers that hold nothing; the thinnest wall that they hold is 5 mm
 _SLIPPED = 0.06  # m by which a thing may move in the hand and still be held
+_TIGHT, _LOOKS = 0.5, 0.12  # share of its speed with which an arm goes that has little room; rad between looks for that
 _LADEN = 0.6  # share of the usual speeds at which a full hand is drawn in
 _RISES = (0.08, 0.16, 0.24)  # m by which a hand is raised that cannot be folded where it is
+_SLANTS = ((0.0, 0.0), (0.0, -0.1), (0.1, -0.05), (-0.1, -0.05))  # m by which it may go aside and back on the way
+_HARDLY = 0.001  # m around the arm meanwhile
 _FLOOR_THING = 0.4  # m; things lower than this have fallen down
 
 
@@ -219,21 +223,40 @@ def tuck(here: Surroundings) -> Steps:
             continue
         way = planner.path(stand, panda.tucked(*stand[:3]), tree=back == 0.3)
         if not isinstance(way, Hit):
-            yield from here.mover.go(([stand] if back else []) + way, 1.0 if here.hand.body is None else _LADEN)
+            yield from go_carefully(here, ([stand] if back else []) + way, 1.0 if here.hand.body is None else _LADEN)
             return
         met = way
-    hand = planner.hand(robot.q)
-    for rise in _RISES:
-        # A wrist low in a basin is too near its rim for any planned way: straight up first.
-        up = planner.line(robot.q, hand.shifted([0.0, 0.0, rise]), speed=0.2, check=False)
-        if not up or not here.scratch.free(up[-1]):
-            continue
-        way = planner.path(up[-1], panda.tucked(*up[-1][:3]))
-        if way:
+    for up in _ways_up(here):
+        folded = planner.path(up[-1], panda.tucked(*up[-1][:3])) if here.scratch.free(up[-1]) else None
+        if folded:
             yield from here.mover.play(up)
-            yield from here.mover.go(way, 1.0 if here.hand.body is None else _LADEN)
+            yield from go_carefully(here, folded, 1.0 if here.hand.body is None else _LADEN)
             return
     raise SkillFailure("blocked", f"no way to fold the arm: {met}")
+
+
+def _ways_up(here: Surroundings) -> Iterator[Path]:
+    """Up a little, straight or slanting, with hardly any room around the arm; at last whatever is in the way.
+
+    A wrist low in a basin is too near its rim for any planned way.
+    """
+    q, hand = here.robot.q, here.planner.hand(here.robot.q)
+    with here.scratch.clearance(_HARDLY, arm=True):
+        clear = [
+            here.planner.line(q, hand.shifted([x, y, rise]), speed=0.2) for (x, y), rise in product(_SLANTS, _RISES)
+        ]
+    yield from (up for up in clear if up)
+    for rise in _RISES:
+        up = here.planner.line(q, hand.shifted([0.0, 0.0, rise]), speed=0.2, check=False)
+        if up:
+            yield up
+
+
+def go_carefully(here: Surroundings, way: Path, speed: float = 1.0) -> Steps:
+    """Through way points, at half the speed where the arm keeps less room than usual: it lags its command."""
+    with here.scratch.clearance(TRANSIT_MARGIN):
+        roomy = all(here.planner.edge(start, end, _LOOKS) for start, end in pairwise([here.robot.q, *way]))
+    yield from here.mover.go(way, speed if roomy else _TIGHT * speed)
 
 
 def drive_to(here: Surroundings, base: Array) -> Steps:
