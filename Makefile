@@ -84,7 +84,9 @@ $(RL)/.installed-learn: $(RL)/.installed
 	touch $@
 
 learned: $(RL)/.installed-learn
-	$(RL)/bin/remac learn record --skills $(LEARNED) --episodes 240 --out demos --processes 2
+	$(RL)/bin/remac learn record --skills $(LEARNED) --episodes 160 --out demos --processes 2
+	$(RL)/bin/remac learn record --skills TurnOn,TurnOff --target stove --style scandinavian --episodes 30 --first-seed 3000 \
+		--out demos --processes 2
 	$(RL)/bin/remac learn train --skills $(LEARNED) --demos demos --weights $(SHIPPED)
 	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials 300 --note --processes 2
 

@@ -104,6 +104,7 @@ ROWS: dict[str, Row] = {
         help="Layouts and styles that are not recorded, so that skills can be measured in them.",
         default=("galley,g_shaped_small,coastal,modern_2,transitional_1",), values=Texts(), flag="--hold-out",
     ),
+    "learn.target": Row(help="What the skill is about; by default the seed picks."),
     "learn.disturb": Row(help="How strongly servos are disturbed; 0: not.", default=1.0, values=Real(0.0, 10.0)),
     "learn.out": Row(help="Folder for demonstrations.", default=NEEDED, values=File()),
     "learn.demos": Row(help="Folder of demonstrations.", default=NEEDED, values=File()),

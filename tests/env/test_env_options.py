@@ -65,7 +65,7 @@ def test_an_unknown_value_gets_the_valid_ones(option: str, value: Any, valid: tu
 @pytest.mark.parametrize(
     ("option", "values"),
     [
-        ("robots", (0, 3, -1, 1.0, "2", True, None)),
+        ("robots", (0, 5, -1, 1.0, "2", True, None)),
         ("image_size", (0, 15, 5000, 128.0)),
         ("max_rounds", (0, -1, None, 2.5)),
         ("perception_noise", (-0.1, 5, float("nan"), float("inf"), "0.01")),

@@ -20,16 +20,17 @@ app = typer.Typer(no_args_is_help=True, help="Learned skills: record demonstrati
 
 @app.command(cls=Command)
 @takes(
-    *("learn.skills", "learn.episodes", "learn.first_seed", "learn.cells", "learn.held_out", "learn.disturb"),
-    *("learn.out", "learn.processes"),
+    *("learn.skills", "learn.target", "style", "layout", "learn.episodes", "learn.first_seed", "learn.cells"),
+    *("learn.held_out", "learn.disturb", "learn.out", "learn.processes"),
 )
 def record(
-    *, skills: list[str] | None, episodes: int, first_seed: int, cells: str, held_out: list[str] | None,
-    disturb: float, out: Path, processes: int,
+    *, skills: list[str] | None, target: str | None, style: str | None, layout: str | None, episodes: int,
+    first_seed: int, cells: str, held_out: list[str] | None, disturb: float, out: Path, processes: int,
 ) -> None:
     """Record what the scripted controllers do, with disturbed servos, as HDF5 in robomimic's layout.
 
-    Files hold 40 episodes each, less those that failed; one that is there is not recorded again.
+    Files hold 40 episodes each, less those that failed; one that is there is not recorded again. --style, --layout and
+    --target narrow what is recorded, where something is rare.
     """
     from remac_bench.learning.cells import cells as choose
     from remac_bench.learning.demos import h5py
@@ -39,8 +40,8 @@ def record(
     seen, _ = choose(cells, _names(held_out, "--hold-out"))
     say = console().print
     for line in record_all(
-        _skills(skills, drives=False), range(first_seed, first_seed + episodes), seen, out, disturb=disturb,
-        processes=processes,
+        _skills(skills, drives=False), range(first_seed, first_seed + episodes), seen.narrowed(style, layout), out,
+        target=target, disturb=disturb, processes=processes,
     ):  # fmt: skip
         say(line)
 

@@ -23,6 +23,13 @@ class Cells:
     styles: tuple[str, ...]
     layouts: tuple[str, ...]
 
+    def narrowed(self, style: str | None, layout: str | None) -> Cells:
+        """These with one style or layout alone; raises UnknownNameError for one that is not among them."""
+        for kind, name, known in (("style", style, self.styles), ("layout", layout, self.layouts)):
+            if name is not None:
+                check_choice(f"{kind} to learn in", name, known)
+        return Cells((style,) if style else self.styles, (layout,) if layout else self.layouts)
+
     def of(self, seed: int, skill: str) -> tuple[str, str]:
         """The style and layout of a seed."""
         chance = generator(seed, "cell", skill)

@@ -28,19 +28,22 @@ _SAMPLE = 8  # observations that weights keep, with what the network says to the
 
 
 def record_all(
-    skills: Sequence[str], seeds: Sequence[int], cells: Cells, out: Path, *, disturb: float, processes: int
+    skills: Sequence[str], seeds: Sequence[int], cells: Cells, out: Path, *, target: str | None, disturb: float,
+    processes: int,
 ) -> Iterator[str]:
     """Record every skill on these seeds, a file for each SHARD of them; a line for each that is done."""
     parts = [seeds[index : index + SHARD] for index in range(0, len(seeds), SHARD)]
     jobs = [(skill, part, out / f"{camel(skill)}_{part[0]:06d}.hdf5") for part in parts for skill in skills]
     fresh = [job for job in jobs if not job[2].exists()]
     yield from (f"{path.name}: there already" for _, _, path in jobs if path.exists())
-    yield from _side_by_side(partial(_record_part, cells=cells, disturb=disturb), fresh, processes)
+    yield from _side_by_side(partial(_record_part, cells=cells, target=target, disturb=disturb), fresh, processes)
 
 
-def _record_part(job: tuple[str, Sequence[int], Path], *, cells: Cells, disturb: float) -> str:
+def _record_part(
+    job: tuple[str, Sequence[int], Path], *, cells: Cells, target: str | None, disturb: float
+) -> str:
     skill, seeds, path = job
-    recorder = Recorder(skill, disturb=disturb)
+    recorder = Recorder(skill, target, disturb=disturb)
     demos = []
     for seed in seeds:
         style, layout = cells.of(seed, skill)
