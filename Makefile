@@ -4,6 +4,8 @@
 # make rl         install torch and libraries for learners apart, and run the tests and examples of learning there
 # make docs       install what builds the site apart, and build it into build/site
 # make learned    train the weights that come with the package, from nothing, and measure them
+# make wheel      build wheel and source archive into dist/, check them and try each in an empty environment
+# make versions   the fast tests without physics on every supported Python, and with the oldest dependencies
 # make robosuite  install robosuite apart, run the tests of our kitchens in it and print how fast they are
 PYTHON ?= python3
 VENV := .venv
@@ -11,8 +13,10 @@ BIN := $(VENV)/bin
 ROBOSUITE := .venv-robosuite
 RL := .venv-rl
 DOCS := .venv-docs
+WHEEL := .venv-wheel
+REPOSITORY ?=
 
-.PHONY: demo test test-all rl learned docs robosuite robosuite-test tables tables-check lint install clean
+.PHONY: demo test test-all rl learned docs wheel versions robosuite robosuite-test tables tables-check lint install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -90,5 +94,17 @@ learned: $(RL)/.installed-learn
 	$(RL)/bin/remac learn train --skills $(LEARNED) --demos demos --weights $(SHIPPED)
 	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials 300 --note --processes 2
 
+# REPOSITORY is the address that README's links and the project's URLs shall lead to: docs/package_readme.py.
+$(WHEEL)/.installed:
+	$(PYTHON) -m venv $(WHEEL)
+	$(WHEEL)/bin/pip install --quiet --disable-pip-version-check build twine
+	touch $@
+
+wheel: $(WHEEL)/.installed
+	REMAC_REPOSITORY=$(REPOSITORY) $(WHEEL)/bin/python .ci/package.py
+
+versions:
+	$(PYTHON) .ci/versions.py
+
 clean:
-	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) build .cache demo_output .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) $(WHEEL) dist build .cache demo_output .pytest_cache .mypy_cache .ruff_cache

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rendering.video import MAX_FRAMES, Sampler, prepare, spread
-from remac_env.simulator import load_mujoco
+from remac_env.simulator import load_mujoco, load_opencv
 from remac_env.start import Start
 from remac_env.state import WorldState
 
@@ -64,8 +64,7 @@ class Pictures:
 
     def png(self, moment: Moment) -> bytes:
         """The overview as a PNG file."""
-        import cv2
-
+        cv2 = load_opencv()
         _, data = cv2.imencode(".png", self._stage(moment).picture()[..., ::-1])
         return data.tobytes()
 

@@ -1,8 +1,9 @@
-"""Loads MuJoCo, and says what to do where an environment variable keeps it from loading."""
+"""Loads MuJoCo and OpenCV when they are needed, and says what to do where they cannot be loaded."""
 
 from __future__ import annotations
 
 import os
+from typing import Any
 
 from remac_env.errors import RenderingError
 
@@ -25,3 +26,18 @@ def load_mujoco() -> None:
             "platform that works is then found, and where none does pictures are made by rays (MUJOCO_GL=disable "
             "forces rays)"
         ) from error
+
+
+def load_opencv() -> Any:
+    """The module cv2, for whatever draws; what draws nothing runs without it.
+
+    Raises:
+        RenderingError: if it is not installed.
+    """
+    try:
+        import cv2
+    except ImportError as error:
+        raise RenderingError(
+            "pictures and videos need OpenCV, which is not installed; install it: opencv-python-headless"
+        ) from error
+    return cv2

@@ -11,6 +11,7 @@ from typing import Any
 
 from remac_agents.llm.providers import Endpoint
 from remac_env.errors import OptionError
+from remac_env.simulator import load_opencv
 
 ROLES = ("system", "user", "assistant")
 CHARACTERS_PER_TOKEN = 3.0
@@ -42,8 +43,7 @@ class Picture:
         shape, kind = getattr(pixels, "shape", None), str(getattr(pixels, "dtype", None))
         if shape is None or len(shape) != 3 or shape[2] != 3 or kind != "uint8":
             raise OptionError(f"a picture of shape {shape} and type {kind} is not valid; valid: (h, w, 3), uint8")
-        import cv2  # only here: most calls send no picture, and cv2 is slow to import
-
+        cv2 = load_opencv()  # only here: most calls send no picture
         _, encoded = cv2.imencode(".png", pixels[:, :, ::-1])
         return cls(encoded.tobytes(), hashlib.sha256(repr(shape).encode() + pixels.tobytes()).hexdigest())
 

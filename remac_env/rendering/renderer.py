@@ -17,6 +17,7 @@ from remac_env.kitchen.canvas import COARSE_GROUP, DRAWN_GROUP, FINE_GROUP
 from remac_env.rendering import contexts, gl
 from remac_env.rendering.rays import RayPainter
 from remac_env.rendering.sight import out_of_view
+from remac_env.simulator import load_opencv
 
 Backend = Literal["auto", "gl", "rays"]
 BACKENDS: tuple[Backend, ...] = ("auto", "gl", "rays")
@@ -215,8 +216,7 @@ class _GlPainter:
         picture: NDArray[np.uint8] = self._renderer.render()
         if self._finer == 1:
             return picture
-        import cv2
-
+        cv2 = load_opencv()
         return cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
 
     @property

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from remac_env.errors import OptionError, RenderingError
 from remac_env.files import prepare_file
+from remac_env.simulator import load_opencv
 
 Picture = NDArray[np.uint8]
 Moment = TypeVar("Moment")
@@ -118,8 +119,7 @@ def _check(pictures: list[Picture]) -> None:
 
 
 def _encode(path: str, pictures: list[Picture], fps: float) -> None:
-    import cv2
-
+    cv2 = load_opencv()
     height, width = pictures[0].shape[:2]
     with _quiet():
         writer = cv2.VideoWriter(path, cv2.VideoWriter.fourcc(*"VP80"), fps, (width, height))

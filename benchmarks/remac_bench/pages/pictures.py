@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,10 @@ from remac_bench.board import Cell, Sheet
 from remac_bench.console import plain
 from remac_bench.errors import StorageError
 from remac_bench.pages.rendering import render
+from remac_env.errors import RenderingError
+from remac_env.simulator import load_opencv
+
+_log = logging.getLogger(__name__)
 
 LETTER, LINE, GAP, MARGIN = 8.2, 26.0, 22.0, 20.0
 """Width of a letter at 14 pixels, heights of a line, room between columns and around, in pixels."""
@@ -74,10 +79,16 @@ def lay_out(sheet: Sheet) -> Drawing:
 
 
 def write_pictures(sheets: Sequence[Sheet], folder: Path) -> None:
-    """Write folder/<key>.svg and .png for each sheet."""
+    """Write folder/<key>.svg and .png for each sheet; without OpenCV the former alone, and say so in the log."""
     folder.mkdir(parents=True, exist_ok=True)
     for sheet in sheets:
         (folder / f"{sheet.key}.svg").write_text(svg(sheet), "utf-8", errors="replace")
+    try:
+        load_opencv()
+    except RenderingError as error:
+        _log.warning("tables are written as SVG alone: %s", error)
+        return
+    for sheet in sheets:
         (folder / f"{sheet.key}.png").write_bytes(png(sheet))
 
 
@@ -88,8 +99,7 @@ def svg(sheet: Sheet) -> str:
 
 def png(sheet: Sheet) -> bytes:
     """A sheet as a picture file; StorageError where OpenCV cannot make one."""
-    import cv2
-
+    cv2 = load_opencv()
     done, data = cv2.imencode(".png", paint(lay_out(sheet)))
     if not done:
         raise StorageError(f"{sheet.key}.png: OpenCV cannot encode a PNG here")
@@ -98,8 +108,7 @@ def png(sheet: Sheet) -> bytes:
 
 def paint(drawing: Drawing) -> NDArray[np.uint8]:
     """The drawing as pixels, uint8 (height, width, 3), black on white."""
-    import cv2
-
+    cv2 = load_opencv()
     scale = min(SCALE, SIDE_MAX / max(drawing.width, drawing.height))
     size = (int(drawing.height * scale), int(drawing.width * scale), 3)
     picture = np.full(size, 255, np.uint8)
@@ -113,8 +122,7 @@ def paint(drawing: Drawing) -> NDArray[np.uint8]:
 
 def _put(picture: NDArray[np.uint8], word: Word, scale: float) -> None:
     """OpenCV 5 sets type; OpenCV 4 has only letters of strokes, and only ASCII."""
-    import cv2
-
+    cv2 = load_opencv()
     size, spot, ink = max(6, int(14 * scale)), (int(word.x * scale), int(word.y * scale)), (20, 20, 20)
     if hasattr(cv2, "FontFace"):
         face, weight = cv2.FontFace("sans"), 600 if word.bold else 400

@@ -11,7 +11,6 @@ from inspect import signature
 from types import MappingProxyType
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,11 +18,11 @@ from remac_env.errors import KitchenFileError
 from remac_env.kitchen.objects.part import PICTURE_SIZE
 from remac_env.kitchen.style import hex_color
 from remac_env.kitchen.textures import Image, blend, noise
+from remac_env.simulator import load_opencv
 
 Sheet = NDArray[np.float64]
 
-_FONT = cv2.FONT_HERSHEY_DUPLEX
-_FONT_HEIGHT = 22.0  # pixels of a capital at scale 1 (measured with getTextSize)
+_FONT_HEIGHT = 22.0  # pixels of a capital of FONT_HERSHEY_DUPLEX at scale 1 (measured with getTextSize)
 
 
 def paint(ground: str, strokes: Sequence[Sequence[Any]], *, source: object, where: str) -> Image:
@@ -95,10 +94,12 @@ def _clouds(sheet: Sheet, scale: int, least: float, strength: float, seed: int, 
 
 def _text(sheet: Sheet, words: str, u: float, v: float, height: float, stretch: float, color: Sheet) -> Sheet:
     """Words around (u, v), as high as a share of the picture, widened by a factor."""
-    scale = 4 * height * len(sheet) / _FONT_HEIGHT
-    (wide, tall), below = cv2.getTextSize(words, _FONT, scale, 8)
+    cv2 = load_opencv()
+
+    font, scale = cv2.FONT_HERSHEY_DUPLEX, 4 * height * len(sheet) / _FONT_HEIGHT
+    (wide, tall), below = cv2.getTextSize(words, font, scale, 8)
     ink = np.zeros((tall + below + 8, wide + 8), np.uint8)
-    cv2.putText(ink, words, (4, tall + 4), _FONT, scale, 255, 8, cv2.LINE_AA)
+    cv2.putText(ink, words, (4, tall + 4), font, scale, 255, 8, cv2.LINE_AA)
     small = cv2.resize(ink, (max(1, round(wide * stretch / 4)), (tall + below + 8) // 4), interpolation=cv2.INTER_AREA)
     size, (rows, columns) = len(sheet), small.shape
     top, left = round((1 - v) * size - rows / 2), round(u * size - columns / 2)
@@ -110,7 +111,7 @@ def _text(sheet: Sheet, words: str, u: float, v: float, height: float, stretch: 
 
 def _shape(sheet: Sheet, corners: Sequence[Sequence[float]], color: Sheet) -> Sheet:
     """A filled outline of (u, v) corners."""
-    mask = np.zeros(sheet.shape[:2], np.uint8)
+    cv2, mask = load_opencv(), np.zeros(sheet.shape[:2], np.uint8)
     points = [[round(u * len(sheet)), round((1 - v) * len(sheet))] for u, v in corners]
     cv2.fillPoly(mask, [np.array(points, np.int32)], 255, cv2.LINE_AA)
     return blend(sheet, color, mask / 255)

@@ -1,0 +1,67 @@
+"""What makes the package: README as an index shows it, the supported Pythons, and the oldest dependencies."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import sys
+import tomllib
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+LINKS = "See [start](docs/start.md#play), [there](https://a.org) and [below](#x).\n"
+README = f"# X\n\n![a robot](docs/pictures/a.webp)\n\n{LINKS}"
+
+
+def loaded(path: str) -> ModuleType:
+    """A script as a module."""
+    spec = importlib.util.spec_from_file_location(Path(path).stem, ROOT / path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def hook(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """docs/package_readme.py, with a stand-in for hatchling, which only builds have."""
+    interface = ModuleType("hatchling.metadata.plugin.interface")
+    interface.MetadataHookInterface = type("MetadataHookInterface", (), {"root": str(ROOT)})  # type: ignore[attr-defined]
+    for name in ("hatchling", "hatchling.metadata", "hatchling.metadata.plugin"):
+        monkeypatch.setitem(sys.modules, name, ModuleType(name))
+    monkeypatch.setitem(sys.modules, interface.__name__, interface)
+    return loaded("docs/package_readme.py")
+
+
+def test_links_are_absolute_where_the_repository_is_known_and_gone_where_it_is_not(hook: ModuleType) -> None:
+    there = hook.absolute(README, "https://h.org/t/r")
+    assert "![a robot](https://h.org/t/r/raw/main/docs/pictures/a.webp)" in there
+    assert "[start](https://h.org/t/r/blob/main/docs/start.md#play), [there](https://a.org) and [below](#x)" in there
+    assert hook.absolute(README, "") == "# X\n\n\nSee start, [there](https://a.org) and [below](#x).\n"
+
+
+@pytest.mark.parametrize("address", ["", "https://h.org/t/r/"])
+def test_nothing_of_the_readme_leads_nowhere(hook: ModuleType, address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(hook.ADDRESS, address)
+    metadata: dict[str, Any] = {}
+    hook.ReadmeHook().update(metadata)
+    assert not re.findall(r"\]\((?!https?:|#)", metadata["readme"]["text"])
+    assert metadata["urls"].get("Repository", "") == address.rstrip("/")
+
+
+def test_the_oldest_dependencies_are_the_lower_bounds(tmp_path: Path) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    pins = loaded(".ci/versions.py").oldest(project)
+    assert len(pins) == len(project["dependencies"]) and all(re.fullmatch(r"[\w-]+==[\d.]+\.\*", pin) for pin in pins)
+
+
+def test_the_workflow_runs_what_is_supported() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    named = re.findall(r":: (3\.\d+)", " ".join(project["classifiers"]))
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text("utf-8")
+    assert re.findall(r'"(3\.\d+)"', workflow.partition("python: [")[2].partition("]")[0]) == named
+    assert ".ci/run" in workflow and project["requires-python"] == f">={named[0]}"
