@@ -14,9 +14,10 @@ from physics_kit import stand
 import remac_env
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure
 from remac_env.backends.physics.crew import Crew
+from remac_env.backends.physics.drives import Errand
 from remac_env.backends.physics.encounters import Encounter
 from remac_env.backends.physics.simulation import Simulation
-from remac_env.backends.physics.timetable import Errand, Timetable
+from remac_env.backends.physics.timetable import Timetable
 from remac_env.backends.physics.traffic import Convoy
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model

@@ -10,12 +10,12 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 
 from remac_env.backends.physics.controllers.scripted.skill import Surroundings
+from remac_env.backends.physics.drives import Errand
 from remac_env.backends.physics.litter import lying, pressed
 from remac_env.backends.physics.pilot import SKILL_TIME, Attempt, Pilot
 from remac_env.backends.physics.sensing import Briefed
 from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
-from remac_env.backends.physics.timetable import Errand
 from remac_env.backends.physics.traffic import Convoy
 from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.floor_plan import Layout, Station

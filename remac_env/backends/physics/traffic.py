@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from remac_env.backends.physics.controllers.scripted.motion import StuckError
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps
+from remac_env.backends.physics.drives import Errand
 from remac_env.backends.physics.litter import Bumper, lying, pressed, retreat, slowed
 from remac_env.backends.physics.separation import Separation
-from remac_env.backends.physics.timetable import Errand, Timetable
+from remac_env.backends.physics.timetable import Timetable
 from remac_env.backends.physics.ways import Driver, Moving
 from remac_env.kitchen.blocks import Block
 
@@ -41,7 +42,8 @@ class Convoy:
 
     def held_up(self, robot: str) -> bool:
         """Whether a robot found no way while others work or drive."""
-        return bool(self._rooms or self._met) and self._timed is not None and robot not in self._timed
+        others = self._rooms or self._met or (self._timed and len(self._errands) > 2)
+        return bool(others) and self._timed is not None and robot not in self._timed
 
     def under_way(self) -> Iterator[Moving]:
         """The drives that have been planned and have not ended, with what is left of them."""
@@ -57,7 +59,8 @@ class Convoy:
         here = self._errands[robot].here
         try:
             if robot not in self._timed:
-                raise SkillFailure("blocked", "no way that keeps clear of the other robot and the furniture")
+                others = "the other robot" if len(self._separation.robots) < 3 else "the other robots"
+                raise SkillFailure("blocked", f"no way that keeps clear of {others} and the furniture")
             yield from self._drive(robot, self._timed[robot])
         except BaseException:
             if robot in self._timed:

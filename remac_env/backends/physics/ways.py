@@ -18,7 +18,8 @@ from remac_env.kitchen.floor_plan import Station
 from remac_env.robots.rotation import Array, quaternion
 
 SAMPLE = 3  # control periods between checks
-_DELAYS = tuple(range(0, 112, 7))  # of the same
+LATER = 7  # samples between the moments at which a drive may begin that waits for others
+_DELAYS = tuple(range(0, 112, LATER))  # samples
 
 
 @dataclass(eq=False)
