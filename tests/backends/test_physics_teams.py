@@ -20,7 +20,7 @@ def make(robots: int, layout: str, task: str = "WashPnPHeat") -> KitchenParallel
 
 
 def random_rounds(robots: int, layout: str, *, seed: int, rounds: int) -> Counter[str]:
-    """How subtasks ended, and under "rounds", "contacts": rounds that were played, and periods in which robots touched."""
+    """How subtasks ended; under "rounds" those played, and under "contacts" periods in which robots touched."""
     env, tally = make(robots, layout), Counter[str]()
     for turn in play(env, seed, random_legal(seed, env.vocabulary), rounds=rounds):
         tally["rounds"] += bool(turn.number)
