@@ -29,6 +29,9 @@ BUDGET = _keywords("budget")
 BOUNDS = _keywords("bound")
 """Its keywords that bound what an agent does in an episode."""
 
+PERSON = "human"
+"""The method of a person who plays, and the planner that it is made for."""
+
 OPTIONS = (*ROLES, "model", *BUDGET, *BOUNDS, *_keywords("robot"))
 """Its keywords that a job may set. Not `memory`: every job has one of its own."""
 
@@ -119,6 +122,16 @@ def by_route(text: str, *, via: str | None, providers: str | None = None) -> str
 def _bare(text: object) -> str:
     """The name of a role or model without its options."""
     return str(text).partition(",")[0].strip()
+
+
+def with_planner(method: str, agent: Mapping[str, Any]) -> dict[str, Any]:
+    """An agent's keywords; with the planner that its method is made for, where that is a person and none is given."""
+    return {**({"planner": PERSON} if method == PERSON else {}), **agent}
+
+
+def asks_person(agent: Mapping[str, Any]) -> bool:
+    """Whether an agent with these keywords asks somebody who types."""
+    return _bare(agent.get("planner", "")) == PERSON
 
 
 def role(text: object) -> object:

@@ -6,7 +6,7 @@ import typer
 
 import remac_env
 from remac_bench.command import Command
-from remac_bench.commands import bench, demo, doctor, experiment, learn, memory, oracle, plan, tasks, view
+from remac_bench.commands import bench, demo, doctor, experiment, learn, memory, oracle, plan, play, tasks, view
 from remac_bench.console import speak_plainly, tame_columns
 from remac_bench.flags import takes
 
@@ -34,6 +34,7 @@ app.command(cls=Command)(experiment.experiment)
 app.command(cls=Command)(tasks.tasks)
 app.command(cls=Command)(doctor.doctor)
 app.command(cls=Command)(view.view)
+app.command(cls=Command)(play.play)
 app.add_typer(bench.app, name="bench")
 app.add_typer(learn.app, name="learn")
 app.add_typer(memory.app, name="memory")

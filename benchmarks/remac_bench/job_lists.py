@@ -51,7 +51,7 @@ def make_jobs(
     access = access or Access()
     for task in tasks:
         for method in methods:
-            named = sight.with_checker(method, given, access)
+            named = sight.with_checker(method, agents.with_planner(method, given), access)
             viewers = sight.viewers(method, named, access)
             crew = agents.default_robots(method) if robots is None else robots
             options = Options(**sight.kitchen_for(viewers, kitchen), robots=crew)

@@ -80,7 +80,8 @@ class Job:
     @property
     def label(self) -> str:
         """The agent's name in tables: the method, in brackets where it departs from the method's defaults."""
-        given = {} if self.suite is None else self.suite.given
+        given = {} if self.suite is None else dict(self.suite.given)
+        given |= agents.with_planner(self.method, {})
         facts: dict[str, object] = {n: v for n, v in self.agent.items() if n not in given or given[n] != v}
         if self.options.robots != agents.default_robots(self.method):
             facts["robots"] = self.options.robots

@@ -22,6 +22,7 @@ from remac_agents.methods.base import base
 from remac_agents.methods.best import best_of
 from remac_agents.methods.cape import cape
 from remac_agents.methods.cc import cc
+from remac_agents.methods.human import human
 from remac_agents.methods.re import re
 from remac_agents.methods.react import react
 from remac_agents.methods.reflect import reflect, reflect_cc
@@ -93,6 +94,7 @@ METHODS: dict[str, Method] = {
         Method(name="BASE-BEST", run=best_of(base), iterates=True, checks=False),
         Method(name="CC-BEST", run=best_of(cc), iterates=True),
         Method(name="REACT", run=react, robots=2, plans_ahead=False, checks=False, asks_again=True, by_events=True),
+        Method(name="human", run=human, checks=False, asks_again=True),
     )
 }
 """Every method by its name."""

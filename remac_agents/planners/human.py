@@ -28,10 +28,15 @@ class HumanPlanner:
 
     needs_truth = needs_rules = False
 
+    def __init__(self, *, brief: bool = False) -> None:
+        """Args: brief: what the kitchen says of itself is shown once, and rounds are left to who shows them."""
+        self._brief, self._shown = brief, ""
+
     def plan(self, request: PlanRequest) -> Plan | PlanError:
         """A row for each robot, or the next step alone; an error when there is nobody to type."""
         commands = Commands(request.commands)
-        _show(request)
+        seen, self._shown = self._shown, request.scene
+        _show(request, brief=self._brief, known=self._brief and seen == request.scene)
         rows: dict[str, list[Subtask]] = {}
         with _completion(list(commands)):
             for robot in request.robots:
@@ -68,12 +73,12 @@ def _ask_row(robot: str, commands: Commands, *, single: bool) -> tuple[list[Subt
     return row, True
 
 
-def _show(request: PlanRequest) -> None:
-    _say("", request.scene or f"Goal: {request.goal}")
+def _show(request: PlanRequest, *, brief: bool, known: bool) -> None:
+    _say("", f"Goal: {request.goal}" if known else request.scene or f"Goal: {request.goal}")
     for title, lines in (
         ("Reflections", request.reflections),
         ("The try before", wording.previous_try(request.previous).splitlines()),
-        ("Run so far", [] if request.events else wording.rounds(request.ran).splitlines()),
+        ("Run so far", [] if request.events or brief else wording.rounds(request.ran).splitlines()),
         ("So far", request.events),
         ("Why it failed", [request.explanation] if request.explanation else []),
         ("The last answer", [request.failure] if request.failure else []),

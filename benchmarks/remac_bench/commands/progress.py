@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from remac_bench import agents
 from remac_bench.console import FAILED, INTERRUPTED, console, plain
 from remac_bench.deadline import waited_for
 from remac_bench.interrupts import SIGNALS, stoppable
@@ -32,7 +33,8 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
             model could answer no job.
     """
     refuse_unsolvable(jobs if settings.fresh else pending(jobs, folder))
-    bar = Bar()
+    # A bar that is drawn anew would write over what a person types.
+    bar = Bar(shown=not any(agents.asks_person(job.agent) for job in jobs))
     try:
         with stoppable(*SIGNALS):
             if settings.preflight:
@@ -75,12 +77,13 @@ def _preflight(jobs: Sequence[Job], folder: str) -> None:
 class Bar(Listener):
     """A progress bar, in episodes, from the moment that there is something to do: done, failed, rate, ETA, money."""
 
-    def __init__(self, *, screen: Console | None = None) -> None:
-        """Args: screen: where it is drawn; None: stderr."""
+    def __init__(self, *, screen: Console | None = None, shown: bool = True) -> None:
+        """Args: screen: where it is drawn; None: stderr; shown: whether it is drawn at all."""
         counts = (MofNCompleteColumn(), TextColumn("episodes"), TextColumn("{task.fields[told]}"))
         times = (TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
         self._screen = screen or console(stderr=True)
-        self.progress = Progress(TextColumn("{task.description}"), BarColumn(), *counts, *times, console=self._screen)
+        columns = (TextColumn("{task.description}"), BarColumn(), *counts, *times)
+        self.progress = Progress(*columns, console=self._screen, disable=not shown)
         self.tally = Tally()
         self._running = False
 

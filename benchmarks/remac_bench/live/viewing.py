@@ -58,6 +58,7 @@ class View:
             Route("/", self.leaderboard),
             Route("/leaderboard.html", self.leaderboard),
             Route("/progress", self.progress),
+            Route("/favicon.ico", lambda request: Response(status_code=204)),
             Route("/episodes/{name}", self.episode),
             Route("/tables/{name}", self.table),
             Route("/{kind}/{name}", self.file),

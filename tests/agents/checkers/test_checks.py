@@ -14,6 +14,7 @@ from chaos_server import Asked
 from scripted_model import PICTURES, ScriptedModel, run, scripted
 
 import remac_agents
+from remac_agents.methods import METHODS
 from remac_agents.prompting.prompt import load
 from remac_agents.roles import FreeText, Ran, Report, Verdict, View
 from remac_env.errors import OptionError, RemacError
@@ -242,7 +243,7 @@ def test_a_checker_that_cannot_tell_lets_every_method_go_on_and_end(method: str)
         assert {check.reason for check in checks} <= {"too dark"}
         assert not report.success and report.retries == 0
         assert not report.adjusted or method.startswith("REFLECT")
-    assert any(report.pre_checks for report in reports) == (not method.startswith(("BASE", "SMART-LLM")))
+    assert any(report.pre_checks for report in reports) == METHODS[method].checks
     assert not any(run.adjusted for run in agent.memory.all_runs())
 
 
