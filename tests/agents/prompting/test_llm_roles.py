@@ -14,7 +14,7 @@ METHODS = remac_agents.methods()
 @pytest.mark.parametrize("method", METHODS)
 def test_a_model_that_answers_well_succeeds(method: str) -> None:
     with scripted() as model:
-        if method.startswith("BASE"):
+        if method.startswith(("BASE", "human")):
             model.plan_before = RIGHT
         agent = agent_of(model, method)
         reports = [play(model.env, agent) for _ in range(3 if agent.method.iterates else 1)]
