@@ -120,6 +120,9 @@ ROWS: dict[str, Row] = {
     "learn.trials": Row(help="Tries of each skill in each set of kitchens.", default=100, values=_COUNT),
     "learn.tried_from": Row(help="The first of their seeds.", default=50_000, values=_SEED, flag="--first-seed"),
     "learn.note": Row(help="Write the result into the weights.", default=False, values=Switch()),
+    "learn.chats": Row(help="A file of JSON lines.", default=NEEDED, values=File(), flag="--out"),
+    "learn.roles": Row(help="Questions of these roles, such as planner; by default all.", values=Texts()),
+    "learn.successful": Row(help="Only of episodes that reached their goal.", default=False, values=Switch()),
     "learn.processes": Row(help="Processes side by side.", default=1, values=Whole(1, 256)),
     "memory.keep": Row(help="Number of newest runs to keep per task.", default=NEEDED, values=Whole()),
 }  # fmt: skip

@@ -9,12 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bench_helpers import record
 from remac_bench.cli import app
 from remac_bench.learning.cells import HELD_OUT, cells
+from remac_bench.learning.chats import chats, write_chats
 from remac_bench.learning.demos import Demo, file_digest, read_demos, shards, write_shard
 from remac_bench.learning.evaluate import evaluate, score
 from remac_bench.learning.record import Recorder
 from remac_bench.learning.train import Recipe, frames, train
+from remac_bench.records import ExchangeEntry, OutcomeEntry
 from typer.testing import CliRunner
 
 from remac_env.backends.physics.controllers.learned.weights import About, Weights
@@ -175,3 +178,26 @@ def _layer(torch: object, weight: np.ndarray, bias: np.ndarray, gain: np.ndarray
     norm = torch.nn.LayerNorm(len(gain))  # type: ignore[attr-defined]
     norm.weight.data, norm.bias.data = torch.from_numpy(gain), torch.from_numpy(shift)  # type: ignore[attr-defined]
     return [_linear(torch, weight, bias), norm, torch.nn.ReLU()]  # type: ignore[attr-defined]
+
+
+def test_questions_and_answers_become_conversations_with_what_came_of_them(tmp_path: Path) -> None:
+    asked = {"role": "planner", "messages": [("system", "You plan."), ("user", "Heat it.")], "reply": "Plan: []"}
+    went = {"robot_0": OutcomeEntry(subtask="navigate to pan", status="success")}
+    good = record(
+        success=True, rounds=2, outcomes=[went, went],
+        exchanges=[
+            ExchangeEntry(round=0, **asked), ExchangeEntry(round=1, **asked | {"role": "checker", "reply": "yes"}),
+            ExchangeEntry(round=1, **asked | {"reply": ""}), ExchangeEntry(round=1, **asked, error="timeout"),
+            ExchangeEntry(round=1, **asked | {"reply": "a\n[... 9 characters left out ...]\nb"}),
+        ],
+    )  # fmt: skip
+    bad = record(success=False, exchanges=[ExchangeEntry(round=0, **asked)])
+    first, second, third = chats([good, bad])
+    assert first["messages"][-1] == {"role": "assistant", "content": "Plan: []"} and len(first["messages"]) == 3
+    assert [len(one["outcomes"]) for one in (first, second, third)] == [2, 1, 0]
+    assert first["outcomes"][0] == {"robot_0": {"subtask": "navigate to pan", "status": "success", "reason": None}}
+    assert [one["asked"] for one in chats([good, bad], roles=["checker"])] == ["checker"]
+    assert [one["success"] for one in chats([good, bad], successful=True)] == [True, True]
+    path = tmp_path / "chats.jsonl"
+    assert write_chats(path, [first, third]) == 2
+    assert [json.loads(line) for line in path.read_text("utf-8").splitlines()] == [first, third]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +14,8 @@ from remac_bench.flags import takes
 
 if TYPE_CHECKING:
     from remac_bench.learning.evaluate import Score
+
+Folders = Annotated[list[str], typer.Argument(help="The --out of runs.")]
 
 app = typer.Typer(no_args_is_help=True, help="Learned skills: record demonstrations, train on them, measure.")
 
@@ -84,6 +86,19 @@ def evaluate(
     seeds = range(tried_from, tried_from + trials)
     scores = evaluate_all(_skills(skills, drives=False), weights, seeds, chosen, note=note, processes=processes)
     console().print(_table(scores))
+
+
+@app.command(cls=Command)
+@takes("learn.chats", "learn.roles", "learn.successful")
+def chats(folders: Folders, *, chats: Path, roles: list[str] | None, successful: bool) -> None:
+    """Write what language models were asked and answered in runs as JSON lines, for fine-tuning."""
+    from remac_bench.learning.chats import chats as conversations
+    from remac_bench.learning.chats import write_chats
+    from remac_bench.report import read_records
+
+    records = [record for folder in folders for record in read_records(folder)]
+    count = write_chats(chats, conversations(records, roles=_names(roles, "--roles"), successful=successful))
+    typer.echo(f"{chats}: {count} conversations")
 
 
 def _skills(given: list[str] | None, *, drives: bool) -> list[str]:
