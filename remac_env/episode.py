@@ -11,6 +11,7 @@ from remac_env.backends.base import Counters, RoundResult
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import Options
 from remac_env.rules.facts import Rules
+from remac_env.rules.knowledge import as_known, in_view
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.scene import public_scene
 from remac_env.rules.subtasks import Subtask
@@ -18,7 +19,7 @@ from remac_env.start import Start
 from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal, lost, progress
 from remac_env.tasks.spec import TaskSpec
-from remac_env.text import describe, describe_outcome, describe_states
+from remac_env.text import describe, describe_outcome, describe_states, describe_unseen
 
 End = Literal["success", "lost", "done", "truncated"]
 
@@ -83,7 +84,10 @@ def max_seconds(spec: TaskSpec, options: Options) -> float:
 
 @dataclass
 class Episode:
-    """The changeable side: the world at rest after `rounds` rounds, and how the last one went."""
+    """The changeable side: the world at rest after `rounds` rounds, and how the last one went.
+
+    `seen`: the objects of which the team knows where they are.
+    """
 
     terms: Terms
     world: WorldState
@@ -94,10 +98,30 @@ class Episode:
     done: frozenset[str] = frozenset()
     end: End | None = None
     phases_done: int = 0
+    seen: frozenset[str] = frozenset()
+
+    def __post_init__(self) -> None:
+        """Look about."""
+        self._look()
+
+    @property
+    def unseen(self) -> frozenset[str]:
+        """The objects that nobody on the team has seen; none with knowledge="full"."""
+        return frozenset(self.world.objects) - self.seen
+
+    @property
+    def known(self) -> WorldState:
+        """The world without them."""
+        return as_known(self.world, self.seen)
+
+    def _look(self) -> None:
+        now = in_view(self.terms.scene, self.world) if self.terms.scene.hides else frozenset(self.world.objects)
+        self.seen |= now
 
     def advance(self, subtasks: Mapping[str, Subtask], invalid: Mapping[str, Outcome], result: RoundResult) -> None:
         """Take over a round's result and judge it."""
         self.world = result.world
+        self._look()
         self.outcomes = {**result.outcomes, **{name: _at(invalid[name], result.outcomes[name]) for name in invalid}}
         self.counters = self.counters + result.counters
         self.seconds += result.seconds
@@ -135,6 +159,7 @@ class Episode:
             "commands": dict(terms.commands),
             "goal_test": terms.goal,
             "verbs": dict(terms.spec.verbs),
+            "unseen": sorted(self.unseen),
             "feedback": terms.options.feedback,
             "phases": {name: index < self.phases_done for index, (name, _) in enumerate(terms.phases)},
             "round": self.rounds,
@@ -176,7 +201,9 @@ class Episode:
     def _text(self, robot: str) -> str:
         options, text = self.terms.options, self.terms.texts[robot]
         if options.text == "states":
-            text += "\n" + describe_states(self.terms.scene, self.world)
+            text += "\n" + describe_states(self.terms.scene, self.known)
+        if self.unseen:
+            text += "\n" + describe_unseen(self.unseen)
         last = describe_outcome(self.outcomes.get(robot), feedback=options.feedback)
         return f"{text}\n{last}" if last else text
 

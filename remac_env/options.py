@@ -12,6 +12,7 @@ from remac_env.values import python_fields
 
 BACKENDS = ("physics", "symbolic")
 STARTS = ("paper", "mixed")
+KNOWLEDGE = ("full", "seen")
 TEXTS = ("plain", "states")
 FEEDBACKS = ("status", "reason")
 NAMINGS = ("role", "category")
@@ -42,6 +43,10 @@ class Options:
     style: str | None = option(None, "Name of a style; by default the seed picks.")
     layout: str | None = option(None, "Name of a floor plan; by default the seed picks.")
     starts: str = option("paper", "paper (doors closed, all off) or mixed.", Choice(STARTS))
+    knowledge: str = option(
+        "full", "What robots know of where objects are: full, or seen (what stands in the open, and what they have seen "
+        "behind a door).", Choice(KNOWLEDGE),
+    )  # fmt: skip
     obs: str = option(
         "state", "state or state+images (front, wrist, side); jobs have images if a role looks at them.",
         Choice(OBSERVATIONS),

@@ -23,6 +23,7 @@ from remac_env.pictures import Moment, Pictures
 from remac_env.recordings import Recordings
 from remac_env.rewards import make_reward
 from remac_env.rules.claims import feasible
+from remac_env.rules.knowledge import held_back
 from remac_env.seeding import generator
 from remac_env.start import Start
 from remac_env.state import WorldState
@@ -117,6 +118,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             robots=self.options.robot_names,
             perception_noise=self.options.perception_noise,
             naming=self.options.naming,
+            knowledge=self.options.knowledge,
         )
         if self._backend is None:
             self._backend = make_backend(self.options, self.worlds)
@@ -144,7 +146,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         """
         backend, episode = self._playing(), self._running()
         subtasks, invalid = decode(check_actions(actions, self.agents), self._legal)
-        episode.advance(subtasks, invalid, backend.run_round(subtasks))
+        subtasks, unfound = held_back(subtasks, episode.unseen)
+        episode.advance(subtasks, invalid | unfound, backend.run_round(subtasks))
         return self._answer(episode)
 
     def _answer(self, episode: Episode) -> tuple[Seen, dict[str, float], dict[str, bool], dict[str, bool], Told]:
@@ -189,7 +192,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         """The facts as each robot sees them, one after the other; shape (robots * n,)."""
         episode = self._running()
         scene = episode.terms.scene
-        return np.concatenate(list(self._facts.vectors(scene, episode.world, scene.robots).values()))
+        return np.concatenate(list(self._facts.vectors(scene, episode.known, scene.robots).values()))
 
     def close(self) -> None:
         """Free the simulator and the renderer. May be called twice."""
@@ -208,7 +211,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         mask = self._mask.copy()
         if self.options.masks == "feasible":
             for token, subtask in self._legal.items():
-                mask[token] = feasible(episode.terms.scene, episode.world, agent, subtask)
+                known = subtask.target not in episode.unseen
+                mask[token] = known and feasible(episode.terms.scene, episode.world, agent, subtask)
         return mask
 
     # -- what the episode is ----------------------------------------------------------------------------------------
@@ -278,7 +282,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
 
     def _vectors(self) -> dict[str, NDArray[np.float32]]:
         episode = self._running()
-        return self._facts.vectors(episode.terms.scene, episode.world, self.agents)
+        return self._facts.vectors(episode.terms.scene, episode.known, self.agents)
 
     def _observations(self) -> Seen:
         facts = self._vectors()

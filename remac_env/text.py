@@ -135,6 +135,11 @@ def describe_states(scene: Rules, world: WorldState) -> str:
     return "\n".join(lines)
 
 
+def describe_unseen(names: Iterable[str]) -> str:
+    """Of which objects nobody knows yet where they are; only with knowledge="seen"."""
+    return f"Nobody has seen {_listed(sorted(names))} yet; what nobody has seen is behind a door."
+
+
 def describe_outcome(outcome: Outcome | None, *, feedback: str) -> str:
     """One line on how the last subtask ended, or "" before the first; why only with feedback="reason"."""
     if outcome is None:

@@ -8,6 +8,7 @@ from remac_agents.roles import Verdict, View
 from remac_agents.roles.free_text import truth_of
 from remac_env.rules.conditions import Condition
 
+UNSEEN = "nobody has seen it yet"
 UNMATCHED = "no sentence of the skill table says the same, and only a model can judge these words"
 
 
@@ -26,5 +27,12 @@ class TruthChecker:
             raise ValueError(
                 "the truth checker was not given the WorldState; infos[robot]['world'] is missing"
             )
-        found = [(condition, truth_of(condition, view.rules, view.world)) for condition in conditions]
-        return [Verdict(c, truth, UNMATCHED if truth is None else "") for c, truth in found]
+        return [_verdict(condition, view) for condition in conditions]
+
+
+def _verdict(condition: Condition, view: View) -> Verdict:
+    """The truth, but of what nobody has seen: it is not seen in its place, and more cannot be told."""
+    if condition.kind != "felt" and set(condition.args) & set(view.unseen):
+        return Verdict(condition, False if condition.predicate == "placed" else None, UNSEEN)
+    truth = truth_of(condition, view.rules, view.world)
+    return Verdict(condition, truth, UNMATCHED if truth is None else "")

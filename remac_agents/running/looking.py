@@ -29,7 +29,10 @@ def look(
     }
     reports = {robot: _report_of(info, sent.get(robot)) for robot, info in infos.items()}
     scene = public_scene(told["scene"])
-    view = View(briefing.goal, scene, holding, reports, images, text=str(told.get("text", "")), ready=ready(infos))
+    view = View(
+        briefing.goal, scene, holding, reports, images, text=str(told.get("text", "")), ready=ready(infos),
+        unseen=tuple(told.get("unseen", ())),
+    )  # fmt: skip
     if timed(infos):
         running = {robot: str(info["running"]) for robot, info in infos.items() if info["running"]}
         view = replace(view, clock=float(told["seconds"]), running=running)

@@ -4,16 +4,30 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from remac_env.kitchen.fixtures import KINDS
+from remac_env.kitchen import annexes as annex
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules, SlotFacts
 from remac_env.state import FixtureState, FrozenMap
 
 
-def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence[str]) -> Rules:
-    """The facts of a kitchen: the layout's usable fixtures, and `things` (noun -> category)."""
+def build_scene(
+    layout: Layout,
+    things: Mapping[str, Category],
+    robots: Sequence[str],
+    *,
+    annexes: Sequence[str] = (),
+    gives: Sequence[str] = (),
+) -> Rules:
+    """The facts of a kitchen: the layout's usable fixtures, and `things` (noun -> category).
+
+    Args:
+        annexes: further fixtures; one that the layout has is that of the layout.
+        gives: marks that fixtures give.
+    """
     basins = {name: str(f.station) for name, f in layout.fixtures.items() if f.catches_water}
     slots_of: dict[str, list[str]] = defaultdict(list)
     for slot in layout.slots.values():
@@ -28,6 +42,7 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
             slots=tuple(slots_of[name]),
             shut_to_run=fixture.shut_to_run,
             wets=tuple(n for n, at in basins.items() if fixture.gives_water and at == fixture.station),
+            gives=fixture.gives if fixture.gives in gives else "",
         )
         for name, fixture in layout.fixtures.items()
         if fixture.station is not None and not fixture.part_of
@@ -52,6 +67,9 @@ def build_scene(layout: Layout, things: Mapping[str, Category], robots: Sequence
         for noun, category in things.items()
     }
     slots = {name: SlotFacts(name, layout.noun(slot), slot.station) for name, slot in layout.slots.items()}
+    for facts in (annex.get(name) for name in annexes if name not in fixtures):
+        fixtures[facts.name] = replace(facts, gives=facts.gives if facts.gives in gives else "")
+        slots |= annex.slots_of(facts)
     return Rules(tuple(robots), FrozenMap(fixtures), FrozenMap(slots), FrozenMap(objects), layout.conflicts())
 
 

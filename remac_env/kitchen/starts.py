@@ -60,8 +60,9 @@ def sample(
     robots: Sequence[str],
     naming: str = "role",
     perception_noise: float = 0.0,
+    knowledge: str = "full",
 ) -> tuple[Start, dict[str, str]]:
-    """Draw the start of an episode. It is the same for both namings, but for the names.
+    """Draw the start of an episode. It is the same for both namings, but for the names, and whatever is known of it.
 
     Returns:
         (start, names): the start, and for each role of the task what its object is called.
@@ -78,7 +79,10 @@ def sample(
     extra = generator(seed, "vessels", spec.name, layout.name, style, starts)
     things |= _with_vessels(others, layout, categories, things, extra)
     slow = [(name, tuple(noun.format(**names) for noun in about)) for name, about in spec.processes]
-    scene = replace(build_scene(layout, things, robots), processes=chosen(slow))
+    scene = replace(
+        build_scene(layout, things, robots, annexes=spec.annexes, gives=spec.gives),
+        quirks=spec.quirks, orders=spec.orders, hides=knowledge == "seen", processes=chosen(slow),
+    )  # fmt: skip
     for needed in spec.fixtures:
         check_choice(f"fixture (in layout {layout.name}, for {spec.name})", needed, scene.fixtures)
     goal = spec.goal.bind(names)
@@ -97,8 +101,8 @@ def sample(
         layout=layout.name,
         style=style,
         categories={noun: category.name for noun, category in things.items()},
-        offsets={noun: _offset(draft.world, layout, noun, things[noun], rng) for noun in things},
-        robots=_park(layout, robots, rng),
+        offsets={noun: offset_in(draft.world, layout, noun, things[noun], rng) for noun in things},
+        robots=park(layout, robots, rng),
         doors=draft.doors,
         seed=int(seed),
         perception_noise=perception_noise,
@@ -219,7 +223,7 @@ def _role_slot(
     return free[int(rng.integers(len(free)))]
 
 
-def _offset(world: WorldState, layout: Layout, noun: str, category: Category, rng: np.random.Generator) -> Offset:
+def offset_in(world: WorldState, layout: Layout, noun: str, category: Category, rng: np.random.Generator) -> Offset:
     """A pose within the slot: as far from its middle as the object's size allows, at any yaw its grasp allows.
 
     Behind a door objects stand in the nearest part of their slot and point inwards, also on a plate, so that a hand
@@ -244,7 +248,7 @@ def _offset(world: WorldState, layout: Layout, noun: str, category: Category, rn
     return Offset(float(spread[0] * room[0]), float(spread[1] * room[1]), yaw)
 
 
-def _park(layout: Layout, robots: Sequence[str], rng: np.random.Generator) -> dict[str, tuple[int, Offset]]:
+def park(layout: Layout, robots: Sequence[str], rng: np.random.Generator) -> dict[str, tuple[int, Offset]]:
     """A parking place of its own for each robot, drawn so that no robot has a fixed one."""
     if len(robots) > len(layout.asides):
         raise SamplingError(f"{layout.name} has {len(layout.asides)} parking places for {len(robots)} robots")

@@ -14,6 +14,7 @@ from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.parking import for_robots
 from remac_env.kitchen.starts import sample
+from remac_env.kitchen.stated import stated_start
 from remac_env.seeding import generator
 from remac_env.start import Start
 from remac_env.tasks.spec import TaskSpec
@@ -88,12 +89,18 @@ class TaskWorlds(Worlds):
         robots: tuple[str, ...],
         perception_noise: float,
         naming: str = "role",
+        knowledge: str = "full",
     ) -> tuple[Start, dict[str, str]]:
         """The start of the episode with this seed, and what the object of each role is called."""
         self.check_cell(style, layout)
         cell = generator(seed, "cell", self.spec.name)
         picks = [str(cell.choice(names)) for names in (self.spec.styles, self.spec.layouts)]
         style = style or picks[0]
+        if self.spec.setup is not None:
+            return stated_start(
+                self.spec, self.spec.setup, self.layout(layout or picks[1], style), self.categories, style=style,
+                seed=seed, robots=robots, perception_noise=perception_noise, knowledge=knowledge,
+            )  # fmt: skip
         return sample(
             self.spec,
             for_robots(self.layout(layout or picks[1], style), len(robots)),
@@ -104,10 +111,13 @@ class TaskWorlds(Worlds):
             robots=robots,
             perception_noise=perception_noise,
             naming=naming,
+            knowledge=knowledge,
         )
 
     def nouns(self, start: Start, names: Mapping[str, str]) -> dict[str, str]:
         """The noun of each role, as the goal sentence has it, whatever the naming."""
+        if self.spec.setup is not None:
+            return dict(names)
         found = {}
         for role in self.spec.roles:
             kind = self.categories[start.categories[names[role.name]]]

@@ -111,7 +111,9 @@ def _moves(scene: Rules, world: WorldState, robot: str, commands: Sequence[Subta
         outcome, after = attempt(scene, world, robot, subtask, station=station)
         if outcome.success:
             moves.append(_Move(subtask, after, station, len(moves)))
-        elif after is not world and not dropped:
-            dropped = True  # however it comes about, the object lies on the floor
-            moves.append(_Move(subtask, after, station, len(moves), drops=True))
+        elif after is not world:
+            drops = after.robots[robot].holding != world.robots[robot].holding
+            if not drops or not dropped:
+                moves.append(_Move(subtask, after, station, len(moves), drops=drops))
+            dropped |= drops  # however it comes about, the object lies on the floor
     return moves

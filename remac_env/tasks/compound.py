@@ -56,9 +56,13 @@ class AnyOf(Goal):
         return AnyOf(*(goal.bind(names) for goal in self.goals))
 
     def told(self, wording: int) -> str:
-        """Either this or that."""
-        said = [goal.told(wording) for goal in self.goals]
-        return f"either {' or '.join(said[::-1] if wording == 2 else said)}"
+        """This or that: what all have in common is said once."""
+        said = [goal.told(wording).split() for goal in self.goals]
+        said = said[::-1] if wording == 2 else said
+        alike = [words[0] for words in zip(*said, strict=False) if len(set(words)) == 1]
+        common = alike if all(words[: len(alike)] == alike for words in said) else []
+        rest = " or ".join(" ".join(words[len(common) :]) for words in said)
+        return f"{' '.join(common)} {rest}" if common else f"either {rest}"
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from remac_env.errors import OptionError
 from remac_env.options import WORDINGS
+from remac_env.rules.facts import Quirk
 from remac_env.tasks.goals import Goal
+from remac_env.tasks.setup import Setup
 from remac_env.values import python_fields
 
 if TYPE_CHECKING:
@@ -57,6 +59,13 @@ class TaskSpec:
         nouns: words that the built-in vocabulary lacks.
         categories: further object categories, in the form of the catalogue's tables.
         layout_files: layout name -> path of a TOML file, for kitchens from outside.
+        annexes: further fixtures, of kitchen/annexes.toml; symbolic only.
+        quirks: facts about this kitchen that nobody is told (`remac_env.rules.quirks`); symbolic only.
+        gives: the marks that fixtures of this kitchen give (heated, cooled, dried), beside washed.
+        orders: pairs of marks, (first, then), whose order a goal speaks of (`Before`).
+        setup: the start, where it is stated and not drawn.
+        rounds: rounds after which an episode is truncated, where the task needs more than `Options.max_rounds`.
+        generated: what it was generated from (grade, template, seed ...), for those that were.
     """
 
     name: str
@@ -75,6 +84,21 @@ class TaskSpec:
     nouns: tuple[Noun, ...] = ()
     categories: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
     layout_files: Mapping[str, str] = field(default_factory=dict)
+    annexes: tuple[str, ...] = ()
+    quirks: tuple[Quirk, ...] = ()
+    gives: tuple[str, ...] = ()
+    orders: tuple[tuple[str, str], ...] = ()
+    setup: Setup | None = None
+    rounds: int | None = None
+    generated: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def symbolic_only(self) -> str:
+        """Why physics cannot have it, "" where it can."""
+        said = [f"{kind} ({', '.join(names)})" for kind, names in (
+            ("annexes", self.annexes), ("quirks", tuple(quirk.kind for quirk in self.quirks)),
+        ) if names]  # fmt: skip
+        return " and ".join(said)
 
     def __post_init__(self) -> None:
         """Take values of NumPy as Python's."""

@@ -21,9 +21,9 @@ GOALS: dict[str, tuple[Goal, tuple[str, str, str]]] = {
     "any": (
         AnyOf(Inside("carrot", "cabinet"), Inside("carrot", "sink")),
         (
-            "either pick up the carrot and place it into the cabinet or pick up the carrot and place it into the sink",
-            "either place the carrot into the sink or place the carrot into the cabinet",
-            "either put the carrot into the cabinet or put the carrot into the sink",
+            "pick up the carrot and place it into the cabinet or sink",
+            "place the carrot into the sink or cabinet",
+            "put the carrot into the cabinet or sink",
         ),
     ),
     "not": (

@@ -11,7 +11,8 @@ from remac_env.errors import LifecycleError
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rules.facts import Process
-from remac_env.rules.marks import SEASONED, washed
+from remac_env.rules.marks import SEASONED
+from remac_env.rules.rounds import at_rest
 from remac_env.start import Start
 from remac_env.state import WorldState
 
@@ -55,6 +56,6 @@ class Truth:
 
     def read(self) -> WorldState:
         """The world now. Marks that it shows stay from now on."""
-        world = washed(self._scene, self.seen())
+        world = at_rest(self._scene, self.seen())
         self._marks = {name: item.marks for name, item in world.objects.items()}
         return world

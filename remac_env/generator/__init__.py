@@ -1,0 +1,5 @@
+"""Tasks without number: drawn from templates, certified, and graded by the length of their shortest known plans."""
+
+from remac_env.generator.making import GRADES, Certified, make, scene_of
+
+__all__ = ["GRADES", "Certified", "make", "scene_of"]
