@@ -5,7 +5,7 @@
 >>> observations, infos = env.reset(seed=0)
 """
 
-from remac_env.registry import env, parallel_env, register_task, tasks
+from remac_env.registry import env, generate, parallel_env, register_task, tasks
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "env", "parallel_env", "register_task", "tasks"]
+__all__ = ["__version__", "env", "generate", "parallel_env", "register_task", "tasks"]

@@ -67,7 +67,13 @@ class Terms:
             "digest": self.start.digest,
             "robots": len(self.scene.robots),
             "backend": self.options.backend,
+            **({"template": self.spec.generated["template"]} if self.spec.generated else {}),
         }
+
+    @property
+    def max_rounds(self) -> int:
+        """Rounds after which the episode is truncated."""
+        return max(self.options.max_rounds, self.spec.rounds or 0)
 
     @cached_property
     def texts(self) -> dict[str, str]:
@@ -102,7 +108,7 @@ class Episode:
 
     def __post_init__(self) -> None:
         """Look about."""
-        self._look()
+        self._look_about()
 
     @property
     def unseen(self) -> frozenset[str]:
@@ -114,14 +120,13 @@ class Episode:
         """The world without them."""
         return as_known(self.world, self.seen)
 
-    def _look(self) -> None:
+    def _look_about(self) -> None:
         now = in_view(self.terms.scene, self.world) if self.terms.scene.hides else frozenset(self.world.objects)
         self.seen |= now
 
     def advance(self, subtasks: Mapping[str, Subtask], invalid: Mapping[str, Outcome], result: RoundResult) -> None:
         """Take over a round's result and judge it."""
         self.world = result.world
-        self._look()
         self.outcomes = {**result.outcomes, **{name: _at(invalid[name], result.outcomes[name]) for name in invalid}}
         self.counters = self.counters + result.counters
         self.seconds += result.seconds
@@ -132,6 +137,7 @@ class Episode:
 
     def look(self) -> None:
         """Judge the world as it is after one more round."""
+        self._look_about()
         self.rounds += 1
         for _, goal in self.terms.phases[self.phases_done :]:
             if not goal.holds(self.terms.scene, self.world):
@@ -182,7 +188,7 @@ class Episode:
     @property
     def out_of_time(self) -> bool:
         """Whether the episode is as long as it may be."""
-        return self.rounds >= self.terms.options.max_rounds
+        return self.rounds >= self.terms.max_rounds
 
     def _outcome(self, robot: str) -> dict[str, Any]:
         """How the robot's last subtask ended; empty before the first."""

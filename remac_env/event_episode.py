@@ -39,6 +39,7 @@ class EventEpisode(Episode):
 
     def __post_init__(self) -> None:
         """Nobody has decided anything yet."""
+        super().__post_init__()
         self._decisions = {robot: Decision() for robot in self.terms.scene.robots}
 
     def decided(self) -> None:

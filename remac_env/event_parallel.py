@@ -17,6 +17,7 @@ from remac_env.event_episode import EventEpisode
 from remac_env.events.clock import EventClock, Order, Span
 from remac_env.events.observation import TimeFacts
 from remac_env.parallel import KitchenParallelEnv, Seen, Told
+from remac_env.rules.knowledge import held_back
 from remac_env.thinking import NO_THOUGHT, Thought, thinking_seconds
 from remac_env.vocabulary import Vocabulary
 
@@ -56,9 +57,11 @@ class KitchenEventEnv(KitchenParallelEnv):
         backend, episode = self._playing(), self._timed()
         tokens = check_actions(actions, self.agents)
         subtasks, invalid = decode({robot: tokens[robot] for robot in episode.clock.ready}, self._legal)
+        subtasks, unfound = held_back(subtasks, episode.unseen)
+        refused = invalid | unfound
         thoughts, self._thoughts = self._thoughts, {}
         orders = {
-            robot: Order(subtask, self._cost(thoughts.get(robot, NO_THOUGHT)), invalid.get(robot))
+            robot: Order(subtask, self._cost(thoughts.get(robot, NO_THOUGHT)), refused.get(robot))
             for robot, subtask in subtasks.items()
         }
         episode.decided()

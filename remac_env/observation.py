@@ -48,14 +48,14 @@ class Facts:
     (present; door closed, ajar, open; on).
     """
 
-    def __init__(self, vocabulary: Vocabulary, robots: int = _BLOCKS) -> None:
-        """Args: robots: how many there are at most."""
+    def __init__(self, vocabulary: Vocabulary, robots: int = _BLOCKS, further_marks: Iterable[str] = ()) -> None:
+        """Args: robots: how many there are at most. further_marks: beside those that all kitchens know."""
         self._blocks = max(robots, _BLOCKS)
         self.fixtures = tuple(noun.name for noun in vocabulary.nouns if noun.kind == "fixture")
         self.objects = tuple(noun.name for noun in vocabulary.nouns if noun.kind == "object")
         f, o = len(self.fixtures), len(self.objects)
         self._at = {name: index for index, name in enumerate((*self.fixtures, *self.objects))}
-        self._marks = marks()
+        self._marks = tuple(dict.fromkeys((*marks(), *further_marks)))
         self._robot_size, object_size = 1 + f + 2 * o, f + o + 4 + len(self._marks)
         objects_from = self._blocks * self._robot_size
         fixtures_from = objects_from + o * object_size

@@ -13,6 +13,8 @@ from remac_env.values import python_fields
 BACKENDS = ("physics", "symbolic")
 STARTS = ("paper", "mixed")
 KNOWLEDGE = ("full", "seen")
+GRADES = (1, 2, 3, 4, 5)
+MOST_QUIRKS = 3
 TEXTS = ("plain", "states")
 FEEDBACKS = ("status", "reason")
 NAMINGS = ("role", "category")
@@ -43,9 +45,19 @@ class Options:
     style: str | None = option(None, "Name of a style; by default the seed picks.")
     layout: str | None = option(None, "Name of a floor plan; by default the seed picks.")
     starts: str = option("paper", "paper (doors closed, all off) or mixed.", Choice(STARTS))
+    grade: int | None = option(
+        None, "Grade of generated tasks, 1 to 5: shortest known plans of at most 6, 12, 20, 40 and 80 rounds.",
+        Whole(min(GRADES), max(GRADES)),
+    )  # fmt: skip
+    template: str | None = option(
+        None, "Template of generated tasks, or from which ones the seed picks: held out, or teams; by default all others."
+    )
+    quirks: int = option(
+        0, "How many facts about its kitchen a generated task has that nobody is told.", Whole(0, MOST_QUIRKS)
+    )
     knowledge: str = option(
-        "full", "What robots know of where objects are: full, or seen (what stands in the open, and what they have seen "
-        "behind a door).", Choice(KNOWLEDGE),
+        "full", "What robots know of where objects are: full, or seen (what stands in the open, and what they have "
+        "seen behind a door).", Choice(KNOWLEDGE),
     )  # fmt: skip
     obs: str = option(
         "state", "state or state+images (front, wrist, side); jobs have images if a role looks at them.",

@@ -15,7 +15,7 @@ from remac_env.backends import make_backend, told_skills
 from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms
 from remac_env.errors import LifecycleError
-from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.generator.worlds import check_backend, worlds_for
 from remac_env.observation import Facts
 from remac_env.openings import observation_space, reset_options
 from remac_env.options import Options
@@ -50,7 +50,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
     """
 
     def __init__(self, spec: TaskSpec, options: Options) -> None:
-        self.worlds = TaskWorlds(spec, options.layout)
+        self.worlds = worlds_for(spec, options)
         self.worlds.check_cell(options.style, options.layout)
         self.options = options
         self.vocabulary = self._words()
@@ -63,7 +63,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self.render_mode, self.skills = options.render_mode, told_skills(options)
         self.possible_agents = list(options.robot_names)
         self.agents: list[str] = []
-        self._facts = Facts(self.vocabulary, options.robots)
+        self._facts = Facts(self.vocabulary, options.robots, self.worlds.marks)
         self._reward = make_reward(options.reward)
         self.action_spaces = {name: spaces.Discrete(len(self.vocabulary)) for name in self.possible_agents}
         sizes, names = {"facts": self._size, "tokens": len(self.vocabulary)}, self.possible_agents
@@ -110,7 +110,9 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         else:
             self._seeds = generator(seed, "seeds of further resets")
         wanted = reset_options(options)
-        start, names = self.worlds.start(
+        worlds = self.worlds.of(seed)
+        check_backend(worlds.spec, self.options)
+        start, names = worlds.start(
             seed,
             style=wanted.get("style", self.options.style),
             layout=wanted.get("layout", self.options.layout),
@@ -124,7 +126,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             self._backend = make_backend(self.options, self.worlds)
             self._backend.watch, self._backend.pictures = self._film, self._look
         self._pictures.rewind()
-        self._episode = self._begin(Terms.of(self.worlds, self.options, start, names), self._backend)
+        self._episode = self._begin(Terms.of(worlds, self.options, start, names), self._backend)
         self._film()
         self._mask = self.vocabulary.mask(start.scene)
         self._legal = {token: self.vocabulary.subtask(token) for token in self._episode.terms.commands.values()}

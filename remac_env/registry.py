@@ -9,12 +9,19 @@ from remac_env.gymnasium_ids import enter_ids
 from remac_env.option_rows import takes_options
 from remac_env.options import CLOCKS, Options
 from remac_env.tasks import add, get, known, names, timed
+from remac_env.tasks.generated import SPEC
 from remac_env.tasks.spec import TaskSpec
 
 if TYPE_CHECKING:
     from remac_env.aec import KitchenAECEnv
     from remac_env.event_aec import KitchenEventAEC
     from remac_env.parallel import KitchenParallelEnv
+
+GENERATED = SPEC.name
+
+
+def _with_ids() -> tuple[str, ...]:
+    return (*known(), GENERATED)
 
 
 def tasks(clock: str = "rounds") -> list[str]:
@@ -39,15 +46,49 @@ def register_task(spec: TaskSpec) -> None:
 
     validate(spec)
     add(spec)
-    enter_ids(known)
+    enter_ids(_with_ids)
+
+
+def generate(
+    grade: int,
+    seed: int,
+    *,
+    template: str | None = None,
+    quirks: int = 0,
+    knowledge: str = "full",
+    robots: int = 1,
+) -> TaskSpec:
+    """A task that was made for these values, with a plan that is known to reach its goal; for the symbolic backend.
+
+    `spec.generated` says what it was made from, the bounds of its shortest plan, how that is proven ("search": the
+    upper bound is the optimum; "witness": it is that of a plan that works), how many facts no sentence tells, and its
+    problem. The same as the task `Generated` with these options, which draws one for every seed.
+
+    Args:
+        grade: 1 to 5: shortest known plans of at most 6, 12, 20, 40 and 80 rounds, quirks aside.
+        seed: whole number from 0.
+        template: the name of one; "held out" or "teams" draw from those; None from all others.
+        quirks: how many facts about its kitchen nobody is told.
+        knowledge: full or seen.
+        robots: for how many it is certified.
+
+    Raises:
+        UnknownNameError, OptionError: for values that are not valid.
+        SamplingError: where no task was found that fits, saying of each template why.
+    """
+    from remac_env.generator import make
+
+    return make(
+        grade=grade, seed=seed, template=template, quirks=quirks, knowledge=knowledge, robots=robots
+    ).spec
 
 
 @takes_options(Options)
-def parallel_env(task: str, **options: Any) -> KitchenParallelEnv:
+def parallel_env(task: str | TaskSpec, **options: Any) -> KitchenParallelEnv:
     """A task as a PettingZoo ParallelEnv. Everything is checked before anything is built.
 
     Args:
-        task: one of `tasks()`.
+        task: one of `tasks()`, `Generated`, or a TaskSpec.
         {options}
 
     Raises:
@@ -56,10 +97,10 @@ def parallel_env(task: str, **options: Any) -> KitchenParallelEnv:
     """
     from remac_env.making import make_kitchen
 
-    return make_kitchen(get(task), Options(**options))
+    return make_kitchen(task if isinstance(task, TaskSpec) else get(task), Options(**options))
 
 
-def env(task: str, robots: int = 2, **options: Any) -> KitchenAECEnv | KitchenEventAEC:
+def env(task: str | TaskSpec, robots: int = 2, **options: Any) -> KitchenAECEnv | KitchenEventAEC:
     """The same as a PettingZoo AEC environment; keywords as for `parallel_env`.
 
     With clock="events" it is a native one: robots are asked when they are ready, and nobody is asked who is busy.
@@ -72,4 +113,4 @@ def env(task: str, robots: int = 2, **options: Any) -> KitchenAECEnv | KitchenEv
     return KitchenEventAEC(kitchen) if isinstance(kitchen, KitchenEventEnv) else KitchenAECEnv(kitchen)
 
 
-enter_ids(known)
+enter_ids(_with_ids)

@@ -31,13 +31,13 @@ app.command(cls=Command)(demo.demo)
 app.command(cls=Command)(oracle.oracle)
 app.command(cls=Command)(plan.plan)
 app.command(cls=Command)(experiment.experiment)
-app.command(cls=Command)(tasks.tasks)
 app.command(cls=Command)(doctor.doctor)
 app.command(cls=Command)(view.view)
 app.command(cls=Command)(play.play)
 app.add_typer(bench.app, name="bench")
 app.add_typer(learn.app, name="learn")
 app.add_typer(memory.app, name="memory")
+app.add_typer(tasks.app, name="tasks")
 
 
 def main() -> None:

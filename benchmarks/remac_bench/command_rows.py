@@ -67,6 +67,12 @@ ROWS: dict[str, Row] = {
     ),
     "doctor.as_json": _JSON,
     "tasks.as_json": _JSON,
+    "generate.grades": Row(help="Comma-separated grades, 1 to 5; may be repeated.", default=("1",), values=Texts()),
+    "generate.seeds": Row(help="0:10 (0 to 9), 3, or 0,4,7; may be repeated.", default=("0",), values=Texts()),
+    "generate.workers": Row(help="How many processes.", default=1, values=Whole(1, 1000)),
+    "generate.as_json": Row(
+        help="As a line of JSON each, with a plan that reaches the goal.", default=False, values=Switch(), flag="--json"
+    ),
     "verify.sample": Row(help="How many jobs; by default all.", values=_COUNT),
     "verify.seed": Row(help="Which sample.", default=0, values=_SEED),
     "play.robots": _KITCHEN["robots"].but(default=1),

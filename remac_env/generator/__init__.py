@@ -1,5 +1,6 @@
 """Tasks without number: drawn from templates, certified, and graded by the length of their shortest known plans."""
 
-from remac_env.generator.making import GRADES, Certified, make, scene_of
+from remac_env.generator.certified import Certified, scene_of
+from remac_env.generator.making import GRADES, make
 
 __all__ = ["GRADES", "Certified", "make", "scene_of"]

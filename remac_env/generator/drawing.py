@@ -2,33 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
 from remac_env.errors import SamplingError
 from remac_env.generator import pools
-from remac_env.generator.templates import HIDDEN, Group, Template
+from remac_env.generator.placing import Room, doors_and_switches, place_members, place_others
+from remac_env.generator.templates import Group, Template
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.scene import build_scene
 from remac_env.rules.facts import Rules
-from remac_env.state import Place
 from remac_env.tasks.goals import VERBS
 from remac_env.tasks.setup import Setup
 from remac_env.tasks.spec import Role, TaskSpec
 
 NAME = "Generated"
 
-FREE = 2
-"""Slots in the open that stay free, so that whatever is in the way can be put down."""
-
 SPARE = ("bowl", "plate", "pan")
 """Vessels of which a kitchen has two that the task does not need, so that commands do not tell which it needs."""
 
-OTHERS = (1, 3)
+FURTHER = 0.4
+"""How often a task asks for one more thing."""
+
+OTHERS = (1, 4)
 """Least and most other objects that stand about, as far as there is room."""
 
 
@@ -43,18 +42,16 @@ def draw(template: Template, grade: int, rng: np.random.Generator) -> TaskSpec:
     members = {group.kind: _members(template, group, size, rng) for group in template.groups}
     objects = {noun: pools.load()[kind][noun] for kind, nouns in members.items() for noun in nouns}
     layout = layouts.load(name, styles.load(style).models)
-    bare = build_scene(layout, {}, (), annexes=template.annexes)
-    open_slots = [slot for n in bare.fixtures if n in layout.fixtures and layout.fixtures[n].worktop
-                  for slot in bare.fixtures[n].slots]  # fmt: skip
-    places = dict(_placed(template, members, bare, open_slots, rng))
-    used = {place.where for place in places.values()}
-    objects |= _others(template, objects, len([slot for slot in open_slots if slot not in used]) - FREE, rng)
-    left = [slot for slot in open_slots if slot not in used]
-    rest = [noun for noun in objects if noun not in places]
-    places |= {noun: Place("slot", left[at]) for noun, at in zip(rest, rng.permutation(len(left)), strict=False)}
-    goal = template.goal_of(members)
+    bare = build_scene(layout, {}, (), annexes=template.annexes, gives=template.gives)
+    room = Room(bare, [slot for n in bare.fixtures if n in layout.fixtures and layout.fixtures[n].worktop
+                       for slot in bare.fixtures[n].slots])  # fmt: skip
+    places = place_members(template, members, room, rng)
+    others = _others(template, objects, room.left, rng)
+    places |= place_others(others, room, rng)
+    objects |= {noun: category for noun, category in others.items() if noun in places}
+    doors, on = doors_and_switches(template, bare, places, rng)
+    goal = template.goal_of(members, further=_further(template, bare, rng))
     said = tuple(goal.told(wording) for wording in (1, 2, 3))
-    on = {n: (bare.fixtures[n].switches[0],) for n in template.on}
     return TaskSpec(
         name=NAME,
         wordings=(said[0], said[1], said[2]),
@@ -69,7 +66,7 @@ def draw(template: Template, grade: int, rng: np.random.Generator) -> TaskSpec:
         gives=template.gives,
         orders=template.orders,
         quirks=(template.team,) if template.team else (),
-        setup=Setup(objects, places, dict(template.doors), on),  # type: ignore[arg-type]
+        setup=Setup(objects, places, doors, on),
     )
 
 
@@ -81,25 +78,12 @@ def _members(template: Template, group: Group, size: int, rng: np.random.Generat
     return tuple(pool[at] for at in rng.permutation(len(pool))[:wanted])
 
 
-def _placed(
-    template: Template, members: Mapping[str, tuple[str, ...]], scene: Rules, open_slots: list[str], rng: np.random.Generator
-) -> Iterator[tuple[str, Place]]:
-    """A place of its own for each object that the task needs."""
-    stores = [n for n, f in scene.fixtures.items() if f.door and f.slots and n not in template.named and not f.switches]
-    taken: set[str] = set()
-    for group in template.groups:
-        for noun in members[group.kind]:
-            at = str(rng.choice(list(group.at)))
-            names = stores if at == HIDDEN else [at]
-            slots = [slot for n in names for slot in scene.fixtures[n].slots if slot not in taken]
-            if at == "counter":
-                slots = [slot for slot in open_slots if slot not in taken]
-            if len(slots) <= (FREE if slots and slots[0] in open_slots else 0):
-                where = "behind a shut door" if at == HIDDEN else f"at the {at}"
-                raise SamplingError(f"template {template.name!r}: no room {where} for the {noun} ({len(taken)} are placed)")
-            slot = slots[int(rng.integers(len(slots)))]
-            taken.add(slot)
-            yield noun, Place("slot", slot)
+def _further(template: Template, scene: Rules, rng: np.random.Generator) -> list[dict[str, str]]:
+    """Perhaps a further clause: a door that is to be shut or open in the end, of a fixture that nothing else is asked of."""
+    doors = [name for name, facts in scene.fixtures.items() if facts.door and name not in template.named]
+    if template.team or not doors or rng.random() > FURTHER:
+        return []
+    return [{str(rng.choice(("shut", "opened"))): str(rng.choice(doors))}]
 
 
 def _others(template: Template, objects: Mapping[str, str], room: int, rng: np.random.Generator) -> dict[str, str]:
@@ -111,14 +95,13 @@ def _others(template: Template, objects: Mapping[str, str], room: int, rng: np.r
     pool = [(noun, c) for noun, c in pool if c not in used and not catalogue.load()[c].holds]
     count = int(rng.integers(OTHERS[0], OTHERS[1] + 1))
     drawn = [pool[at] for at in rng.permutation(len(pool))[:count]]
-    chosen = [(name, name) for name in spare[:2]] + drawn
-    return dict(chosen[: max(0, room)])
+    return dict(([(name, name) for name in spare[:2]] + drawn)[: max(0, room)])
 
 
 def _verbs(template: Template, scene: Rules) -> dict[str, tuple[str, ...]]:
     """The commands that the verbs of its goal imply: a switch that gives water, or one of those that give the mark."""
     found: dict[str, tuple[str, ...]] = {}
-    given: dict[str, Any] = {facts.gives: facts for facts in _givers(scene) if facts.switches}
+    given = {facts.gives: facts for facts in scene.givers if facts.switches}
     for mark in template.gives:
         if mark in given and mark in VERBS:
             found[VERBS[mark]] = (f"turn on {given[mark].name}",)
@@ -126,7 +109,3 @@ def _verbs(template: Template, scene: Rules) -> dict[str, tuple[str, ...]]:
     if "washed" in template.gives and taps and "wash" not in found:
         found["wash"] = (f"turn on {taps[0]}",)
     return found
-
-
-def _givers(scene: Rules) -> Iterator[Any]:
-    yield from scene.givers

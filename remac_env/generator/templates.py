@@ -12,6 +12,7 @@ from typing import Any
 from remac_env.errors import KitchenFileError, check_choice
 from remac_env.kitchen import annexes
 from remac_env.rules.facts import Quirk
+from remac_env.state import Door
 from remac_env.tasks.compound import EACH, AnyOf, Before, Count, ForAll, Not
 from remac_env.tasks.goals import All, DoorIs, Goal, Inside, Marked, Released, SwitchedOn
 
@@ -44,7 +45,7 @@ class Template:
     groups: tuple[Group, ...]
     goal: tuple[Clause, ...]
     annexes: tuple[str, ...] = ()
-    doors: Mapping[str, str] = field(default_factory=dict)
+    doors: Mapping[str, Door] = field(default_factory=dict)
     on: tuple[str, ...] = ()
     held_out: bool = False
     team: Quirk | None = None
@@ -69,9 +70,9 @@ class Template:
                 words += [value] if isinstance(value, str) else value if isinstance(value, list) else []
         return frozenset(words)
 
-    def goal_of(self, members: Members) -> Goal:
-        """Its goal for these objects."""
-        goals = [_clause(clause, members) for clause in self.goal]
+    def goal_of(self, members: Members, *, further: Sequence[Clause] = ()) -> Goal:
+        """Its goal for these objects, with further clauses."""
+        goals = [_clause(clause, members) for clause in (*self.goal, *further)]
         held = [Released(name) for group in self.groups for name in members[group.kind]]
         return All(*goals, *held)
 
@@ -138,5 +139,6 @@ def parse(row: Mapping[str, Any]) -> Template:
         if missing := (template.named & annexes.load().keys()) - set(template.annexes):
             raise ValueError(f"annexes lacks {', '.join(sorted(missing))}")
     except (KeyError, TypeError, ValueError) as error:
-        raise KitchenFileError(FILE, f"template {name!r}", f"cannot be read ({error!r})", ("see the file's head",)) from error
+        where, valid = f"template {name!r}", ("what the head of the file says",)
+        raise KitchenFileError(FILE, where, f"cannot be read ({error!r})", valid) from error
     return template

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 
-from remac_env.errors import check_choice
+from remac_env.errors import OptionError, check_choice
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.floor_plan import Layout
@@ -48,6 +48,15 @@ class TaskWorlds(Worlds):
     def __reduce__(self) -> tuple[object, ...]:
         # What is read on demand is read again: copies and other processes get the task alone.
         return TaskWorlds, (self.spec, self._asked)
+
+    def of(self, seed: int) -> TaskWorlds:
+        """Those of the task that is played with a seed: with every seed the same."""
+        return self
+
+    @property
+    def marks(self) -> tuple[str, ...]:
+        """Marks that fixtures give, beside those that all kitchens know."""
+        return self.spec.gives
 
     @cached_property
     def vocabulary(self) -> Vocabulary:
@@ -97,9 +106,12 @@ class TaskWorlds(Worlds):
         picks = [str(cell.choice(names)) for names in (self.spec.styles, self.spec.layouts)]
         style = style or picks[0]
         if self.spec.setup is not None:
+            if layout not in (None, *self.spec.layouts):
+                raise OptionError(f"layout={layout!r}: {self.spec.name} states its start; valid: {self.spec.layouts[0]}")
             return stated_start(
                 self.spec, self.spec.setup, self.layout(layout or picks[1], style), self.categories, style=style,
-                seed=seed, robots=robots, perception_noise=perception_noise, knowledge=knowledge,
+                seed=seed, robots=robots, perception_noise=perception_noise,
+                knowledge=self.spec.knowledge or knowledge,
             )  # fmt: skip
         return sample(
             self.spec,

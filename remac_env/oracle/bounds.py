@@ -68,7 +68,8 @@ class _Needs:
         if isinstance(goal, AnyOf):
             return min(self._whole(world, part) for part in goal.goals)
         if isinstance(goal, Count):
-            return sorted(self._whole(world, part) for part in goal.parts)[goal.least - 1]
+            parts = sorted(self._whole(world, part) for part in goal.parts)
+            return parts[goal.least - 1] if goal.least <= len(parts) else IMPOSSIBLE
         if isinstance(goal, Before):
             return IMPOSSIBLE if goal.beyond(self._scene, world) else 1
         return 1

@@ -16,7 +16,7 @@ from remac_env.state import FrozenMap, WorldState
 from remac_env.tasks.compound import AnyOf, Before, Count, ForAll
 from remac_env.tasks.goals import All, Goal, Inside, Marked
 
-PART_STATES = 1_500
+PART_STATES = 800
 """States that the search for one part looks at."""
 
 PART_ROUNDS = 24

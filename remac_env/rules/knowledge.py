@@ -1,7 +1,8 @@
 """What a team knows of a kitchen, with knowledge="seen": the objects that one of its robots has seen.
 
-A robot sees what stands in the open, from wherever it is, and what is behind a door where it stands with that door open.
-What one has seen it has told the others, and since nobody else moves anything, who has seen an object knows where it is.
+A robot sees what stands in the open, from wherever it is, and what is behind a door where it stands with that door
+open. What one has seen it has told the others, and since nobody else moves anything, who has seen an object knows where
+it is.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from remac_env.errors import OptionError, check_choice
 from remac_env.plugins import load_tasks
+from remac_env.tasks import generated
 from remac_env.tasks.defrost_in_bowl import SPEC as _DEFROST
 from remac_env.tasks.heat_on_stove import SPEC as _HEAT
 from remac_env.tasks.open_cabinet_pnp import SPEC as _CABINET
@@ -39,8 +40,10 @@ def names() -> tuple[str, ...]:
 
 
 def get(name: str) -> TaskSpec:
-    """The task of that name; UnknownNameError lists the names."""
+    """The task of that name, `Generated` among them; UnknownNameError lists the others."""
     name = python_value(name)
+    if name == generated.SPEC.name:
+        return generated.SPEC
     if name not in (*known(), *timed()):
         load_tasks()
     every = _SPECS | _TIMED

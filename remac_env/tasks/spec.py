@@ -65,6 +65,7 @@ class TaskSpec:
         orders: pairs of marks, (first, then), whose order a goal speaks of (`Before`).
         setup: the start, where it is stated and not drawn.
         rounds: rounds after which an episode is truncated, where the task needs more than `Options.max_rounds`.
+        knowledge: what robots know at the start, in place of `Options.knowledge`; with a setup only.
         generated: what it was generated from (grade, template, seed ...), for those that were.
     """
 
@@ -90,6 +91,7 @@ class TaskSpec:
     orders: tuple[tuple[str, str], ...] = ()
     setup: Setup | None = None
     rounds: int | None = None
+    knowledge: str | None = None
     generated: Mapping[str, Any] = field(default_factory=dict)
 
     @property

@@ -1,4 +1,4 @@
-"""`remac tasks`: which tasks there are."""
+"""`remac tasks`: which tasks there are, and new ones."""
 
 from __future__ import annotations
 
@@ -10,13 +10,21 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from remac_bench.command import Command, joined
 from remac_bench.console import console
 from remac_bench.flags import takes
+from remac_bench.job_lists import parse_names, parse_seeds
 
 
+app = typer.Typer(invoke_without_command=True)
+
+
+@app.callback()
 @takes("tasks.as_json", "extensions")
-def tasks(*, as_json: bool, extensions: list[str] | None) -> None:
-    """List the tasks with their styles and layouts."""
+def tasks(context: typer.Context, *, as_json: bool, extensions: list[str] | None) -> None:
+    """List the tasks with their styles and layouts; `generate` makes more of them."""
+    if context.invoked_subcommand is not None:
+        return
     from remac_bench.extensions import load_extensions
 
     load_extensions(extensions or ())
@@ -31,6 +39,27 @@ def tasks(*, as_json: bool, extensions: list[str] | None) -> None:
         cells = [entry["name"], entry["goal"], ", ".join(entry["styles"]), ", ".join(entry["layouts"])]
         table.add_row(*(escape(cell) for cell in cells), "yes" if entry["in_table"] else "no", entry["clock"])
     console().print(table)
+
+
+@app.command("generate", cls=Command)
+@takes(
+    "generate.grades", "generate.seeds", "template", "quirks", "knowledge", "episode.robots", "generate.workers",
+    "generate.as_json",
+)  # fmt: skip
+def generate(
+    *, grades: list[str] | None, seeds: list[str] | None, workers: int, as_json: bool, **sort: Any
+) -> None:
+    """Make tasks of these grades and seeds, each with the bounds of its shortest plan, and say how long that took."""
+    from remac_bench.generating import make_rows, summary
+
+    wanted = [int(text) for text in parse_names(joined(grades, "grades") or "1", "grades")]
+    numbers = parse_seeds(joined(seeds, "seeds") or "0")
+    made = make_rows(wanted, numbers, sort, workers=workers)
+    for row in made.rows:
+        short = f"{row['template']}: {row['goal']} [{row['lower']}..{row['upper']} rounds, {row['proof']}]"
+        typer.echo(json.dumps(row) if as_json else f"grade {row['grade']}, seed {row['seed']}, {short}")
+    for line in summary(made):
+        typer.echo(line, err=True)
 
 
 def list_tasks() -> list[dict[str, Any]]:

@@ -1,0 +1,70 @@
+"""A generated task, and what is proven about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from remac_env.errors import OptionError
+from remac_env.kitchen.stated import stated_scene, stated_world
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.oracle import OraclePlan, certify, problem_id
+from remac_env.oracle.bounds import make_bound
+from remac_env.rules.facts import Rules
+from remac_env.rules.knowledge import in_view
+from remac_env.state import WorldState
+from remac_env.tasks.spec import TaskSpec
+
+
+@dataclass(frozen=True, kw_only=True)
+class Certified:
+    """A task, and what is proven about it.
+
+    Attributes:
+        plan: a plan that reaches the goal; a shortest one where `lower` equals `upper`.
+        lower, upper: rounds that no plan is shorter than, and that `plan` has.
+        proof: "search" - the plan is a shortest one; "witness" - it is one that works.
+        hidden: facts that no sentence tells: quirks, and objects of the goal that nobody sees at the start.
+        problem: tasks that differ only in looks and names share it.
+    """
+
+    spec: TaskSpec
+    plan: OraclePlan
+    lower: int
+    upper: int
+    proof: str
+    hidden: int
+    problem: str
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What is proven, as values of JSON."""
+        names = ("lower", "upper", "proof", "hidden", "problem")
+        return {name: getattr(self, name) for name in names}
+
+
+def certified(spec: TaskSpec, scene: Rules, world: WorldState, plan: OraclePlan, *, states: int) -> Certified:
+    lower, proof = make_bound(scene, spec.goal)(world), "witness"
+    if states:
+        proven = certify(scene, world, spec.goal, max_rounds=plan.length, max_states=states)
+        if proven.plan is not None and proven.plan.cost == proven.plan.length <= plan.length:
+            plan = proven.plan
+        lower = max(lower, proven.lower or 0)
+        proof = "search" if proven.optimum == plan.length else proof
+    objects = [name for name in spec.goal.names() if name in scene.objects]
+    unseen = len(set(objects) - in_view(scene, world)) if scene.hides else 0
+    return Certified(
+        spec=spec, plan=plan, lower=min(lower, plan.length), upper=plan.length, proof=proof,
+        hidden=len(spec.quirks) + unseen, problem=problem_id(scene, world, spec.goal),
+    )  # fmt: skip
+
+
+def scene_of(spec: TaskSpec, robots: int, knowledge: str) -> tuple[Rules, WorldState]:
+    """The kitchen of a task with a stated start, and its world."""
+    if spec.setup is None:
+        raise OptionError(f"task {spec.name} has no setup; valid: one that `generate` made")
+    names = tuple(f"robot_{index}" for index in range(robots))
+    worlds = TaskWorlds(spec)
+    layout = worlds.layout(spec.layouts[0], spec.styles[0])
+    scene = stated_scene(spec, layout, worlds.categories, names, knowledge=knowledge)
+    return scene, stated_world(scene, spec.setup)

@@ -1,0 +1,75 @@
+"""The kitchens of the task Generated: with every seed those of another task."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from remac_env.errors import OptionError
+from remac_env.generator import pools
+from remac_env.generator.making import make
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.options import Options
+from remac_env.rules.marks import COOLED, DRIED, HEATED
+from remac_env.tasks.generated import SPEC
+from remac_env.tasks.spec import TaskSpec
+from remac_env.vocabulary import Vocabulary, built_in
+
+DEFAULT_GRADE = 1
+
+
+class GeneratedWorlds(TaskWorlds):
+    """Draws a task for every seed, from the options that say of which sort. All have one vocabulary."""
+
+    def __init__(self, options: Options) -> None:
+        super().__init__(SPEC)
+        self._options = options
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return GeneratedWorlds, (self._options,)
+
+    @cached_property
+    def vocabulary(self) -> Vocabulary:
+        """The built-in vocabulary, with the words of all generated tasks appended."""
+        return built_in().extended(pools.nouns())
+
+    @property
+    def marks(self) -> tuple[str, ...]:
+        """Those that any generated task may ask for."""
+        return (HEATED, COOLED, DRIED)
+
+    def of(self, seed: int) -> TaskWorlds:
+        """The kitchens of the task of a seed."""
+        options = self._options
+        drawn = make(
+            grade=options.grade or DEFAULT_GRADE,
+            seed=seed,
+            template=options.template,
+            quirks=options.quirks,
+            knowledge=options.knowledge,
+            robots=options.robots,
+        )
+        worlds = TaskWorlds(drawn.spec)
+        worlds.__dict__["vocabulary"] = self.vocabulary  # the same one, not built again
+        return worlds
+
+
+def worlds_for(spec: TaskSpec, options: Options) -> TaskWorlds:
+    """Where the kitchens of a task come from.
+
+    Raises:
+        OptionError: for options of generated tasks with another task, or a task that physics cannot have.
+    """
+    if spec.name == SPEC.name and spec.setup is None:
+        return GeneratedWorlds(options)
+    for name in ("grade", "template", "quirks"):
+        if value := getattr(options, name):
+            raise OptionError(f"{name}={value!r} is for task {SPEC.name!r}; {spec.name} states its own (`TaskSpec`)")
+    check_backend(spec, options)
+    return TaskWorlds(spec, options.layout)
+
+
+def check_backend(spec: TaskSpec, options: Options) -> None:
+    """Raise OptionError for a kitchen with something in it that only the skill table knows."""
+    if spec.symbolic_only and options.backend != "symbolic":
+        known = "which only the skill table knows; valid: backend='symbolic'"
+        raise OptionError(f"task {spec.name} has {spec.symbolic_only}, {known}")

@@ -1,0 +1,106 @@
+"""With knowledge="seen" nothing that a planner is given tells what nobody has seen."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import remac_env
+from remac_env.parallel import KitchenParallelEnv
+from remac_env.tasks.spec import TaskSpec
+
+HIDES = "breakfast"
+
+
+def kitchen(spec: TaskSpec, **options: Any) -> KitchenParallelEnv:
+    return remac_env.parallel_env(spec, backend="symbolic", feedback="reason", text="states", **options)
+
+
+def swapped(spec: TaskSpec) -> tuple[TaskSpec, str, str]:
+    """The same task with what stands in one shut store exchanged for what stands in another."""
+    assert spec.setup is not None
+    hidden = [n for n, place in spec.setup.places.items() if not place.where.startswith("counter")]
+    one, other = hidden[0], next(n for n in hidden if spec.setup.places[n].where[:4] != spec.setup.places[hidden[0]].where[:4])
+    places = dict(spec.setup.places)
+    places[one], places[other] = places[other], places[one]
+    return replace(spec, setup=replace(spec.setup, places=places)), one, other
+
+
+def given(env: KitchenParallelEnv, seen: Any, infos: Any) -> list[Any]:
+    """All that a planner or learner may go by; the rest of infos is the truth, for those that are given it."""
+    told = []
+    for robot, info in infos.items():
+        told += [info[key] for key in ("outcome", "text", "goal", "commands", "unseen", "success", "end")]
+        told += [part.tolist() for part in seen[robot].values()] if robot in seen else []
+        told += [env.action_mask(robot).tolist()]
+    return [*told, env.state().tolist()]
+
+
+PLAN = (
+    "navigate to counter", "navigate to {one}", "pick up {one}", "place to {one}", "navigate to pantry", "pick up {one}",
+    "season {other}", "open cabinet door", "navigate to {other}", "navigate to trolley", "wait",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("masks", ["grammar", "feasible"])
+def test_swapping_hidden_contents_changes_nothing_that_is_given(masks: str) -> None:
+    spec = remac_env.generate(2, 3, template=HIDES, knowledge="seen")
+    other, a, b = swapped(spec)
+    first, second = (kitchen(each, robots=1, masks=masks) for each in (spec, other))
+    begins = [given(env, *env.reset(seed=0)) for env in (first, second)]
+    assert begins[0] == begins[1] and first.world != second.world
+    for text in PLAN:
+        command = first.vocabulary.encode(text.format(one=a, other=b))
+        steps = [env.step({"robot_0": command}) for env in (first, second)]
+        told = [given(env, step[0], step[4]) for env, step in zip((first, second), steps, strict=True)]
+        assert told[0] == told[1], text
+
+
+def test_full_knowledge_would_tell() -> None:
+    spec = replace(remac_env.generate(2, 3, template=HIDES, knowledge="seen"), knowledge="full")
+    first, second = (kitchen(each, robots=1) for each in (spec, swapped(spec)[0]))
+    assert given(first, *first.reset(seed=0)) != given(second, *second.reset(seed=0))
+
+
+def test_what_a_robot_has_seen_the_team_knows() -> None:
+    spec = remac_env.generate(2, 3, template=HIDES, knowledge="seen")
+    assert spec.setup is not None
+    name, place = next((n, p.where) for n, p in spec.setup.places.items() if not p.where.startswith("counter"))
+    store = place.partition(".")[0]
+    env = kitchen(spec, robots=2)
+    _, infos = env.reset(seed=0)
+    assert name in infos["robot_1"]["unseen"] and f"Nobody has seen the {name}" in infos["robot_1"]["text"].replace(
+        "Nobody has seen ", "Nobody has seen "
+    ) or name in infos["robot_1"]["text"]
+    wait, code = env.vocabulary.encode("wait"), env.vocabulary.encode
+
+    def step(one: str, two: str = "wait") -> dict[str, Any]:
+        return env.step({"robot_0": code(one), "robot_1": code(two)})[4]
+
+    assert step(f"navigate to {name}")["robot_0"]["outcome"]["reason"] == "not_found"
+    step(f"navigate to {store}")
+    told = step(f"open {store} door")
+    assert name not in told["robot_1"]["unseen"]
+    blocks = env.observation_space("robot_1")
+    assert blocks.contains(env._observations()["robot_1"])
+    assert step("navigate aside", "wait")["robot_0"]["outcome"]["status"] == "success"
+    assert step("wait", f"navigate to {name}")["robot_1"]["outcome"]["status"] == "success"
+    assert wait == 0 and isinstance(env.state(), np.ndarray)
+
+
+def test_knowledge_is_for_any_task() -> None:
+    env = remac_env.parallel_env("HeatOnStove", robots=1, backend="symbolic", knowledge="seen", starts="mixed")
+    hidden = 0
+    for seed in range(12):
+        _, infos = env.reset(seed=seed)
+        hidden += len(infos["robot_0"]["unseen"])
+    assert hidden
+
+
+def test_who_knows_everything_is_told_what_it_was_told_before() -> None:
+    env = remac_env.parallel_env("HeatOnStove", robots=1, backend="symbolic", starts="mixed")
+    _, infos = env.reset(seed=3)
+    assert infos["robot_0"]["unseen"] == [] and "Nobody has seen" not in infos["robot_0"]["text"]
