@@ -20,6 +20,8 @@ from remac_env.errors import OptionError, UnknownKeywordError, check_choice, rea
 
 P = ParamSpec("P")
 R = TypeVar("R")
+First = TypeVar("First")
+"""The type of the one argument that is no option."""
 
 LONGEST = 60
 """Characters of a wrong value that an error shows."""
@@ -199,11 +201,13 @@ def check_rows(made: Any) -> None:
         object.__setattr__(made, name, row.check(name, getattr(made, name)))
 
 
-def takes_options(home: Callable[P, object]) -> Callable[[Callable[..., R]], Callable[Concatenate[str, P], R]]:
+def takes_options(
+    home: Callable[P, object],
+) -> Callable[[Callable[Concatenate[First, ...], R]], Callable[Concatenate[First, P], R]]:
     """A function whose further keywords are the options of `home`, a dataclass: by its signature, which type checkers
     see too, and in its docstring, in which they stand in place of "{options}"."""
 
-    def wrap(function: Callable[..., R]) -> Callable[Concatenate[str, P], R]:
+    def wrap(function: Callable[Concatenate[First, ...], R]) -> Callable[Concatenate[First, P], R]:
         own = [p for p in inspect.signature(function).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
         signature = inspect.Signature([*own, *inspect.signature(home).parameters.values()])
         told = f"{function.__module__.partition('.')[0]}.{function.__name__}"
@@ -214,7 +218,7 @@ def takes_options(home: Callable[P, object]) -> Callable[[Callable[..., R]], Cal
                 if name not in signature.parameters:
                     valid = ", ".join(signature.parameters)
                     raise UnknownKeywordError(f"unknown keyword of {told} {name!r}; valid: {valid}")
-            return function(**signature.bind(*args, **given).arguments)
+            return function(**signature.bind(*args, **given).arguments)  # type: ignore[call-arg]
 
         called.__signature__ = signature  # type: ignore[attr-defined]
         if called.__doc__ is not None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from remac_env.errors import OptionError, check_choice
+from remac_env.tasks.generated import SPEC as GENERATED
 from remac_env.tasks.goals import DoorIs, Goal, SwitchedOn
 from remac_env.tasks.spec import TaskSpec
 
@@ -25,6 +26,8 @@ def validate(spec: TaskSpec) -> None:
         raise OptionError(f"a task is a TaskSpec, got {type(spec).__name__}")
     if not isinstance(spec.name, str) or not spec.name.isalnum() or not spec.name[:1].isupper():
         raise OptionError(f"task name {spec.name!r} is not valid; valid: CamelCase letters and digits")
+    if spec.name == GENERATED.name:
+        raise OptionError(f"task name {spec.name!r} is that of the tasks that `remac_env.generate` makes")
     _check_shape(spec)
     for problem in _problems(spec):
         raise OptionError(f"task {spec.name}: {problem}")
@@ -77,7 +80,7 @@ def _check_places(spec: TaskSpec) -> None:
         for command in implied:
             check_choice(f"command of verb {verb!r} of task {spec.name}", command, commands)
     nouns = [noun.name for noun in worlds.vocabulary.nouns]
-    for role in spec.roles:
+    for role in spec.roles if spec.setup is None else ():
         for noun in role.nouns:
             check_choice(f"noun of role {role.name!r} of task {spec.name}", noun, nouns)
             options = [c.name for c in worlds.categories.values() if noun == c.name or noun in c.roles]

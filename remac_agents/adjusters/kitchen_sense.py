@@ -128,6 +128,16 @@ class KitchenSense:
         legal = [step for step in steps if step.text in self.request.commands]
         return [step for step in dict.fromkeys(legal) if wanted in step.achieves(self.robot, self.held)]
 
+    def not_looked_into(self) -> str | None:
+        """The first fixture behind whose door nobody has looked in this episode, as far as commands tell."""
+        done = {ran.command for ran in self.request.ran if not ran.failed}
+        for name, facts in self.fixtures.items():
+            opened = Subtask("open door", name).text in done
+            visited = go(name).text in done and self.true("door_open", name)
+            if facts.door and facts.slots and not opened and not visited:
+                return name
+        return None
+
     def inside(self, container: str) -> list[str]:
         """The objects that the checker sees on or in a fixture or vessel, other than what is held."""
         return [name for name in self.objects if name != self.held and self.true("inside", name, container)]

@@ -58,7 +58,19 @@ def _leave_out(sense: KitchenSense, reason: str) -> Advice:
 def _not_placed(sense: KitchenSense) -> Advice | None:
     if sense.held == sense.target and (sense.subtask.moves or sense.subtask.row.takes):
         return _leave_out(sense, f"the {sense.target} is in hand already")
-    return None
+    return _search(sense) if sense.target in sense.request.view.unseen else None
+
+
+def _search(sense: KitchenSense) -> Advice | None:
+    """Nobody has seen it: look behind the next door."""
+    fixture, down = sense.not_looked_into(), sense.put_down()
+    if fixture is None or down is None:
+        return None
+    opened = sense.true("door_open", fixture)
+    work = (go(fixture),) if opened else (go(fixture), Subtask("open door", fixture))
+    back = () if sense.held is None or opened else (go(sense.held), take(sense.held))
+    steps = (*(() if opened else down), *work, *back)
+    return _advice(sense, f"nobody has seen the {sense.target}: it may be in the {fixture}", steps, remedy=work)
 
 
 def _hand_is_empty(sense: KitchenSense) -> Advice | None:

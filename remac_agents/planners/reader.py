@@ -7,12 +7,10 @@ no state. A task that it solves asks no planner to check, to search or to learn.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
-from functools import lru_cache
-from importlib import resources
 
 from remac_agents.plan import Commands, Plan
+from remac_agents.planners.common_sense import vessels
 from remac_agents.planners.sentence import SentenceReader
 from remac_agents.planning.rewriting import tidy
 from remac_agents.roles import PlanRequest
@@ -36,7 +34,7 @@ class ReaderPlanner:
 def _in_vessels(steps: Sequence[Subtask], goal: str, commands: Commands) -> list[Subtask]:
     """Where common sense wants a vessel and the sentence names none, it is fetched first, for the object to go into."""
     done: list[Subtask] = list(steps)
-    for verb, place, vessel in _common_sense():
+    for verb, place, vessel in vessels():
         onto, fetch = Subtask("place to", place), Subtask("pick up", vessel)
         wanted = goal.lower().startswith(f"{verb} ") and onto in done and fetch not in done
         if not wanted or not commands.allows(fetch) or not commands.allows(Subtask("place to", vessel)):
@@ -59,10 +57,3 @@ def _behind_doors(steps: Sequence[Subtask], commands: Commands) -> list[Subtask]
             done = [Subtask("navigate to", step.target), opened, *done]
         done.append(step)
     return done
-
-
-@lru_cache(maxsize=1)
-def _common_sense() -> tuple[tuple[str, str, str], ...]:
-    """(verb, place, vessel): what is done so there is done in such a vessel."""
-    data = resources.files("remac_agents").joinpath("planners", "common_sense.toml").read_text("utf-8")
-    return tuple((row["verb"], row["place"], row["vessel"]) for row in tomllib.loads(data)["vessel"])

@@ -81,6 +81,12 @@ def is_leave_out(text: str) -> bool:
     return _LEAVE_OUT.match(text.strip()) is not None
 
 
+def looked_for(text: str) -> str | None:
+    """The way to which a reflection sends a robot round by another place; None for other reflections."""
+    match = _BEFORE.match(text.strip())
+    return match[1] if match is not None and match[1].startswith("navigate to ") else None
+
+
 def _read_all(texts: Sequence[str], commands: Commands) -> tuple[Subtask, ...]:
     steps = [commands.parse(text) for text in texts]
     return tuple(step for step in steps if step is not None) if None not in steps else ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from remac_agents.planning.lessons import Before, Instead, LeaveOut, is_leave_out
+from remac_agents.planning.lessons import Before, Instead, LeaveOut, is_leave_out, looked_for
 from remac_agents.roles import ReflectRequest
 from remac_env.rules.subtasks import Subtask
 
@@ -30,8 +30,11 @@ class RuleReflector:
         return lessons
 
     def review(self, lessons: Sequence[str], *, success: bool) -> list[str]:
-        """What is worth keeping at the end: leaving a step out proves nothing unless it led to success."""
-        return [text for text in lessons if success or not is_leave_out(text)]
+        """What is worth keeping at the end: leaving a step out proves nothing unless it led to success, and of the
+        places where something was looked for the last is that where it was."""
+        kept = [text for text in lessons if success or not is_leave_out(text)]
+        last = {searched: at for at, text in enumerate(kept) if (searched := looked_for(text)) is not None}
+        return [text for at, text in enumerate(kept) if last.get(looked_for(text) or "", at) == at]
 
     def _anchor(self, request: ReflectRequest) -> Subtask:
         if request.held is not None and any(_needs_empty_hand(step) for step in request.advice.remedy):

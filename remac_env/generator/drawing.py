@@ -79,7 +79,7 @@ def _members(template: Template, group: Group, size: int, rng: np.random.Generat
 
 
 def _further(template: Template, scene: Rules, rng: np.random.Generator) -> list[dict[str, str]]:
-    """Perhaps a further clause: a door that is to be shut or open in the end, of a fixture that nothing else is asked of."""
+    """Perhaps a further clause: a door that is to be shut or open in the end, where nothing else is asked of it."""
     doors = [name for name, facts in scene.fixtures.items() if facts.door and name not in template.named]
     if template.team or not doors or rng.random() > FURTHER:
         return []

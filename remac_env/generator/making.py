@@ -23,7 +23,8 @@ GRADES = {1: 6, 2: 12, 3: 20, 4: 40, 5: 80}
 """Grade -> the most rounds that its shortest known plan has without its quirks; more than those of the grade below."""
 
 EXACT_STATES = {1: 1_500, 2: 1_500}
-"""States that the search for an optimum looks at, by grade; none for those where it would give up in any case."""
+"""States that the search for an optimum looks at, by grade; none for those where it would give up in any case. For
+more robots fewer: each costs more."""
 
 POOLS: dict[str | None, Callable[[Template], bool]] = {
     None: lambda row: not row.held_out and row.team is None,
@@ -56,7 +57,7 @@ def make(
     """
     _check(grade, quirks, knowledge, robots)
     template = python_value(template)
-    options = _templates(grade, template, robots)
+    options = candidates(grade, template, robots)
     rng = generator(seed, "generate", grade, template, quirks, knowledge, robots)
     why: dict[str, str] = {}
     for _ in range(TRIES):
@@ -80,7 +81,7 @@ def _check(grade: int, quirks: int, knowledge: str, robots: int) -> None:
 
 
 @lru_cache(maxsize=64)
-def _templates(grade: int, template: str | None, robots: int) -> tuple[Template, ...]:
+def candidates(grade: int, template: str | None, robots: int) -> tuple[Template, ...]:
     """The templates that a task may be drawn from."""
     if template in POOLS:
         rows = [row for row in templates.load().values() if grade in row.sizes and POOLS[template](row)]
@@ -110,7 +111,7 @@ def _attempt(
     if plan is None:
         return "no plan was found"
     # A grade is that of the kitchen without its quirks, so that the same task can be had with and without them.
-    plain = certified(spec, scene, world, plan, states=EXACT_STATES.get(grade, 0))
+    plain = certified(spec, scene, world, plan, states=EXACT_STATES.get(grade, 0) // robots**3)
     if not GRADES.get(grade - 1, 0) < plain.upper <= GRADES[grade]:
         return f"its plan has {plain.upper} rounds"
     if not quirks:
@@ -119,4 +120,4 @@ def _attempt(
     if found is None:
         return f"no {quirks} quirks were found that matter and can be got round"
     spec, plan = found
-    return certified(spec, *scene_of(spec, robots, knowledge), plan, states=EXACT_STATES.get(grade, 0))
+    return certified(spec, *scene_of(spec, robots, knowledge), plan, states=EXACT_STATES.get(grade, 0) // robots**3)

@@ -111,7 +111,7 @@ def doors_and_switches(
         drawn = list(DOORS)[int(rng.choice(len(odds), p=odds))]
         stated = template.doors.get(name)
         doors[name] = stated or ("closed" if name in hiding else drawn)
-    on = {name: (scene.fixtures[name].switches[0],) for name in template.on}
+    on: dict[str, tuple[str, ...]] = {name: (scene.fixtures[name].switches[0],) for name in template.on}
     for name, facts in scene.fixtures.items():
         if facts.switches and rng.random() < ON and not (facts.shut_to_run and doors.get(name) != "closed"):
             on[name] = (facts.switches[0],)

@@ -131,7 +131,7 @@ def parse(row: Mapping[str, Any]) -> Template:
     try:
         sizes = {int(grade): (int(least), int(most)) for grade, (least, most) in row["sizes"].items()}
         groups = tuple(Group(kind=kind, **{**g, "at": tuple(g["at"])}) for kind, g in row["groups"].items())
-        lists = {key: tuple(row[key]) for key in ("annexes", "on", "goal") if key in row}
+        lists: dict[str, Any] = {key: tuple(row[key]) for key in ("annexes", "on", "goal") if key in row}
         team = Quirk(**row["team"]) if "team" in row else None
         rest = {key: row[key] for key in row if key not in ("sizes", "groups", "team", *lists)}
         template = Template(sizes=sizes, groups=groups, team=team, **lists, **rest)

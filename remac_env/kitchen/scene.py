@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from remac_env.kitchen.fixtures import KINDS
 from remac_env.kitchen import annexes as annex
+from remac_env.kitchen.fixtures import KINDS
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rules.facts import FixtureFacts, ObjectFacts, Rules, SlotFacts

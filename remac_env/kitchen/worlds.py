@@ -107,7 +107,8 @@ class TaskWorlds(Worlds):
         style = style or picks[0]
         if self.spec.setup is not None:
             if layout not in (None, *self.spec.layouts):
-                raise OptionError(f"layout={layout!r}: {self.spec.name} states its start; valid: {self.spec.layouts[0]}")
+                told = f"{self.spec.name} states its start; valid: {self.spec.layouts[0]}"
+                raise OptionError(f"layout {layout!r} is not that of the task: {told}")
             return stated_start(
                 self.spec, self.spec.setup, self.layout(layout or picks[1], style), self.categories, style=style,
                 seed=seed, robots=robots, perception_noise=perception_noise,

@@ -46,7 +46,7 @@ def witness(
         found = _reach(scene, world, part, done, states=part_states)
         if found is None:
             return None
-        rounds += found.rounds
+        rounds += map(dict, found.rounds)
         expanded += found.expanded
         for joint in found.rounds:
             world, _ = transition(scene, world, joint)

@@ -15,7 +15,6 @@ from remac_bench.console import console
 from remac_bench.flags import takes
 from remac_bench.job_lists import parse_names, parse_seeds
 
-
 app = typer.Typer(invoke_without_command=True)
 
 
