@@ -57,8 +57,7 @@ class KitchenEventEnv(KitchenParallelEnv):
         backend, episode = self._playing(), self._timed()
         tokens = check_actions(actions, self.agents)
         subtasks, invalid = decode({robot: tokens[robot] for robot in episode.clock.ready}, self._legal)
-        subtasks, unfound = held_back(subtasks, episode.unseen)
-        refused = invalid | unfound
+        subtasks, refused = held_back(subtasks, episode.unseen, invalid)
         thoughts, self._thoughts = self._thoughts, {}
         orders = {
             robot: Order(subtask, self._cost(thoughts.get(robot, NO_THOUGHT)), refused.get(robot))

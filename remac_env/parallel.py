@@ -15,7 +15,7 @@ from remac_env.backends import make_backend, told_skills
 from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms
 from remac_env.errors import LifecycleError
-from remac_env.generator.worlds import check_backend, worlds_for
+from remac_env.generator.worlds import worlds_for
 from remac_env.observation import Facts
 from remac_env.openings import observation_space, reset_options
 from remac_env.options import Options
@@ -51,14 +51,11 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
 
     def __init__(self, spec: TaskSpec, options: Options) -> None:
         self.worlds = worlds_for(spec, options)
-        self.worlds.check_cell(options.style, options.layout)
         self.options = options
         self.vocabulary = self._words()
         self.metadata = {
             "name": f"RemacKitchen-{spec.name}-v0",
-            "render_modes": ["rgb_array", "human"],
-            "is_parallelizable": True,
-            "render_fps": 20,
+            "render_modes": ["rgb_array", "human"], "is_parallelizable": True, "render_fps": 20,
         }
         self.render_mode, self.skills = options.render_mode, told_skills(options)
         self.possible_agents = list(options.robot_names)
@@ -111,10 +108,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             self._seeds = generator(seed, "seeds of further resets")
         wanted = reset_options(options)
         worlds = self.worlds.of(seed)
-        check_backend(worlds.spec, self.options)
         start, names = worlds.start(
-            seed,
-            style=wanted.get("style", self.options.style),
+            seed, style=wanted.get("style", self.options.style),
             layout=wanted.get("layout", self.options.layout),
             starts=self.options.starts,
             robots=self.options.robot_names,
@@ -148,8 +143,9 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         """
         backend, episode = self._playing(), self._running()
         subtasks, invalid = decode(check_actions(actions, self.agents), self._legal)
-        subtasks, unfound = held_back(subtasks, episode.unseen)
-        episode.advance(subtasks, invalid | unfound, backend.run_round(subtasks))
+        if self.start.scene.hides:
+            subtasks, invalid = held_back(subtasks, episode.unseen, invalid)
+        episode.advance(subtasks, invalid, backend.run_round(subtasks))
         return self._answer(episode)
 
     def _answer(self, episode: Episode) -> tuple[Seen, dict[str, float], dict[str, bool], dict[str, bool], Told]:
@@ -213,8 +209,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         mask = self._mask.copy()
         if self.options.masks == "feasible":
             for token, subtask in self._legal.items():
-                known = subtask.target not in episode.unseen
-                mask[token] = known and feasible(episode.terms.scene, episode.world, agent, subtask)
+                known = feasible(episode.terms.scene, episode.world, agent, subtask)
+                mask[token] = known and subtask.target not in episode.unseen
         return mask
 
     # -- what the episode is ----------------------------------------------------------------------------------------

@@ -44,6 +44,7 @@ class Certified:
 
 
 def certified(spec: TaskSpec, scene: Rules, world: WorldState, plan: OraclePlan, *, states: int) -> Certified:
+    """The task with a plan that works, and with a shortest one and bounds as far as a search of so many states goes."""
     lower, proof = make_bound(scene, spec.goal)(world), "witness"
     if states:
         proven = certify(scene, world, spec.goal, max_rounds=plan.length, max_states=states)

@@ -48,6 +48,7 @@ class GeneratedWorlds(TaskWorlds):
             knowledge=options.knowledge,
             robots=options.robots,
         )
+        check_backend(drawn.spec, options)
         worlds = TaskWorlds(drawn.spec)
         worlds.__dict__["vocabulary"] = self.vocabulary  # the same one, not built again
         return worlds
@@ -60,12 +61,17 @@ def worlds_for(spec: TaskSpec, options: Options) -> TaskWorlds:
         OptionError: for options of generated tasks with another task, or a task that physics cannot have.
     """
     if spec.name == SPEC.name and spec.setup is None:
-        return GeneratedWorlds(options)
+        return _checked(GeneratedWorlds(options), options)
     for name in ("grade", "template", "quirks"):
         if value := getattr(options, name):
             raise OptionError(f"{name}={value!r} is for task {SPEC.name!r}; {spec.name} states its own (`TaskSpec`)")
     check_backend(spec, options)
-    return TaskWorlds(spec, options.layout)
+    return _checked(TaskWorlds(spec, options.layout), options)
+
+
+def _checked(worlds: TaskWorlds, options: Options) -> TaskWorlds:
+    worlds.check_cell(options.style, options.layout)
+    return worlds
 
 
 def check_backend(spec: TaskSpec, options: Options) -> None:

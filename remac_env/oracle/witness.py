@@ -77,7 +77,7 @@ def _reach(scene: Rules, world: WorldState, part: Goal, done: Sequence[Goal], *,
         return OraclePlan((), 0, 0)
     idle = [name for name, state in world.robots.items() if state.station == ASIDE and state.holding is None]
     alone = [name for name in scene.robots if [other for other in scene.robots if other != name] == idle]
-    first = alone[:1] or ([scene.robots[0]] if len(idle) == len(scene.robots) else [])
+    first = alone[:1] or ([min(scene.robots)] if len(idle) == len(scene.robots) else [])
     for robots in dict.fromkeys((tuple(first), scene.robots)):
         if robots and (plan := _search(scene, world, whole, part, robots, states)) is not None:
             return plan

@@ -15,6 +15,8 @@ from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.state import WorldState, base_place
 
+NONE_ENDED: Mapping[str, Outcome] = FrozenMap({})
+
 
 def in_view(rules: Rules, world: WorldState) -> frozenset[str]:
     """The objects that some robot sees now."""
@@ -39,9 +41,9 @@ def as_known(world: WorldState, seen: Collection[str]) -> WorldState:
 
 
 def held_back(
-    subtasks: Mapping[str, Subtask], unseen: Collection[str]
+    subtasks: Mapping[str, Subtask], unseen: Collection[str], others: Mapping[str, Outcome] = NONE_ENDED
 ) -> tuple[dict[str, Subtask], dict[str, Outcome]]:
-    """Subtasks with `wait` in place of those about an object that nobody has seen, and how these end."""
+    """Subtasks with `wait` in place of those about an object that nobody has seen, and how these end, beside others."""
     strange = {robot: subtask.target for robot, subtask in subtasks.items() if subtask.target in unseen}
     told = {r: failure("not_found", f"nobody has seen the {name} yet", refused=True) for r, name in strange.items()}
-    return {robot: WAIT if robot in strange else subtask for robot, subtask in subtasks.items()}, told
+    return {robot: WAIT if robot in strange else subtask for robot, subtask in subtasks.items()}, {**others, **told}

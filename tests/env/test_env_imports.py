@@ -38,6 +38,7 @@ RANKS = {
     "remac_env.pictures": 5,
     "remac_env.rendering": 4,
     "remac_env.backends": 4,
+    "remac_env.generator": 4,
     "remac_env.kitchen": 3,
     "remac_env.rewards": 3,
     "remac_env.robots": 3,
