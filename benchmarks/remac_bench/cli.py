@@ -6,7 +6,7 @@ import typer
 
 import remac_env
 from remac_bench.command import Command
-from remac_bench.commands import bench, demo, doctor, experiment, learn, memory, oracle, plan, play, tasks, view
+from remac_bench.commands import bench, demo, doctor, experiment, learn, memory, oracle, pddl, plan, play, tasks, view
 from remac_bench.console import speak_plainly, tame_columns
 from remac_bench.flags import takes
 
@@ -29,6 +29,7 @@ def remac(*, version: bool) -> None:
 
 app.command(cls=Command)(demo.demo)
 app.command(cls=Command)(oracle.oracle)
+app.command(cls=Command)(pddl.pddl)
 app.command(cls=Command)(plan.plan)
 app.command(cls=Command)(experiment.experiment)
 app.command(cls=Command)(doctor.doctor)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from remac_agents.memory import MAX_CHARACTERS, MAX_LESSONS
-from remac_env.option_rows import NEEDED, File, Real, Row, Switch, Texts, Whole, rows
+from remac_env.option_rows import NEEDED, Choice, File, Real, Row, Switch, Texts, Whole, rows
 from remac_env.options import MAX_ROBOTS, Options
+from remac_env.pddl.actions import LEVELS
 from remac_env.seeding import SEED_MAX
 
 MOST = 10_000
@@ -35,6 +36,12 @@ ROWS: dict[str, Row] = {
     "episode.robots": _KITCHEN["robots"].but(default=1, help=f"1 to {MAX_ROBOTS}."),
     "episode.seed": Row(help="The episode's seed.", default=0, values=_SEED),
     "oracle.max_rounds": _KITCHEN["max_rounds"].but(help="Rounds after which the search gives up."),
+    "pddl.level": Row(
+        help="strips (actions in a row, for classical planners) or durative (with seconds, for temporal ones).",
+        default="strips", values=Choice(LEVELS),
+    ),
+    "pddl.out": Row(help="Folder for domain.pddl and problem.pddl.", default=NEEDED, values=File()),
+    "pddl.plan": Row(help="A planner's plan of them, to be played.", values=File()),
     "plan.taught": Row(
         help="Tell it a first iteration's plan and reflections.", default=False, values=Switch(), flag="--reflections"
     ),

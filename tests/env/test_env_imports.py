@@ -44,6 +44,7 @@ RANKS = {
     "remac_env.robots": 3,
     "remac_env.tasks": 2,
     "remac_env.oracle": 2,
+    "remac_env.pddl": 2,
     "remac_env.observation": 2,
     "remac_env.actions": 2,
     "remac_env.text": 2,

@@ -1,0 +1,44 @@
+"""`remac pddl`: an episode as PDDL, for classical and temporal planners."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from remac_bench.flags import takes
+from remac_env.files import prepare_folder, read_text
+
+
+@takes(
+    *("episode.task", "episode.robots", "episode.seed", "starts", "style", "layout"),
+    *("pddl.level", "pddl.out", "pddl.plan", "extensions"),
+)
+def pddl(
+    *, task: str, seed: int, level: str, out: Path, plan: Path | None, extensions: list[str] | None, **kitchen: Any
+) -> None:
+    """Write an episode as OUT/domain.pddl and OUT/problem.pddl, and play a planner's plan of it back.
+
+    The plan is played by the event clock in the symbolic backend; what is printed is whether it reaches the goal, and
+    in how many seconds.
+    """
+    import remac_env
+    from remac_bench.extensions import load_extensions
+    from remac_env.pddl import play_plan, read_plan, write_domain, write_problem
+
+    load_extensions(extensions or ())
+    env = remac_env.parallel_env(task, **kitchen, backend="symbolic", clock="events")
+    env.reset(seed=seed)
+    scene, world, goal = env.start.scene, env.world, env.goal
+    texts = {"domain": write_domain(scene, level=level), "problem": write_problem(scene, world, goal, level=level)}
+    folder = prepare_folder(out, "out")
+    for name, text in texts.items():
+        (folder / f"{name}.pddl").write_text(text, "utf-8")
+        typer.echo(str(folder / f"{name}.pddl"))
+    if plan is not None:
+        played = play_plan(env, read_plan(read_text(plan), scene), seed=seed)
+        ended = "reaches the goal" if played.success else "does not reach the goal"
+        typer.echo(f"the plan {ended}, after {played.seconds:g} s")
+        for told in played.failed:
+            typer.echo(f"failed: {told}")

@@ -1,0 +1,81 @@
+"""Plans that planners write, as commands of a kitchen."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from remac_env.errors import OptionError
+from remac_env.pddl.actions import Action, actions
+from remac_env.pddl.names import name_of, nouns, stations
+from remac_env.rules.facts import Rules
+from remac_env.rules.places import destination
+from remac_env.rules.subtasks import STEP_ASIDE, Subtask
+from remac_env.state import WorldState
+
+_LINE = re.compile(r"(?:(?P<at>\d+(?:\.\d+)?)\s*:)?\s*\((?P<what>[^()]+)\)\s*(?:\[(?P<seconds>\d+(?:\.\d+)?)\])?")
+
+
+@dataclass(frozen=True)
+class Step:
+    """An action of a plan. `at`, `seconds`: when it begins and how long it takes, s; a classical plan counts steps.
+
+    `robot`: "" for what happens by itself. `target`: what the command is about, or the station of a drive.
+    """
+
+    at: float
+    robot: str
+    skill: str
+    target: str
+    seconds: float
+
+    def command(self, rules: Rules, world: WorldState) -> Subtask | None:
+        """The command, in the world in which it is to begin; None where none leads to the drive's station."""
+        if self.skill != "navigate to":
+            return STEP_ASIDE if self.skill == STEP_ASIDE.skill else Subtask(self.skill, self.target)
+        for noun in (*rules.fixtures, *rules.objects):
+            if destination(rules, world, self.robot, noun) == self.target:
+                return Subtask("navigate to", noun)
+        return None
+
+
+def read_plan(text: str, rules: Rules) -> list[Step]:
+    """The steps of a plan as planners print it: `12.001: (action arguments) [6.000]`, or `(action arguments)`.
+
+    Comments are left out, and so is what happens by itself.
+
+    Raises:
+        OptionError: for a line that is no action of this kitchen's domain.
+    """
+    known = {action.name: action for action in actions(rules)}
+    lines = [line for line in (each.partition(";")[0].strip() for each in text.splitlines()) if line]
+    found = [_step(line, number, known, rules) for number, line in enumerate(lines)]
+    return sorted((step for step in found if step.robot), key=lambda step: step.at)
+
+
+def _step(line: str, number: int, known: Mapping[str, Action], rules: Rules) -> Step:
+    match = _LINE.fullmatch(line)
+    name, *arguments = match["what"].lower().split() if match else [""]
+    action = known.get(name)
+    if match is None or action is None or len(arguments) != len(action.variables):
+        raise OptionError(f"plan, line {number + 1}: {line[:80]!r} is not valid; valid: an action of the domain")
+    given = {variable: value for (variable, _), value in zip(action.variables, arguments, strict=True)}
+    robots = {name_of(robot): robot for robot in rules.robots}
+    at = float(match["at"]) if match["at"] else float(number)
+    seconds = float(match["seconds"] or action.seconds)
+    return Step(at, robots.get(given.get("r", ""), ""), action.skill, _target(action, given, rules), seconds)
+
+
+def _target(action: Action, given: Mapping[str, str], rules: Rules) -> str:
+    """What the command is about."""
+    if action.skill == "navigate to":
+        return stations(rules)[f"by-{action.name.rpartition('-to-by-')[2]}"]
+    if action.skill == "place to":
+        return nouns(rules)[given.get("v") or given["f"]]
+    if action.skill in ("pick up", "season"):
+        return nouns(rules)[given["o"]]
+    for verb in ("open-", "close-", "turn-on-", "turn-off-"):
+        if action.name.startswith(verb):
+            return nouns(rules)[action.name.removeprefix(verb)]
+    return ""
