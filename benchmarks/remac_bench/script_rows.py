@@ -35,6 +35,13 @@ ROWS: dict[str, Row] = {
     "fit_memorised.seeds": _SEEDS.but(help="Starts to fit on.", default="40000:40200"),
     "forces.trials": Row(help="Runs of each chain.", default=5, values=_COUNT),
     "littered.trials": Row(help="Staged starts with each number of robots.", default=18, values=_COUNT),
+    "makespans.robots": rows(Options)["robots"].but(default=1, help="How many."),
+    "makespans.by": Row(
+        help="A planner's command line, with {domain} and {problem} for its files.",
+        default="kairos {domain} {problem} --timeout 5 --threads 1",
+    ),
+    "makespans.layout": Row(help="Name of a floor plan.", default="one_wall_large"),
+    "makespans.states": Row(help="Moments at which our search gives up.", default=20_000, values=_COUNT),
     "model_costs.seeds": _SEEDS.but(default="0:5"),
     "model_costs.write": Row(help="Rewrite model_costs.toml.", default=False, values=Switch(), flag="--write"),
     "model_costs.show": Row(
