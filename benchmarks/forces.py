@@ -25,13 +25,14 @@ from rich.table import Table
 from skills import CHAINS, ROBOT, run_chain
 
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.robots import panda
+from remac_env.robots import bodies
 
 DOOR_FORCE = 200.0
 """N, of one body of the robot on a door: what the project aims at."""
 
 _NEAR_LIMIT = 0.999  # share of a limit from which on a joint is told to be at it
 _STEP = 0.005  # s
+BODY = bodies.get()
 
 
 @dataclass
@@ -65,12 +66,12 @@ class Probe:
     def __init__(self, backend: PhysicsBackend, robot: str) -> None:
         model, data = backend.model, backend.data
         self._model, self._data, self.found = model, data, Measured()
-        joints = [model.joint(f"{robot}/{part}") for part in panda.JOINTS]
+        joints = [model.joint(f"{robot}/{part}") for part in BODY.joints]
         self._base = np.array([joint.dofadr[0] for joint in joints[:4]])
         self._arm = np.array([joint.dofadr[0] for joint in joints[4:]])
         # Where MuJoCo counts gravity compensation as passive, the motors have to give it all the same.
         self._passive = np.array([not model.jnt_actgravcomp[joint.id] for joint in joints[4:]])
-        self._fingers = np.array([model.joint(f"{robot}/{part}").dofadr[0] for part in panda.FINGERS])
+        self._fingers = np.array([model.joint(f"{robot}/{part}").dofadr[0] for part in BODY.fingers])
         names = [model.body(number).name for number in range(model.nbody)]
         self._own = {number: name.split("/")[1] for number, name in enumerate(names) if name.startswith(robot + "/")}
         self._leaves = {number: name for number, name in enumerate(names) if name.endswith("door")}
@@ -81,7 +82,7 @@ class Probe:
         torque = np.abs(data.qfrc_actuator[self._arm] + self._passive * data.qfrc_gravcomp[self._arm])
         found.steps += 1
         found.torque = np.maximum(found.torque, torque)
-        found.at_limit += torque >= _NEAR_LIMIT * np.array(panda.ARM_FORCE)
+        found.at_limit += torque >= _NEAR_LIMIT * np.array(BODY.torques)
         found.base = np.maximum(found.base, np.abs(data.qfrc_actuator[self._base]))
         found.finger = max(found.finger, float(np.abs(data.qfrc_actuator[self._fingers]).max()))
         for (part, leaf), force in self._door_forces().items():
@@ -145,7 +146,7 @@ def _job(job: tuple[Mapping[str, Any], int]) -> dict[str, Measured]:
 
 
 def _torques(found: Mapping[str, Measured]) -> Table:
-    joints = (f"{number}: {limit:g}" for number, limit in enumerate(panda.ARM_FORCE, 1))
+    joints = (f"{number}: {limit:g}" for number, limit in enumerate(BODY.torques, 1))
     table = Table(
         "command", "s", *joints, "finger, N", "base, N", "torso, N",
         title="Largest torques of joints, N m, with their limits; in brackets the share of steps at the limit",

@@ -114,6 +114,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             starts=self.options.starts,
             robots=self.options.robot_names,
             perception_noise=self.options.perception_noise,
+            body=self.options.body,
             naming=self.options.naming,
             knowledge=self.options.knowledge,
         )

@@ -33,6 +33,7 @@ class Start:
         doors: fixture -> door angle, rad.
         seed: the episode's seed; further generators are named from it.
         perception_noise: standard deviation of the poses that controllers see, m.
+        body: of all robots, by name.
     """
 
     scene: Rules
@@ -45,6 +46,7 @@ class Start:
     doors: Mapping[str, float]
     seed: int
     perception_noise: float = 0.0
+    body: str = "panda"
 
     @cached_property
     def digest(self) -> str:
@@ -62,4 +64,5 @@ class Start:
             for name, state in self.world.fixtures.items()
         }
         robots = {name: [place, *rounded(offset)] for name, (place, offset) in self.robots.items()}
-        return digest([self.layout, self.style, objects, fixtures, robots, round(self.perception_noise, 6)])
+        other = [] if self.body == "panda" else [self.body]
+        return digest([self.layout, self.style, objects, fixtures, robots, round(self.perception_noise, 6), *other])

@@ -6,6 +6,7 @@ equal states are equal and hash equal, and no clock is in them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -36,6 +37,9 @@ class Place:
 
 FLOOR = Place("floor")
 
+HAND = "hand"
+"""The hand of a robot that has one."""
+
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
@@ -43,6 +47,11 @@ class RobotState:
 
     station: str = ASIDE
     holding: str | None = None
+
+    @property
+    def hands(self) -> Mapping[str, str | None]:
+        """Hand -> what it holds. Skills work with one hand so far, so that this says what `holding` does."""
+        return {HAND: self.holding}
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,7 +52,7 @@ MUTANTS: dict[str, tuple[str, str]] = {
         "tests/symbolic/test_symbolic_skills.py::test_a_door_that_is_not_open_keeps_things_in_and_out",
     ),
     "a torque limit is raised": (
-        "from remac_env.robots import panda\npanda.ARM_FORCE = (87.0,) * 4 + (40.0,) * 3",
+        "from remac_env.robots.panda import measures as panda\npanda.ARM_FORCE = (87.0,) * 4 + (40.0,) * 3",
         "tests/backends/test_forces.py::test_the_makers_limits_hold",
     ),
     "things stand at the side of a cavity": (

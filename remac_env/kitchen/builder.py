@@ -11,6 +11,8 @@ from remac_env.kitchen.canvas import SWITCHED, Canvas
 from remac_env.kitchen.fixtures.room import Face
 from remac_env.kitchen.floor_plan import Layout, Wall
 from remac_env.kitchen.style import Style, load
+from remac_env.robots import bodies
+from remac_env.robots.body import Body
 from remac_env.sights import ACCENTS, accents
 
 if TYPE_CHECKING:
@@ -29,14 +31,15 @@ def build_model(
     objects: Mapping[str, str | Category],
     style: Style | None = None,
     looks: bool = False,
+    body: Body | None = None,
 ) -> mujoco.MjModel:
     """Return the compiled kitchen.
 
-    robots: their names, such as "robot_0". objects: noun -> category of the catalogue. style: materials, used only with
-    `looks`; the default style where None. Bodies, joints and actuators are the same and in the same order with `looks`
-    and without, so that a qpos copies over.
+    robots: their names, such as "robot_0"; body: theirs, the standard one where None. objects: noun -> category of the
+    catalogue. style: materials, used only with `looks`; the default style where None. Bodies, joints and actuators are
+    the same and in the same order with `looks` and without, so that a qpos copies over.
     """
-    return build_spec(layout, robots=robots, objects=objects, style=style, looks=looks).compile()
+    return build_spec(layout, robots=robots, objects=objects, style=style, looks=looks, body=body).compile()
 
 
 def build_spec(
@@ -46,6 +49,7 @@ def build_spec(
     objects: Mapping[str, str | Category],
     style: Style | None = None,
     looks: bool = False,
+    body: Body | None = None,
 ) -> mujoco.MjSpec:
     """Return the description that `build_model` compiles, for callers that add cameras."""
     spec = mujoco.MjSpec()
@@ -68,10 +72,8 @@ def build_spec(
         for noun, category in objects.items():
             add_object(spec, spec.worldbody, noun, category, looks=looks)
     if robots:
-        from remac_env.robots.model import add_robot
-
         for name, color in accents(robots).items():
-            add_robot(spec, name, accent=ACCENTS[color], looks=looks)
+            (body or bodies.get()).add_to(spec, name, accent=ACCENTS[color], looks=looks)
     return spec
 
 

@@ -14,6 +14,7 @@ from remac_env.kitchen.mixed import vary
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.scene import build_scene, resting_fixtures
 from remac_env.options import NAMINGS, STARTS
+from remac_env.robots import bodies
 from remac_env.rules.facts import Rules
 from remac_env.rules.processes import chosen
 from remac_env.rules.rounds import at_rest
@@ -61,6 +62,7 @@ def sample(
     naming: str = "role",
     perception_noise: float = 0.0,
     knowledge: str = "full",
+    body: str = bodies.STANDARD,
 ) -> tuple[Start, dict[str, str]]:
     """Draw the start of an episode. It is the same for both namings, but for the names, and whatever is known of it.
 
@@ -73,6 +75,7 @@ def sample(
     """
     check_choice("starts", starts, STARTS)
     check_choice("naming", naming, NAMINGS)
+    bodies.get(body)
     rng = generator(seed, "start", spec.name, layout.name, style, starts)
     names, things = _choose_things(spec, categories, naming, rng)
     others = _choose_distractors(spec, layout, categories, things, rng)
@@ -106,6 +109,7 @@ def sample(
         doors=draft.doors,
         seed=int(seed),
         perception_noise=perception_noise,
+        body=body,
     )
     return start, names
 

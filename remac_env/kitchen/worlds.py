@@ -15,6 +15,7 @@ from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.parking import for_robots
 from remac_env.kitchen.starts import sample
 from remac_env.kitchen.stated import stated_start
+from remac_env.robots.bodies import STANDARD
 from remac_env.seeding import generator
 from remac_env.start import Start
 from remac_env.tasks.spec import TaskSpec
@@ -99,6 +100,7 @@ class TaskWorlds(Worlds):
         perception_noise: float,
         naming: str = "role",
         knowledge: str = "full",
+        body: str = STANDARD,
     ) -> tuple[Start, dict[str, str]]:
         """The start of the episode with this seed, and what the object of each role is called."""
         self.check_cell(style, layout)
@@ -123,6 +125,7 @@ class TaskWorlds(Worlds):
             seed=seed,
             robots=robots,
             perception_noise=perception_noise,
+            body=body,
             naming=naming,
             knowledge=knowledge,
         )

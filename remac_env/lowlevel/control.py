@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from remac_env.backends.physics.controllers.learned.seen import Entry
 from remac_env.backends.physics.manual import Manual
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.robots import panda
-from remac_env.robots.ik import Kinematics
+from remac_env.robots import bodies
 from remac_env.robots.rotation import Array, about_z, from_rotation_vector, rotation_vector
 
 _AHEAD = 3.0  # control periods of motion by which a command may be ahead of the robot; its servos are 2 behind
-_STEP = panda.SPEED * CONTROL_PERIOD  # m or rad that a joint goes in a control period at most
+_BODY = bodies.get()
+_STEP = _BODY.speed * CONTROL_PERIOD  # m or rad that a joint goes in a control period at most
 _HAND_STEP, _HAND_TURN = 0.025, 0.075  # m and rad that the hand goes in a control period at most: 0.5 m/s and 1.5 rad/s
 _HAND_AHEAD, _TURN_AHEAD = 0.05, 0.2  # m and rad by which the hand's commanded pose may be ahead of what joints can do
 _ARM_ALONE = np.array([0.0] * 4 + [1.0] * 7)
@@ -27,7 +27,7 @@ _BASE = (
     Entry("base_turn", "rad", -float(_STEP[2]), float(_STEP[2])),
     Entry("torso", "m", -float(_STEP[3]), float(_STEP[3])),
 )
-_FINGERS = Entry("fingers", "m", 0.0, panda.FINGER_OPEN)
+_FINGERS = Entry("fingers", "m", 0.0, _BODY.finger_travel)
 _ARM = tuple(Entry(f"joint{number + 1}", "rad", -float(step), float(step)) for number, step in enumerate(_STEP[4:]))
 _HAND = (
     *(Entry(f"hand_{axis}", "m", -_HAND_STEP, _HAND_STEP) for axis in ("forward", "left", "up")),
@@ -54,7 +54,7 @@ class Control(ABC):
         q = self._moved(values)
         now = self._manual.sensing.body.q
         q = np.clip(q, now - _AHEAD * _STEP, now + _AHEAD * _STEP)
-        q[3:] = np.clip(q[3:], panda.LOWER[3:], panda.UPPER[3:])
+        q[3:] = np.clip(q[3:], _BODY.lower[3:], _BODY.upper[3:])
         return q, float(values[-1])
 
     @abstractmethod
@@ -79,7 +79,7 @@ class Joints(Control):
         c, s = math.cos(before[2]), math.sin(before[2])
         dx, dy = q[:2] - before[:2]
         change = np.concatenate([[c * dx + s * dy, c * dy - s * dx], (q - before)[2:]])
-        fingers = 2.0 * opening / panda.FINGER_OPEN - 1.0
+        fingers = 2.0 * opening / _BODY.finger_travel - 1.0
         return np.clip(np.append(change / _STEP, fingers), -1.0, 1.0)
 
     def _moved(self, values: Array) -> Array:
@@ -96,7 +96,7 @@ class Hand(Control):
     def begin(self, manual: Manual) -> None:
         """The hand is commanded to be where it is."""
         super().begin(manual)
-        self._kinematics = Kinematics()
+        self._kinematics = _BODY.kinematics()
         self._pose = self._in_base(manual.q)
 
     def _moved(self, values: Array) -> Array:

@@ -10,7 +10,8 @@ import numpy as np
 from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.robots import panda
+from remac_env.robots import bodies
+from remac_env.robots.body import Body
 from remac_env.rules.facts import ASIDE
 from remac_env.start import Offset, Start
 from remac_env.state import Place, WorldState, door_state
@@ -39,7 +40,7 @@ def pose(
             for joint, value in fixture.joints(angle, state.on).items():
                 data.joint(joint).qpos[0] = value
     for name in world.robots:
-        _pose_robot(data, name, _standing(layout, start, world, name))
+        _pose_robot(data, name, _standing(layout, start, world, name), bodies.get(start.body))
     mujoco.mj_kinematics(model, data)
     placed: set[str] = set()
     while len(placed) < len(world.objects):
@@ -61,11 +62,11 @@ def _standing(layout: Layout, start: Start, world: WorldState, name: str) -> tup
     return place.x, place.y, place.yaw
 
 
-def _pose_robot(data: mujoco.MjData, name: str, standing: tuple[float, float, float]) -> None:
-    for joint, value in zip(panda.JOINTS, panda.tucked(*standing), strict=True):
+def _pose_robot(data: mujoco.MjData, name: str, standing: tuple[float, float, float], body: Body) -> None:
+    for joint, value in zip(body.joints, body.tuck(*standing), strict=True):
         data.joint(f"{name}/{joint}").qpos[0] = value
-    for finger in panda.FINGERS:
-        data.joint(f"{name}/{finger}").qpos[0] = panda.FINGER_OPEN
+    for finger in body.fingers:
+        data.joint(f"{name}/{finger}").qpos[0] = body.finger_travel
 
 
 def _pose_object(

@@ -19,6 +19,7 @@ from remac_env.rendering.following import follow
 from remac_env.rendering.posing import pose
 from remac_env.rendering.renderer import BEAUTY, CLOSE, OBSERVATION, Quality, Renderer
 from remac_env.rendering.window import Window
+from remac_env.robots import bodies
 from remac_env.rules.facts import ASIDE
 from remac_env.rules.marks import SEASONED
 from remac_env.start import Start
@@ -50,6 +51,7 @@ class Stage:
             objects={noun: categories[name] for noun, name in start.categories.items()},
             style=styles.load(start.style),
             looks=True,
+            body=bodies.get(start.body),
         )
         add_cameras(spec, layout, start.scene.robots)
         self._model = spec.compile()
@@ -119,4 +121,4 @@ class Stage:
 
 def stage_key(start: Start) -> Any:
     """What a stage is made for; episodes with the same key share one."""
-    return start.layout, start.style, tuple(start.categories.items()), start.scene.robots
+    return start.layout, start.style, tuple(start.categories.items()), start.scene.robots, start.body

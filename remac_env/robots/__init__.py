@@ -1,1 +1,1 @@
-"""The mobile Panda: kinematic data, MuJoCo model and inverse kinematics."""
+"""What robots are made of: the protocol of bodies, the bodies there are, and the mobile Panda as one of them."""

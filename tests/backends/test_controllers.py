@@ -18,7 +18,8 @@ from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.sensing import Briefed
 from remac_env.errors import LifecycleError, OptionError, PhysicsError, UnknownNameError
 from remac_env.kitchen.frame import WORLD, Frame
-from remac_env.robots import panda
+from remac_env.robots import bodies
+from remac_env.robots.panda import measures as panda
 from remac_env.robots.rotation import about_z
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
@@ -130,7 +131,7 @@ def turned_on(make: MakeController, *, seed: int = 120700) -> tuple[PhysicsBacke
 def test_a_wrong_command_reaches_no_servo(name: str) -> None:
     given, why = WRONG[name]
     with pytest.raises(CommandError, match=why):
-        set_points(given)
+        set_points(given, bodies.get())
 
 
 @pytest.mark.parametrize("name", ["nan", "none"])
@@ -141,14 +142,14 @@ def test_a_wrong_command_ends_its_subtask(name: str) -> None:
 
 
 def test_without_the_check_it_would_reach_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pilot, "set_points", lambda given: (given.q, given.opening))
+    monkeypatch.setattr(pilot, "set_points", lambda given, body: (given.q, given.opening))
     with pytest.raises(PhysicsError, match="not finite"):
         turned_on(saying(WRONG["nan"][0]))
 
 
 def test_commands_are_clipped_to_what_the_maker_allows() -> None:
     far = Command(np.full(11, 1e6), 1.0)
-    q, opening = set_points(far)
+    q, opening = set_points(far, bodies.get())
     assert opening == panda.FINGER_OPEN and (q[3:] <= panda.HIGHEST[3:]).all()
     backend, _, worlds = kitchen(MUG, 120701, controllers={"turn on": saying(far)})
     run(backend, worlds, [TO_MICROWAVE])
@@ -308,5 +309,5 @@ def test_poses_say_in_which_frame_they_are() -> None:
     np.testing.assert_allclose(seen.position, [3.0, -0.5, 3.0])
     np.testing.assert_allclose(seen.in_room().position, pose.position)
     np.testing.assert_allclose(seen.in_room().rotation, pose.rotation, atol=1e-12)
-    q, _ = set_points(Command(panda.tucked(3.0, -0.5, 0.0), 0.0, frame))
+    q, _ = set_points(Command(panda.tucked(3.0, -0.5, 0.0), 0.0, frame), bodies.get())
     np.testing.assert_allclose(q[:3], [1.0, 2.0, 0.5 * np.pi])

@@ -8,7 +8,7 @@ import pytest
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.kitchen.worlds import TaskWorlds
-from remac_env.robots import panda
+from remac_env.robots.panda import measures as panda
 from remac_env.tasks.goals import Inside
 from remac_env.tasks.spec import Role, TaskSpec
 

@@ -11,7 +11,8 @@ from physics_kit import ROBOT, kitchen, run
 
 from remac_env.backends.physics import timeline
 from remac_env.backends.physics.controllers.scripted import arc, leaf
-from remac_env.robots import model, panda
+from remac_env.robots.panda import measures as panda
+from remac_env.robots.panda import model
 
 TORQUES = np.array([87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0])
 """N m, the manufacturer's; written down here once more, so that a limit that is raised in the model is seen."""

@@ -19,8 +19,8 @@ from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.frame import WORLD, Frame
 from remac_env.kitchen.objects import catalogue
-from remac_env.robots import panda
-from remac_env.robots.ik import Kinematics
+from remac_env.robots.panda import measures as panda
+from remac_env.robots.panda.ik import Kinematics
 
 DOWN = np.diag([1.0, -1.0, -1.0])
 

@@ -22,7 +22,7 @@ from remac_env.backends.physics.traffic import Convoy
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout, Station
-from remac_env.robots import panda
+from remac_env.robots.panda import measures as panda
 
 ROBOTS = ("robot_0", "robot_1")
 

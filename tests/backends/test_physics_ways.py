@@ -9,6 +9,7 @@ import pytest
 
 from remac_env.backends.physics.routes import Departure, candidates, sampled
 from remac_env.kitchen import layout as layouts
+from remac_env.robots import bodies
 
 APART = 0.75
 """m from a robot at its station to the one behind it."""
@@ -21,7 +22,7 @@ def nearest(departure: Departure, goal: str, other: np.ndarray) -> dict[str, flo
     """How near (m) the middle of a base comes to ``other`` (2,) at the best way of each sort."""
     best: dict[str, float] = {}
     for course in candidates(departure, departure.layout.stations[goal]):
-        way = np.array([q[:2] for q in sampled(course.corners)])
+        way = np.array([q[:2] for q in sampled(course.corners, bodies.get())])
         distance = float(np.hypot(*(way - other).T).min())
         best[course.sort[1]] = max(best.get(course.sort[1], 0.0), distance)
     return best

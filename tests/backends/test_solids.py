@@ -21,8 +21,8 @@ from remac_env.kitchen.fixtures import models
 from remac_env.kitchen.fixtures.base import COUNTER_Z
 from remac_env.kitchen.fixtures.door import OPENED, Door
 from remac_env.kitchen.objects import catalogue, colliders
-from remac_env.robots import panda
-from remac_env.robots.ik import Kinematics
+from remac_env.robots.panda import measures as panda
+from remac_env.robots.panda.ik import Kinematics
 from remac_env.state import FrozenMap
 
 LAYOUT = layouts.load("one_wall_large")

@@ -23,7 +23,7 @@ from typer.testing import CliRunner
 from remac_env.backends.physics.controllers.learned.weights import About, Weights
 from remac_env.errors import UnknownNameError
 from remac_env.lowlevel.control import Joints
-from remac_env.robots import panda
+from remac_env.robots.panda import measures as panda
 from remac_env.rules.skills import SKILLS
 
 ARRAYS = ("observations", "actions", "commands", "measured", "states", "rewards")

@@ -9,7 +9,7 @@ import numpy as np
 
 from remac_env.kitchen.objects import add_object
 from remac_env.kitchen.objects.catalogue import Category, Grasp
-from remac_env.robots.model import FINGER_INERTIA, PAD
+from remac_env.robots.panda.model import FINGER_INERTIA, PAD
 
 LIFT = 0.20  # m
 _APPROACH = 0.12  # m

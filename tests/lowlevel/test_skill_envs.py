@@ -18,7 +18,7 @@ from remac_env.backends.physics.controllers.base import in_room
 from remac_env.errors import ActionError, OptionError, PhysicsError, UnknownNameError
 from remac_env.lowlevel.names import skills
 from remac_env.lowlevel.options import targets
-from remac_env.robots.ik import Kinematics
+from remac_env.robots.panda.ik import Kinematics
 from remac_env.rules.skills import SKILLS
 
 NAMES = tuple(skills())

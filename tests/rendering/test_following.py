@@ -16,7 +16,7 @@ from remac_env.rendering.following import follow
 from remac_env.rendering.rays import RayPainter
 from remac_env.rendering.renderer import OBSERVATION
 from remac_env.rendering.stage import Stage
-from remac_env.robots import panda
+from remac_env.robots.panda import measures as panda
 from remac_env.state import Place
 
 SIZE = 128

@@ -8,9 +8,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from remac_env.robots import looks, panda
-from remac_env.robots.looks_parts import ACCENT, MATERIALS, SHELL, robot_parts
-from remac_env.robots.model import add_robot
+from remac_env.robots.panda import looks
+from remac_env.robots.panda import measures as panda
+from remac_env.robots.panda.looks_parts import ACCENT, MATERIALS, SHELL, robot_parts
+from remac_env.robots.panda.model import add_robot
 
 ROBOTS = {"robot_0": (0.1, 0.4, 0.8), "robot_1": (0.9, 0.5, 0.1)}
 KINDS = ("BODY", "JOINT", "SITE", "ACTUATOR", "EQUALITY", "EXCLUDE")

@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from remac_env.robots import panda
-from remac_env.robots.ik import Kinematics, solutions
-from remac_env.robots.model import add_robot
+from remac_env.robots.panda import measures as panda
+from remac_env.robots.panda.ik import Kinematics, solutions
+from remac_env.robots.panda.model import add_robot
 from remac_env.robots.rotation import about_x, about_z, from_rotation_vector, quaternion, rotation_vector
 
 

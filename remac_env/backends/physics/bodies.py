@@ -24,7 +24,7 @@ class Standing(Protocol):
         """The base pose (3,) in the world: x and y of the arm's first axis (m), and yaw (rad)."""
 
     def put(self, q: Array) -> None:
-        """Pose the robot at once (at reset only); ``q``: a configuration (11,)."""
+        """Pose the robot at once (at reset only); ``q``: a configuration (n,)."""
 
 
 class Bodies:

@@ -21,7 +21,6 @@ from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.robots.ik import Kinematics
 from remac_env.rules.facts import ASIDE
 from remac_env.seeding import generator
 from remac_env.start import Start
@@ -38,7 +37,7 @@ class Crew:
     ) -> None:
         self._layout, self._start = layout, start
         self.separation = Separation(simulation)
-        kinematics = Kinematics()
+        kinematics = simulation.body.kinematics()
         self.robots: dict[str, Surroundings] = {}
         self.pilots: dict[str, Pilot] = {}
         for name, handle in simulation.robots.items():

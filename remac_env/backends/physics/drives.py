@@ -58,7 +58,7 @@ class Drives:
             if robot != here.robot.name:
                 here.scratch.mark(here.simulation.geoms(body), IGNORED)  # it goes where that robot goes
         start = Departure(here.layout, here.place, here.robot.q, self._rooms, self._standing(), self._litter(here))
-        return Driver(here, ways_to(start, errand.goal), Outline.of(here), errand.goal)
+        return Driver(here, ways_to(start, errand.goal, here.robot.body), Outline.of(here), errand.goal)
 
     def _standing(self) -> tuple[Array, ...]:
         """Base poses (3,) of robots that stay, and of those under way where they end."""
@@ -73,7 +73,7 @@ class Drives:
         if not way.checked:
             way.checked = True
             here, corners = driver.here, way.course.corners
-            path = sampled(corners)
+            path = sampled(corners, here.robot.body)
             bases = np.array(path[::4])[:, :3]
             if not any(driver.outline.meets(bases, room) for room in self._rooms):
                 with here.scratch.without_robots():

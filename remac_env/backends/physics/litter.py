@@ -20,7 +20,7 @@ _PATIENCE = 3  # control periods of it
 _SLOWER = 2  # times as long as usual takes a drive that pushes
 _RETREAT = 16  # control periods by which a drive that was stopped goes back
 _NEAR = 0.03  # m between objects, or an object and a base, that press on one another
-_BASE_MIDDLE, _BASE_HALF = np.array([-0.135, 0.0]), np.array([0.285, 0.24])  # m, see remac_env.robots.model
+_BASE_MIDDLE, _BASE_HALF = np.array([-0.135, 0.0]), np.array([0.285, 0.24])  # m, see remac_env.robots.panda
 
 
 def lying(here: Surroundings) -> frozenset[str]:

@@ -65,7 +65,8 @@ class Manual:
             PhysicsError: for a command that is not finite, or if MuJoCo warns.
         """
         try:
-            self._timeline.simulation.robots[self._robot].take(*set_points(Command(q, grip)))
+            handle = self._timeline.simulation.robots[self._robot]
+            handle.take(*set_points(Command(q, grip), handle.body))
         except CommandError as wrong:
             raise PhysicsError(f"{self._robot}: {wrong}") from wrong
         self._timeline.tick()

@@ -116,7 +116,7 @@ class Pilot:
                 outcome: Outcome = end.value
                 return outcome
             try:
-                self._handle.take(*set_points(command))
+                self._handle.take(*set_points(command, self._handle.body))
             except CommandError as wrong:
                 run.close()
                 return failure("invalid", str(wrong))

@@ -16,7 +16,7 @@ from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import Frame
 from remac_env.kitchen.layout_checks import BASE_RADIUS, floor
-from remac_env.robots import panda
+from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array
 
 LANES = (-1.15, -1.3, -1.5, -1.7, -1.9, -2.1, -2.3, -2.5, -2.7, -2.9)  # y of the arm axis before a wall, m
@@ -30,7 +30,7 @@ _GROWTH = BASE_RADIUS  # m by which obstacles on the floor grow for such ways
 
 @dataclass(frozen=True)
 class Course:
-    """A way as its corners (11,), world frame, its start the first, and its sort: one sort differs in lanes only."""
+    """A way as its corners (n,), world frame, its start the first, and its sort: one sort differs in lanes only."""
 
     corners: Path
     sort: tuple[int, str]
@@ -38,10 +38,10 @@ class Course:
 
 @dataclass(frozen=True)
 class Departure:
-    """From where a robot drives: the layout, its place there and its configuration (11,).
+    """From where a robot drives: the layout, its place there and its configuration (n,).
 
     obstacles: floor to keep off; litter: the same, of objects on it. standing: where other robots stand, poses (3,) or
-    configurations (11,).
+    configurations (n,).
     """
 
     layout: Layout
@@ -159,25 +159,25 @@ def _around(start: Departure, goal: Station, end: Array, half: float) -> Path | 
     return [*corners, end]
 
 
-def periods(corners: Path) -> int:
+def periods(corners: Path, body: Body) -> int:
     """How long a way through these corners takes, in control periods."""
-    return max(1, sum(_count(one, other) for one, other in pairwise(corners)))
+    return max(1, sum(_count(one, other, body) for one, other in pairwise(corners)))
 
 
-def sampled(corners: Path) -> Path:
+def sampled(corners: Path, body: Body) -> Path:
     """One configuration per control period through the corners, as :meth:`Mover.go` would move; the first left out."""
     path: Path = []
     for start, corner in pairwise(corners):
-        count = _count(start, corner)
+        count = _count(start, corner, body)
         u = np.arange(1, count + 1) / max(count, 1)
         path += list(start + (u * u * (3 - 2 * u))[:, None] * (corner - start))
     return path or [corners[0]]
 
 
-def _count(start: Array, corner: Array) -> int:
+def _count(start: Array, corner: Array, body: Body) -> int:
     """Control periods from corner to corner, none where they are the same."""
-    same = float(np.max(np.abs(corner - start) / panda.SPEED)) < 1e-6
-    return 0 if same else max(2, periods_between(start, corner))
+    same = float(np.max(np.abs(corner - start) / body.speed)) < 1e-6
+    return 0 if same else max(2, periods_between(start, corner, body))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ import mujoco
 import numpy as np
 
 from remac_env.backends.physics.simulation import Simulation
-from remac_env.robots.model import SKIRT
 from remac_env.robots.rotation import Array
 
 NEAR_MISS = 0.05  # m
@@ -132,7 +131,7 @@ class Separation:
         for number, (robot, bodies) in enumerate(self._bodies.items()):
             for body in [*bodies, *self._held_bodies(robot)]:
                 # A skirt is right under the rest of its base, so it is nowhere nearer to others.
-                skirt = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, f"{robot}/{SKIRT}")
+                skirt = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, f"{robot}/{self._simulation.body.skirt}")
                 geoms = [
                     g for g in range(model.ngeom)
                     if model.geom_bodyid[g] == body and model.geom_group[g] == 3 and g != skirt

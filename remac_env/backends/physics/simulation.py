@@ -13,7 +13,8 @@ from remac_env.backends.physics.bodies import Bodies
 from remac_env.backends.physics.pose import Pose
 from remac_env.errors import PhysicsError
 from remac_env.kitchen.frame import WORLD
-from remac_env.robots import panda
+from remac_env.robots import bodies
+from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array
 
 SUBSTEPS = 10  # steps of 5 ms, see remac_env.kitchen.builder
@@ -23,27 +24,29 @@ CONTROL_PERIOD = 0.05  # s
 class RobotHandle:
     """One robot of the model: where its joints are, and the set-points of its servos. All in the frame of the room.
 
-    ``commanded``: set-points (11,) in force; ``grip``: of each finger, m. They stay as they are until others are taken.
+    ``commanded``: set-points (n,) in force, see `remac_env.robots.body`; ``grip``: of each finger, m. They stay as they
+    are until others are taken.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, name: str) -> None:
-        self.name = name
-        self.fingers = tuple(f"{name}/{part}" for part in panda.FINGERS)
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, name: str, body: Body) -> None:
+        self.name, self.body = name, body
+        self.fingers = tuple(f"{name}/{part}" for part in body.fingers)
         self._data = data
-        joints = [model.joint(f"{name}/{part}") for part in panda.JOINTS]
-        servos = [model.actuator(f"{name}/{part}") for part in panda.JOINTS]
-        fingers = [model.joint(f"{name}/{part}") for part in panda.FINGERS]
+        joints = [model.joint(f"{name}/{part}") for part in body.joints]
+        servos = [model.actuator(f"{name}/{part}") for part in body.joints]
+        fingers = [model.joint(f"{name}/{part}") for part in body.fingers]
         self.qpos = np.array([j.qposadr[0] for j in joints])
         self.finger_qpos = np.array([j.qposadr[0] for j in fingers])
         self._controls = np.array([s.id for s in servos])
         self._activations = np.array([s.actadr[0] for s in servos])
-        self._finger_controls = np.array([model.actuator(f"{name}/{part}").id for part in panda.FINGERS])
+        self._finger_controls = np.array([model.actuator(f"{name}/{part}").id for part in body.fingers])
         self._site = model.site(f"{name}/grip").id
-        self.commanded = panda.tucked(0.0, 0.0, 0.0)
-        self.grip = panda.FINGER_OPEN
+        self.commanded = body.tuck(0.0, 0.0, 0.0)
+        self.grip = body.finger_travel
 
-    def put(self, q: Array, grip: float = panda.FINGER_OPEN) -> None:
-        """Pose the robot at once (at reset only)."""
+    def put(self, q: Array, grip: float | None = None) -> None:
+        """Pose the robot at once (at reset only); with its hand open where ``grip`` is None."""
+        grip = self.body.finger_travel if grip is None else grip
         self.hold(q, grip)
         self._data.qpos[self.qpos] = self.commanded
         self._data.qpos[self.finger_qpos] = grip
@@ -52,7 +55,7 @@ class RobotHandle:
     def take(self, q: Array, grip: float) -> None:
         """Take set-points for the next control period, which move no faster than the maker allows."""
         step = q - self.commanded
-        most = panda.TOP_SPEED * CONTROL_PERIOD
+        most = self.body.top_speed * CONTROL_PERIOD
         if (np.abs(step) > most).any():
             q = np.where(np.abs(step) > most, self.commanded + np.clip(step, -most, most), q)
         self.hold(q, grip)
@@ -71,7 +74,7 @@ class RobotHandle:
 
     @property
     def q(self) -> Array:
-        """The configuration (11,) in which the robot is."""
+        """The configuration (n,) in which the robot is."""
         return self._data.qpos[self.qpos]
 
     @property
@@ -104,11 +107,14 @@ class Simulation(Bodies):
     robot show now.
     """
 
-    def __init__(self, model: mujoco.MjModel, robots: Iterable[str], before: Simulation | None = None) -> None:
+    def __init__(
+        self, model: mujoco.MjModel, robots: Iterable[str], before: Simulation | None = None, body: Body | None = None
+    ) -> None:
         again = before is not None and before.model is model
         data: mujoco.MjData = before.data if before and again else mujoco.MjData(model)
         super().__init__(model, data, {})
-        self.robots: dict[str, RobotHandle] = {name: RobotHandle(model, data, name) for name in robots}
+        self.body = body or bodies.get()
+        self.robots: dict[str, RobotHandle] = {name: RobotHandle(model, data, name, self.body) for name in robots}
         self.ticks = 0
         self.probe: Callable[[], None] | None = None
         self.pictures: Callable[[str], Mapping[str, NDArray[np.uint8]]] | None = None

@@ -11,7 +11,7 @@ import numpy as np
 from remac_env.backends.physics.bodies import Bodies
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.robots import panda
+from remac_env.robots import bodies
 from remac_env.robots.rotation import Array
 from remac_env.start import Start
 from remac_env.state import base_place
@@ -31,7 +31,7 @@ def pose_start(simulation: Bodies, layout: Layout, things: Mapping[str, Category
     for name, (index, offset) in start.robots.items():
         place = layout.asides[index]
         yaw = place.yaw + offset.yaw
-        simulation.robots[name].put(panda.tucked(place.x + offset.dx, place.y + offset.dy, yaw))
+        simulation.robots[name].put(bodies.get(start.body).tuck(place.x + offset.dx, place.y + offset.dy, yaw))
     mujoco.mj_forward(simulation.model, simulation.data)
 
 

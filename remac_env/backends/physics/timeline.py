@@ -23,6 +23,7 @@ from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import Worlds
+from remac_env.robots import bodies
 from remac_env.rules.claims import Claim, settle_claims
 from remac_env.rules.facts import Process
 from remac_env.rules.outcomes import Outcome
@@ -62,7 +63,8 @@ class Timeline:
         self._layout: Layout = worlds.layout_of(start)
         self._things: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
         robots = tuple(start.scene.robots)
-        self.simulation = Simulation(_model(self._layout, robots, tuple(self._things.items())), robots, before)
+        model = _model(self._layout, robots, tuple(self._things.items()), start.body)
+        self.simulation = Simulation(model, robots, before, bodies.get(start.body))
         self._truth = Truth(self.simulation, start, self._layout, self._things)
         self._batches = self._contacts = self._misses = 0
         self._tasks: dict[str, _Task] = {}
@@ -228,6 +230,8 @@ class Timeline:
 
 
 @lru_cache(maxsize=8)
-def _model(layout: Layout, robots: tuple[str, ...], things: tuple[tuple[str, Category], ...]) -> mujoco.MjModel:
+def _model(
+    layout: Layout, robots: tuple[str, ...], things: tuple[tuple[str, Category], ...], body: str
+) -> mujoco.MjModel:
     """Compiled colliders; a model is never written to, so episodes share it."""
-    return build_model(layout, robots=robots, objects=dict(things), looks=False)
+    return build_model(layout, robots=robots, objects=dict(things), looks=False, body=bodies.get(body))

@@ -190,7 +190,7 @@ class Timetable(Drives):
         around = (*standing.values(), *self._standing())
         leaves = Departure(driver.here.layout, place, q, self._rooms, around, self._litter(driver.here))
         still = [(other, _still(at)) for other, at in standing.items()]
-        for way in ways_to(leaves, goal):
+        for way in ways_to(leaves, goal, driver.here.robot.body):
             if self._path(driver, way) and all(
                 self._encounter(self.drivers, (name, other), (0, way), (1, there), {}).passes((0, 0))
                 for other, there in still

@@ -15,6 +15,7 @@ from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.skill import Surroundings
 from remac_env.backends.physics.routes import Course, Departure, Outline, candidates, periods
 from remac_env.kitchen.floor_plan import Station
+from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array, quaternion
 
 SAMPLE = 3  # control periods between checks
@@ -75,9 +76,9 @@ Combination = tuple[tuple[Way, ...], tuple[int, ...]]
 """A way for each robot, and by how many samples each starts late."""
 
 
-def ways_to(start: Departure, goal: Station) -> list[Way]:
+def ways_to(start: Departure, goal: Station, body: Body) -> list[Way]:
     """All ways to a place, quickest first, not yet checked."""
-    ways = [Way(course, periods(course.corners)) for course in candidates(start, goal)]
+    ways = [Way(course, periods(course.corners, body)) for course in candidates(start, goal)]
     return sorted(ways, key=lambda way: way.periods)
 
 

@@ -20,7 +20,7 @@ from remac_env.kitchen.fixtures import FixtureReading
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import WORLD, Frame
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.robots import panda
+from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.skills import SKILLS
@@ -32,7 +32,7 @@ from remac_env.state import WorldState
 class Command:
     """Set-points for one control period of 50 ms.
 
-    ``q``: a configuration (11,), see :mod:`remac_env.robots.panda`; its base is expressed in ``frame``. ``opening``:
+    ``q``: a configuration (n,), see :mod:`remac_env.robots.body`; its base is expressed in ``frame``. ``opening``:
     the travel of each finger from the middle, 0..0.04 m.
     """
 
@@ -46,11 +46,11 @@ class Proprioception(Protocol):
 
     @property
     def q(self) -> Array:
-        """The configuration (11,) in which it is."""
+        """The configuration (n,) in which it is."""
 
     @property
     def commanded(self) -> Array:
-        """The set-points (11,) in force."""
+        """The set-points (n,) in force."""
 
     @property
     def commanded_opening(self) -> float:
@@ -158,8 +158,8 @@ class CommandError(Exception):
     """A command that no robot can be given; it ends the subtask and is never seen by users."""
 
 
-def set_points(command: object) -> tuple[Array, float]:
-    """What a command asks of the servos: joints (11,) in the frame of the room, and finger travel, within limits.
+def set_points(command: object, body: Body) -> tuple[Array, float]:
+    """What a command asks of the servos: joints (n,) in the frame of the room, and finger travel, within limits.
 
     Raises:
         CommandError: naming what is wrong.
@@ -170,18 +170,18 @@ def set_points(command: object) -> tuple[Array, float]:
         q, opening = np.array(command.q, float), float(command.opening)
     except Exception as error:  # noqa: BLE001 - whatever stands there for numbers may raise anything
         raise CommandError(f"the command holds what is no number: {error}") from error
-    if q.shape != panda.LOWEST.shape:
-        raise CommandError(f"the command has the shape {q.shape}; valid: {panda.LOWEST.shape}")
+    if q.shape != body.lowest.shape:
+        raise CommandError(f"the command has the shape {q.shape}; valid: {body.lowest.shape}")
     if not (np.isfinite(q).all() and np.isfinite(opening)):
         raise CommandError(f"the command is not finite: q {q.tolist()}, opening {opening}")
     if not isinstance(command.frame, Frame):
         raise CommandError(f"the command's frame is a {type(command.frame).__name__}; valid: Frame")
     q = in_room(q, command.frame)
-    return np.minimum(panda.HIGHEST, np.maximum(panda.LOWEST, q)), min(max(opening, 0.0), panda.FINGER_OPEN)
+    return np.minimum(body.highest, np.maximum(body.lowest, q)), min(max(opening, 0.0), body.finger_travel)
 
 
 def in_room(q: Array, frame: Frame) -> Array:
-    """A configuration (11,) of a frame, in that of the room."""
+    """A configuration (n,) of a frame, in that of the room."""
     told = np.array(q, float)
     told[:2] = frame.point(told[0], told[1])
     told[2] += frame.heading
@@ -189,7 +189,7 @@ def in_room(q: Array, frame: Frame) -> Array:
 
 
 def seen_from(q: Array, frame: Frame) -> Array:
-    """A configuration (11,) of the room, in a frame."""
+    """A configuration (n,) of the room, in a frame."""
     told = np.array(q, float)
     told[:2] = frame.local(told[0], told[1])
     told[2] -= frame.heading

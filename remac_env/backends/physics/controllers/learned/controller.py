@@ -10,10 +10,11 @@ from remac_env.backends.physics.controllers.base import Command, Sensing
 from remac_env.backends.physics.controllers.learned.aims import aim_of
 from remac_env.backends.physics.controllers.learned.seen import observe
 from remac_env.backends.physics.controllers.learned.weights import Weights
-from remac_env.robots import panda
+from remac_env.robots import bodies
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
 
+_STANDARD = bodies.get()
 LONGEST = 700  # control periods, 35 s: three times as long as scripted skills take
 _STILL = 0.012  # rad or m that commands change at most while the robot stands still
 _RESTS = 3  # chunks on end in which it stands still and then has ended
@@ -41,8 +42,8 @@ class Learned:
             start, before = sensing.body.q, sensing.body.commanded
             for change in chunk:
                 q = aim.stand.moved(start, change[:-1])
-                q[3:] = np.clip(q[3:], panda.LOWER[3:], panda.UPPER[3:])
-                yield Command(q, float(np.clip(change[-1], 0.0, panda.FINGER_OPEN)))
+                q[3:] = np.clip(q[3:], _STANDARD.lower[3:], _STANDARD.upper[3:])
+                yield Command(q, float(np.clip(change[-1], 0.0, _STANDARD.finger_travel)))
                 aim.update()
             still = float(np.abs(sensing.body.commanded - before).max()) < _STILL
             rests = rests + 1 if still else 0

@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 
 from remac_env.backends.physics.controllers.base import Sensing
 from remac_env.backends.physics.controllers.learned.aims import Aim, Target, feels
-from remac_env.robots import panda
+from remac_env.robots import bodies
 from remac_env.robots.rotation import Array
 from remac_env.rules.skill_row import Skill
 from remac_env.rules.skills import SKILLS
 
 VERSION = 1
+
+_STANDARD = bodies.get()  # skills are learnt with it alone
 
 RANGES = 24
 FARTHEST = 4.0  # m that is looked around at most
@@ -55,12 +57,13 @@ def _axis(name: str) -> tuple[Entry, ...]:
 
 _ARM = tuple(
     Entry(f"joint{number}", "rad", float(low), float(high))
-    for number, low, high in zip(range(1, 8), panda.ARM_LOWER, panda.ARM_UPPER, strict=True)
+    for number, low, high in zip(range(1, 8), _STANDARD.lowest[4:], _STANDARD.highest[4:], strict=True)
 )
 _BODY = (
     *_point("base", _ROOM, "xy"), Entry("base_yaw_cos", "", -1.0, 1.0), Entry("base_yaw_sin", "", -1.0, 1.0),
-    Entry("torso", "m", *panda.TORSO_RANGE), *_ARM,
-    Entry("finger_command", "m", 0.0, panda.FINGER_OPEN), Entry("opening", "m", 0.0, 2.0 * panda.FINGER_OPEN),
+    Entry("torso", "m", *(float(each[3]) for each in (_STANDARD.lowest, _STANDARD.highest))), *_ARM,
+    Entry("finger_command", "m", 0.0, _STANDARD.finger_travel),
+    Entry("opening", "m", 0.0, 2.0 * _STANDARD.finger_travel),
     Entry("hand_feels", "", 0.0, 1.0),
     *_point("hand", _ROOM), *_axis("hand_opening"), *_axis("hand_approach"),
 )  # fmt: skip

@@ -23,7 +23,7 @@ from remac_env.backends.physics.controllers.learned.network import LARGEST, Netw
 from remac_env.backends.physics.controllers.learned.seen import VERSION, entries, taught
 from remac_env.errors import OptionError
 from remac_env.files import prepare_file
-from remac_env.robots import panda
+from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
 from remac_env.seeding import digest
 
@@ -38,13 +38,6 @@ _UNREADABLE = (
     *(zipfile.BadZipFile, zlib.error, NotImplementedError),
 )
 """What NumPy, zipfile, json and texts of wrong types raise."""
-
-
-def body() -> str:
-    """A name for the robot that a skill was learnt with: its joints, limits, links and fingers."""
-    links = [[link.name, *link.position, link.turn_x] for link in panda.LINKS]
-    limits = [[round(float(value), 6) for value in values] for values in (panda.LOWER, panda.UPPER, panda.SPEED)]
-    return digest([panda.JOINTS, links, limits, panda.FINGER_OPEN, panda.FLANGE, panda.GRIP_DEPTH, panda.MOUNT_HEIGHT])
 
 
 def observation(skill: str) -> str:
@@ -99,7 +92,8 @@ def save_weights(path: str | Path, weights: Weights) -> None:
     if Path(path).suffix != SUFFIX:
         raise OptionError(f"weights {str(path)!r} is not valid; valid: a path that ends in {SUFFIX}")
     skill = weights.about.skill
-    about = asdict(weights.about) | {"format": FORMAT, "observation": observation(skill), "body": body()}
+    told = {"format": FORMAT, "observation": observation(skill), "body": bodies.get().fingerprint}
+    about = asdict(weights.about) | told
     arrays = {
         name: array.astype(np.float16 if "weight" in name else np.float32)
         for name, array in weights.network.arrays.items()
@@ -146,7 +140,7 @@ def _arrays(data: io.BytesIO) -> dict[str, Any]:
 def _about(told: Any) -> About:
     if not isinstance(told, dict):
         raise OptionError("it does not say what it is")
-    for name, fits in (("format", FORMAT), ("body", body())):
+    for name, fits in (("format", FORMAT), ("body", bodies.get().fingerprint)):
         if told.get(name) != fits:
             raise OptionError(f"it was made for {name} {told.get(name)!r}, and this is {fits}; train it anew")
     skills = [skill.name for skill in taught()]

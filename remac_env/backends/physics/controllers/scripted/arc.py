@@ -9,12 +9,10 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.leaf import Leaf
-from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT
 from remac_env.backends.physics.controllers.scripted.reach import BACK
 from remac_env.backends.physics.controllers.scripted.skill import Steps, Surroundings
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.robots import panda
 from remac_env.robots.rotation import Array, about_z
 
 NARROW_GRIP = 0.024
@@ -68,7 +66,7 @@ def arc_is_free(
         angle = start + (beyond - start) * k / count
         at = about_z(-door.sign * grasp.follows * (angle - start)) @ grasp.rotation
         step = planner.kinematics.track(
-            q, grasp.at(door, angle), at, weights=grasp.weights, iterations=6, largest=1.7 * STEP_LIMIT
+            q, grasp.at(door, angle), at, weights=grasp.weights, iterations=6, largest=1.7 * planner.step
         )
         q = step.q
         panel = {door.address: max(angle, 0.0)}
@@ -83,7 +81,7 @@ def arc_is_free(
     back = away[-1].copy()
     heading = np.array([math.cos(back[2]), math.sin(back[2])])
     back[:2] -= min(0.3, max(0.0, back[1] - here.station.y)) * heading
-    home = planner.edge(away[-1], back) and planner.path(back, panda.tucked(*back[:3]))
+    home = planner.edge(away[-1], back) and planner.path(back, planner.body.tuck(*back[:3]))
     return FREE if home else NoWay("no way on")
 
 
@@ -100,7 +98,7 @@ def follow_arc(here: Surroundings, door: Leaf, grasp: DoorGrasp, start: float, t
         at = about_z(-door.sign * grasp.follows * (angle - start)) @ grasp.rotation
         robot.grip = 0.0 if grasp.pushes else here.mover.squeezed(_SQUEEZE)
         bar = grasp.at(door, angle) + shift
-        step = planner.kinematics.track(robot.q, bar, at, weights=grasp.weights, largest=STEP_LIMIT)
+        step = planner.kinematics.track(robot.q, bar, at, weights=grasp.weights, largest=planner.step)
         yield from here.mover.step(step.q)
         if not grasp.pushes:
             shift = _yielding(shift + _YIELD * here.mover.deflection(), door.outward(now))

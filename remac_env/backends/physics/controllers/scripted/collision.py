@@ -18,7 +18,7 @@ import numpy as np
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit
 from remac_env.backends.physics.pose import Pose
-from remac_env.robots.ik import Kinematics
+from remac_env.robots.body import Kinematics
 from remac_env.robots.rotation import Array, quaternion
 
 ARM_MARGIN = 0.008  # m, around arm links, column and base
@@ -167,7 +167,7 @@ class Scratch:
             self._keep_away(geoms, before)
 
     def free(self, q: Array, joints: Mapping[int, float] | None = None) -> Free | Hit:
-        """Whether configuration ``q`` (11,) has no forbidden contact; ``joints`` sets other qpos entries first."""
+        """Whether configuration ``q`` (n,) has no forbidden contact; ``joints`` sets other qpos entries first."""
         self.checks += 1
         data = self.data
         self.pose(q, joints)
@@ -192,7 +192,7 @@ class Scratch:
         return Hit(one, other)
 
     def pose(self, q: Array, joints: Mapping[int, float] | None = None) -> None:
-        """Put the robot and what it holds into configuration ``q`` (11,), without looking at contacts."""
+        """Put the robot and what it holds into configuration ``q`` (n,), without looking at contacts."""
         data, qpos = self.data, self._qpos
         q = self.robot.in_world(q)
         qpos[self.robot.qpos] = q

@@ -11,7 +11,6 @@ from remac_env.backends.physics.controllers.scripted.season import season
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, require_open
 from remac_env.backends.physics.controllers.scripted.switches import work
 from remac_env.kitchen.fixtures import Slot
-from remac_env.robots import panda
 from remac_env.rules.facts import Rules
 from remac_env.rules.places import switch_for
 from remac_env.rules.subtasks import Subtask
@@ -47,7 +46,7 @@ def _empty(here: Surroundings) -> Steps:
     body = here.hand.body
     if body is None:
         return
-    yield from here.mover.fingers(panda.FINGER_OPEN, _FALL)
+    yield from here.mover.fingers(here.robot.body.finger_travel, _FALL)
     here.hand.body = None
     raise SkillFailure("dropped", f"the hand opened and the {body} fell")
 

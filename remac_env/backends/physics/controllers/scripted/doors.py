@@ -28,16 +28,13 @@ from remac_env.backends.physics.controllers.scripted.skill import (
 from remac_env.backends.physics.controllers.scripted.verdicts import Free, Hit, NoWay
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
 from remac_env.kitchen.fixtures.level import Level
-from remac_env.robots import panda
-from remac_env.robots.ik import DOOR_WEIGHTS
+from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array, grip_frame
 
 _SWUNG, _SHUT = 1.0, 0.045  # rad at which a leaf has been opened, and closed
 _CLEAR, _ASIDE = 0.8, 1.0  # rad at which a leaf leaves room for the hand at its neighbour, and to which it is swung
 # Share of the door's turn that the hand follows; the round bar turns in the fingers.
 _OPENING_FOLLOWS, _CLOSING_FOLLOWS = (0.5, 0.8, 0.3), (0.3, 0.5, 0.15, 0.65)
-# How much the base helps along the arc: as ever, or hardly where another robot stands close by.
-_HELP = (DOOR_WEIGHTS, DOOR_WEIGHTS * np.array([0.1, 0.1, 0.1, *[1.0] * 8]))
 _DISTANCES, _SIDES, _TURNS = (0.58, 0.5, 0.66, 0.74), (-0.05, 0.1, -0.2, 0.25, 0.4), (0.0, 0.3, -0.3)
 # A hand that pushes: from the free edge, and above the handle's end, m; share of the panel's turn that it follows.
 _INSETS, _HIGHER = (0.02, 0.035, 0.0), (0.13, 0.19, 0.25)
@@ -118,10 +115,10 @@ def _swing_leaf(here: Surroundings, door: Leaf, target: float) -> Steps:
     yield from tuck(here)
     start = here.simulation.joint(door.joint)
     try:
-        found = _way(here, door, _grasps(door, start, closing=target < start), start, target)
+        found = _way(here, door, _grasps(door, start, here.robot.body, closing=target < start), start, target)
     except SkillFailure as failed:
         try:
-            found = _way(here, door, _pushes(door, start, closing=target < start), start, target)
+            found = _way(here, door, _pushes(door, start, here.robot.body, closing=target < start), start, target)
         except SkillFailure:
             raise failed from None
     yield from go_to_grasp(here, found)
@@ -130,7 +127,7 @@ def _swing_leaf(here: Surroundings, door: Leaf, target: float) -> Steps:
     if not found.grasp.pushes:
         yield from here.mover.fingers(0.0, 10)
         if here.robot.opening < 0.008:
-            yield from here.mover.fingers(panda.FINGER_OPEN, 6)
+            yield from here.mover.fingers(here.robot.body.finger_travel, 6)
             raise SkillFailure("slipped", f"the hand missed the handle of {door.joint}")
     yield from follow_arc(here, door, found.grasp, start, target)
     yield from _back_off(here, door, 0.0 if found.grasp.pushes else NARROW_GRIP)
@@ -141,7 +138,7 @@ def _way(here: Surroundings, door: Leaf, grasps: list[DoorGrasp], start: float, 
     robot, scratch, pushes = here.robot, here.scratch, grasps[0].pushes
     bar, posts = ((), ()) if pushes else (door.geoms[1:2], door.geoms[2:])
     here.begin(bar)
-    robot.grip = 0.0 if pushes else panda.FINGER_OPEN if target > start else NARROW_GRIP
+    robot.grip = 0.0 if pushes else here.robot.body.finger_travel if target > start else NARROW_GRIP
     scratch.fingers(robot.grip)
 
     def after(goal: Array, grasp: Grasp) -> Free | Hit | NoWay:
@@ -178,13 +175,15 @@ def _back_off(here: Surroundings, door: Leaf, opening: float) -> Steps:
         yield from tuck(here)
 
 
-def _grasps(door: Leaf, angle: float, *, closing: bool) -> list[DoorGrasp]:
+def _grasps(door: Leaf, angle: float, body: Body, *, closing: bool) -> list[DoorGrasp]:
     """Hands on the bar: level or pitched down, either way round.
 
     To open, the hand starts square to the panel. To close, it starts turned from the wall by its share of the door's
     angle, so that it ends square: the mirror of opening, and the robot stays in front of the fixture.
     """
     pitches = (0.0, -0.4, -0.8) if door.bar[2] > 1.25 else (-0.8, -0.5, 0.0)
+    # How much the base helps along the arc: as ever, or hardly where another robot stands close by.
+    helps = (body.door_weights, np.concatenate([0.1 * body.door_weights[:3], body.door_weights[3:]]))
     found: list[DoorGrasp] = []
     for pitch in pitches:
         higher = door.clear_of_palm(pitch)
@@ -194,17 +193,17 @@ def _grasps(door: Leaf, angle: float, *, closing: bool) -> list[DoorGrasp]:
             for side in (1.0, -1.0):
                 approach = turn @ np.array([0.0, math.cos(pitch), math.sin(pitch)])
                 hand = grip_frame(approach, turn @ np.array([side, 0.0, 0.0]))
-                for help_ in _HELP:
+                for help_ in helps:
                     before = at - hand[:, 2] * 0.12
                     grasp = DoorGrasp(
                         at + hand[:, 2] * 0.004, hand, door.frame, before=before, follows=follows, weights=help_,
                         higher=higher,
                     )
                     found.append(grasp)
-    return sorted(found, key=lambda grasp: grasp.weights is not _HELP[0])
+    return sorted(found, key=lambda grasp: grasp.weights is not helps[0])
 
 
-def _pushes(door: Leaf, angle: float, *, closing: bool) -> list[DoorGrasp]:
+def _pushes(door: Leaf, angle: float, body: Body, *, closing: bool) -> list[DoorGrasp]:
     """Closed hands before the face, or behind it, near the free edge above the handle; their wide side upright."""
     found, shares = [], _CLOSING_TURNS if closing else _OPENING_TURNS
     out = door.faces[0] - _AIR if closing else door.faces[1] + _AIR
@@ -215,7 +214,7 @@ def _pushes(door: Leaf, angle: float, *, closing: bool) -> list[DoorGrasp]:
         for side in (1.0, -1.0):
             hand = grip_frame(approach, turn @ np.array([0.0, -side * math.sin(pitch), side * math.cos(pitch)]))
             grasp = DoorGrasp(
-                np.zeros(3), hand, door.frame, before=np.zeros(3), follows=follows, weights=DOOR_WEIGHTS,
+                np.zeros(3), hand, door.frame, before=np.zeros(3), follows=follows, weights=body.door_weights,
                 higher=door.half + higher, beside=beside, pushes=True,
             )
             at = grasp.at(door, angle)

@@ -12,7 +12,7 @@ import numpy as np
 from remac_env.backends.physics.pose import Pose
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.colliders import WALL_PIECES
-from remac_env.robots.model import PAD_FRICTION
+from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array, about_z, grip_frame
 
 OPENINGS = {"side": 0.04, "rim": 0.016, "handle": 0.03}
@@ -45,11 +45,11 @@ _FITS = 0.074  # m between fingers that open to 0.08 m, with a little air
 _ANY_YAW = (0.0, 0.25 * math.pi, 0.5 * math.pi, -0.25 * math.pi)
 
 
-def squeeze(obj: Category) -> float | None:
+def squeeze(obj: Category, body: Body) -> float | None:
     """With what force (N a finger) an object is held once the hand has closed; None: as hard as it can."""
     if obj.grasp.mode != "side":
         return None
-    return max(_GENTLE, _SURE * obj.mass * _GRAVITY / (2.0 * PAD_FRICTION))
+    return max(_GENTLE, _SURE * obj.mass * _GRAVITY / (2.0 * body.grip_friction))
 
 
 def candidates(obj: Category, pose: Pose) -> list[Grasp]:

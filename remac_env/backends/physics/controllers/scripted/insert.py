@@ -13,7 +13,7 @@ import numpy as np
 from remac_env.backends.physics.controllers.scripted.collision import TARGET
 from remac_env.backends.physics.controllers.scripted.entries import Entry, grasping, level, placing
 from remac_env.backends.physics.controllers.scripted.grasps import OPENINGS, squeeze
-from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT, Path
+from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.place import release
 from remac_env.backends.physics.controllers.scripted.search import CHECKS, Budget, Reasons, search
 from remac_env.backends.physics.controllers.scripted.skill import (
@@ -31,7 +31,6 @@ from remac_env.backends.physics.controllers.scripted.skill import (
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
 from remac_env.backends.physics.pose import Pose
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.robots import panda
 from remac_env.robots.rotation import Array, about_z
 
 _DISTANCES = (0.78, 0.72, 0.84)
@@ -104,7 +103,7 @@ def take_out(here: Surroundings, body: str, *, vessel: str | None = None) -> Ste
     found = _way_to(here, thing, stood, vessel)
     yield from _enter(here, found)
     yield from here.mover.settle(0.001, 20)
-    yield from here.mover.grasp(squeeze(thing))
+    yield from here.mover.grasp(squeeze(thing, here.robot.body))
     yield from here.mover.play(_up(here))
     if here.robot.opening < EMPTY:
         yield from here.mover.fingers(opening, 6)
@@ -117,7 +116,7 @@ def take_out(here: Surroundings, body: str, *, vessel: str | None = None) -> Ste
 
 def _way_to(here: Surroundings, thing: Category, pose: Pose, vessel: str | None) -> Insertion:
     """A way to a grasp square to the thing, else askew; clear of the vessel that it lies in, else over its rim."""
-    carry = panda.tucked(*here.robot.q[:3])
+    carry = here.robot.body.tuck(*here.robot.q[:3])
     rims: list[list[int]] = [[]] if vessel is None else [[], here.simulation.geoms(vessel)]
     turns = _ASKEW if thing.grasp.mode == "side" and not thing.grasp.any_yaw else (0.0,)
 
@@ -196,7 +195,8 @@ def _advanced(here: Surroundings, q: Array, entry: Entry) -> Path | Hit | NoWay:
     path = here.planner.line(q, entry.last, speed=0.12)
     if not path:
         return path
-    there = here.kinematics.track(path[-1], entry.end, entry.rotation, iterations=_ITERATIONS, largest=STEP_LIMIT)
+    step = here.planner.step
+    there = here.kinematics.track(path[-1], entry.end, entry.rotation, iterations=_ITERATIONS, largest=step)
     if there.position_error > _EXACT:
         return NoWay("the arm does not reach the very place")
     return [*path, there.q]

@@ -11,8 +11,7 @@ import numpy as np
 from remac_env.backends.physics.controllers.base import Command
 from remac_env.backends.physics.controllers.scripted.robot import Robot
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.robots import panda
-from remac_env.robots.ik import Kinematics
+from remac_env.robots.body import Body, Kinematics
 from remac_env.robots.rotation import Array
 
 Steps = Generator[Command, None, None]
@@ -23,15 +22,15 @@ SERVO_LAG = 2  # periods by which the servos follow late at steady speed (dampin
 LAG_PATIENCE = 12  # control periods
 
 
-def periods_between(start: Array, corner: Array, speed: float = 1.0) -> int:
+def periods_between(start: Array, corner: Array, body: Body, speed: float = 1.0) -> int:
     """Control periods in which a motion from ``start`` to ``corner`` keeps to ``speed`` (share of the usual speeds).
 
     The motion is a smooth step, whose greatest speed is 1.5 and greatest acceleration 6 times its mean: the base, which
     is heavy, keeps to an acceleration too.
     """
     change = np.abs(corner - start)
-    longest = 1.5 * float(np.max(change / (panda.SPEED * speed)))
-    pull = math.sqrt(6.0 * float(np.hypot(change[0], change[1])) / panda.BASE_ACCELERATION)
+    longest = 1.5 * float(np.max(change / (body.speed * speed)))
+    pull = math.sqrt(6.0 * float(np.hypot(change[0], change[1])) / body.acceleration)
     return int(np.ceil(max(longest, pull) / CONTROL_PERIOD))
 
 
@@ -79,7 +78,7 @@ class Mover:
         """Through joint way points, slowing down at each; ``speed`` scales the usual speeds."""
         for corner in corners:
             start = self.robot.q.copy()
-            count = max(2, periods_between(start, corner, speed))
+            count = max(2, periods_between(start, corner, self.robot.body, speed))
             for share in smooth(count):
                 yield from self.step(start + share * (corner - start))
         yield from self.settle(0.004, 8)
@@ -101,12 +100,12 @@ class Mover:
     def grasp(self, force: float | None) -> Steps:
         """Close the hand; once it has closed ease off to ``force`` (N a finger), or, where None, hold on hard."""
         yield from self.fingers(0.0, 11)
-        if force is not None and self.robot.opening > 2 * force / panda.FINGER_STIFFNESS:
+        if force is not None and self.robot.opening > 2 * force / self.robot.body.finger_stiffness:
             yield from self.fingers(self.squeezed(force), 2)
 
     def squeezed(self, force: float) -> float:
         """The finger opening to command (m) so that each finger presses with ``force`` (N) on what it touches."""
-        return max(0.0, 0.5 * self.robot.opening - force / panda.FINGER_STIFFNESS)
+        return max(0.0, 0.5 * self.robot.opening - force / self.robot.body.finger_stiffness)
 
     def fingers(self, opening: float, periods: int) -> Steps:
         """Move each finger to ``opening`` (m) from the middle and wait, ``periods`` in all."""

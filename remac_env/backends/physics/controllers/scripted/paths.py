@@ -1,6 +1,6 @@
 """Collision-free motion of one robot: joint paths, straight lines of the hand, short drives.
 
-Everything is a list of configurations (11,); nothing here moves the simulated robot. Searches are bounded by counts
+Everything is a list of configurations (n,); nothing here moves the simulated robot. Searches are bounded by counts
 and draw from a generator that the caller seeds, so results never depend on the clock.
 """
 
@@ -16,21 +16,10 @@ from remac_env.backends.physics.controllers.scripted.collision import TRANSIT_MA
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
 from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.robots import panda
-from remac_env.robots.ik import ARM_WEIGHTS, TORSO_HEIGHTS, solutions
 from remac_env.robots.rotation import Array, from_rotation_vector, rotation_vector
 
 Path = list[Array]
 
-STEP_LIMIT = panda.SPEED * CONTROL_PERIOD * 1.5  # largest change of a joint in one control period
-_VIA_ARMS = (
-    panda.HOME_ARM,
-    panda.TUCK_ARM,
-    np.array([0.0, -1.2, 0.0, -2.3, 0.0, 2.2, math.pi / 4]),
-    np.array([0.9, -1.2, 0.0, -2.6, 0.0, 2.4, math.pi / 4]),
-    np.array([-0.9, -1.2, 0.0, -2.6, 0.0, 2.4, math.pi / 4]),
-    np.array([0.0, -0.6, 0.0, -2.9, 0.0, 3.0, math.pi / 4]),
-)
 _TREE_ROUNDS = 300
 _TREE_STEP = 0.35
 _TREE_CHECKS = 6000
@@ -44,7 +33,8 @@ class Planner:
     def __init__(self, scratch: Scratch, random: np.random.Generator) -> None:
         self.scratch, self.random = scratch, random
         self.robot = scratch.robot
-        self.kinematics = scratch.kinematics
+        self.kinematics, self.body = scratch.kinematics, scratch.kinematics.body
+        self.step = self.body.speed * CONTROL_PERIOD * 1.5  # largest change of a joint in one control period
 
     # -- joint space -----------------------------------------------------------------------------------------
 
@@ -79,7 +69,7 @@ class Planner:
         if free:
             return [b]
         if via:
-            for arm in _VIA_ARMS:
+            for arm in self.body.via:
                 for torso in (a[3], b[3], 0.3):
                     middle = np.concatenate([a[:3], [torso], arm])
                     free = self.scratch.free(middle) and self.edge(a, middle) and self.edge(middle, b)
@@ -93,7 +83,7 @@ class Planner:
         for back, up in _ESCAPES:
             c = a.copy()
             c[:2] += back * heading
-            c[3] = min(c[3] + up, panda.UPPER[3])
+            c[3] = min(c[3] + up, self.body.upper[3])
             clear = self.scratch.free(c)
             if not clear:
                 met = clear
@@ -108,7 +98,7 @@ class Planner:
 
     def _tree(self, a: Array, b: Array, met: Hit) -> Path | Hit:
         """RRT-connect over torso and arm, shortened."""
-        lower, upper = panda.LOWER.copy(), panda.UPPER.copy()
+        lower, upper = self.body.lower.copy(), self.body.upper.copy()
         lower[:3] = upper[:3] = a[:3]
         near, far = _Tree(a), _Tree(b)
         limit = self.scratch.checks + _TREE_CHECKS
@@ -158,7 +148,7 @@ class Planner:
 
     def line(
         self, q: Array, end: Pose, *, speed: float = 0.2, turn_speed: float = 1.5,
-        weights: Array = ARM_WEIGHTS, check: bool = True, joints: Mapping[int, float] | None = None,
+        weights: Array | None = None, check: bool = True, joints: Mapping[int, float] | None = None,
     ) -> Path | Hit | NoWay:
         """One configuration per control period along the straight line from ``q`` to a pose, or why there is none.
 
@@ -167,6 +157,7 @@ class Planner:
         end.expressed_in(self.robot.frame)
         position, rotation = end.position, end.rotation
         start, turned = self.kinematics.forward(q)
+        weights = self.body.arm_weights if weights is None else weights
         turn = rotation_vector(rotation @ turned.T)
         seconds = max(np.linalg.norm(position - start) / speed, np.linalg.norm(turn) / turn_speed) * 1.2
         count = max(2, math.ceil(seconds / CONTROL_PERIOD))
@@ -176,7 +167,7 @@ class Planner:
             u = k / count
             u = 0.5 * (u * u * (3 - 2 * u) + u)
             at = from_rotation_vector(u * turn) @ turned
-            tracked = self.kinematics.track(q, start + u * (position - start), at, weights=weights, largest=STEP_LIMIT)
+            tracked = self.kinematics.track(q, start + u * (position - start), at, weights=weights, largest=self.step)
             q, error, turn_error = tracked.q, tracked.position_error, tracked.rotation_error
             path.append(q)
             if error > 0.01 or turn_error > 0.06:
@@ -229,13 +220,13 @@ class Planner:
         most: int = 8,
     ) -> Path:
         """Configurations that reach a pose, best first: near ``near``, away from limits, of different branches."""
-        heights = TORSO_HEIGHTS if torsos is None else np.asarray(torsos, float)
+        heights = self.body.lifts if torsos is None else np.asarray(torsos, float)
         pose.expressed_in(self.robot.frame)
-        found = solutions(pose.position, pose.rotation, base, torsos=heights)
+        found = self.kinematics.solutions(pose.position, pose.rotation, base, lifts=heights)
         if not len(found):
             return []
         change = np.abs(found - near)
-        spare = np.minimum(found - panda.LOWER, panda.UPPER - found)[:, 4:].min(axis=1)
+        spare = np.minimum(found - self.body.lower, self.body.upper - found)[:, 4:].min(axis=1)
         cost = change[:, 4:].max(axis=1) + 0.3 * change[:, 4:].mean(axis=1) + change[:, 3]
         cost += np.maximum(0.0, 2.0 * (0.15 - spare) / 0.15)
         kept: Path = []

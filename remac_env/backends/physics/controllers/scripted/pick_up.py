@@ -57,7 +57,7 @@ def pick_up(
     yield from go_to_grasp(here, found)
     if obj.grasp.mode == "rim":
         yield from here.mover.settle(_RIM_TOLERANCE, 20)
-    yield from here.mover.grasp(squeeze(obj))
+    yield from here.mover.grasp(squeeze(obj, here.robot.body))
     yield from here.mover.play(found.after)
     risen = simulation.pose(body).position[2] - stood.position[2]
     if here.robot.opening < EMPTY or risen < _LEAST_RISE:

@@ -11,7 +11,6 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.collision import OTHER, TARGET
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
-from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT
 from remac_env.backends.physics.controllers.scripted.reach import BACK, go_to_grasp, let_go, plan_reach
 from remac_env.backends.physics.controllers.scripted.room import seen_on_slots
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, stances, tuck
@@ -20,8 +19,6 @@ from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.fixtures.level import Level
 from remac_env.kitchen.frame import Frame
-from remac_env.robots import panda
-from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array, about_x, about_z, grip_frame
 
 _SPEED, _STARTING = 0.20, 8  # m/s of the handle; control periods in which the hand comes up to speed
@@ -87,7 +84,7 @@ def pull(here: Surroundings, door: Level, opened: float) -> Steps:
         simulation.joint(door.joint), door.position(opened), tuple(simulation.geoms(door.joint)),
         dict(_inside(here, door.name)),
     )  # fmt: skip
-    opening = min(panda.FINGER_OPEN, door.room)
+    opening = min(robot.body.finger_travel, door.room)
     here.begin()
     yield from tuck(here)
     here.begin(way.geoms[1:4])
@@ -109,7 +106,7 @@ def pull(here: Surroundings, door: Level, opened: float) -> Steps:
     yield from go_to_grasp(here, found)
     yield from here.mover.fingers(0.0, 10)
     if robot.opening < _MISSED:
-        yield from here.mover.fingers(panda.FINGER_OPEN, 6)
+        yield from here.mover.fingers(here.robot.body.finger_travel, 6)
         raise SkillFailure("slipped", f"the hand missed the handle of {door.joint}")
     if isinstance(found.grasp, _Hold):
         yield from _follow(here, way, found.grasp)
@@ -150,17 +147,17 @@ def _way_is_free(here: Surroundings, way: _Way, q: Array, hold: _Hold, before: A
     for k in range(1, count + 1):
         position = way.start + (way.end - way.start) * k / count
         step = planner.kinematics.track(
-            q, *way.hand(hold, position), weights=DOOR_WEIGHTS, iterations=6, largest=1.7 * STEP_LIMIT
+            q, *way.hand(hold, position), weights=planner.body.door_weights, iterations=6, largest=1.7 * planner.step
         )
         q = step.q
         off = step.position_error > 0.008 or step.rotation_error > 0.12
         free = NoWay("the arm cannot follow") if off else scratch.free(q, way.moved(position, before))
         if not free:
             return NoWay(f"way at {position:.2f}: {free}")
-    away = planner.line(q, planner.hand(q).back(BACK), weights=DOOR_WEIGHTS)
+    away = planner.line(q, planner.hand(q).back(BACK), weights=planner.body.door_weights)
     if isinstance(away, Hit | NoWay):
         return away
-    return FREE if planner.path(away[-1], panda.tucked(*away[-1][:3])) else NoWay("no way on")
+    return FREE if planner.path(away[-1], planner.body.tuck(*away[-1][:3])) else NoWay("no way on")
 
 
 def _follow(here: Surroundings, way: _Way, hold: _Hold) -> Steps:
@@ -174,7 +171,8 @@ def _follow(here: Surroundings, way: _Way, hold: _Hold) -> Steps:
         limit = min(sign * now + _LEAD / arm, sign * way.end + _BEYOND / arm)
         led = sign * min(sign * led + min(1.0, period / _STARTING) * _SPEED / arm * CONTROL_PERIOD, limit)
         robot.grip = here.mover.squeezed(_SQUEEZE)
-        step = planner.kinematics.track(robot.q, *way.hand(hold, led), weights=DOOR_WEIGHTS, largest=STEP_LIMIT)
+        weights = planner.body.door_weights
+        step = planner.kinematics.track(robot.q, *way.hand(hold, led), weights=weights, largest=planner.step)
         yield from here.mover.step(step.q)
         if sign * now >= sign * way.end - _NEAR / arm:
             break

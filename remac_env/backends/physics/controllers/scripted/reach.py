@@ -26,8 +26,6 @@ from remac_env.backends.physics.controllers.scripted.skill import (
 )
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
 from remac_env.backends.physics.pose import Pose
-from remac_env.robots import panda
-from remac_env.robots.ik import DOOR_WEIGHTS
 from remac_env.robots.rotation import Array
 
 DISTANCES = (0.55, 0.48, 0.62, 0.70)  # m
@@ -72,7 +70,7 @@ def plan_reach(
     steady, drive = 0, None
 
     def ready(base: Array) -> Array:
-        return panda.tucked(*base) if carry is None else np.concatenate([base, carry[3:]])
+        return planner.body.tuck(*base) if carry is None else np.concatenate([base, carry[3:]])
 
     def from_here(base: Array) -> Iterator[Grasp]:
         nonlocal drive
@@ -204,7 +202,7 @@ def _straight(here: Surroundings, ready: Array, reach: Reach) -> Reach | None:
             path += line
         else:
             if planner.edge(path[-1], before):
-                shares = smooth(periods_between(path[-1], before, _CALMLY))
+                shares = smooth(periods_between(path[-1], before, planner.body, _CALMLY))
                 turn = [path[-1] + share * (before - path[-1]) for share in shares]
                 return Reach(reach.base, [], [*path[1:], *turn, *reach.approach], reach.after, reach.grasp)
     return None
@@ -235,8 +233,8 @@ def let_go(here: Surroundings, geoms: Sequence[int], opening: float) -> Steps:
     yield from here.mover.fingers(opening, 6)
     here.begin(geoms)
     away = planner.hand(robot.q).back(BACK)
-    path = planner.line(robot.q, away, weights=DOOR_WEIGHTS) or planner.line(
-        robot.q, away, weights=DOOR_WEIGHTS, check=False
+    path = planner.line(robot.q, away, weights=planner.body.door_weights) or planner.line(
+        robot.q, away, weights=planner.body.door_weights, check=False
     )
     yield from here.mover.play(path or [])
     here.begin()

@@ -13,10 +13,10 @@ from remac_env.robots.rotation import Array
 
 
 class Robot:
-    """``q`` (11,) and ``grip`` (m of each finger) are commanded by the next :attr:`command`, expressed in ``frame``."""
+    """``q`` (n,) and ``grip`` (m of each finger) are commanded by the next :attr:`command`, expressed in ``frame``."""
 
     def __init__(self, handle: RobotHandle) -> None:
-        self._handle = handle
+        self._handle, self.body = handle, handle.body
         self.name, self.qpos, self.finger_qpos = handle.name, handle.qpos, handle.finger_qpos
         self.frame = WORLD
         self.catch_up()
@@ -32,7 +32,7 @@ class Robot:
 
     @property
     def measured(self) -> Array:
-        """The configuration (11,) in which the robot is."""
+        """The configuration (n,) in which the robot is."""
         return self.in_frame(self._handle.q)
 
     @property

@@ -65,7 +65,7 @@ def search(
 ) -> T | None:
     """The first that ``attempt`` makes of a stance, a pose and a configuration; None where there is none in time.
 
-    ``poses``: those to try at a stance (3,). ``ready``: the configuration (11,) there from which the arm starts; of
+    ``poses``: those to try at a stance (3,). ``ready``: the configuration (n,) there from which the arm starts; of
     those that reach a pose, ``most`` are tried, the nearest first.
     """
     for base in stands:

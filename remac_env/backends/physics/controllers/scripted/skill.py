@@ -20,8 +20,7 @@ from remac_env.kitchen.fixtures import Fixture, FixtureReading
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import WORLD
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.robots import panda
-from remac_env.robots.ik import Kinematics
+from remac_env.robots.body import Kinematics
 from remac_env.robots.rotation import Array
 from remac_env.rules.outcomes import Reason
 
@@ -209,7 +208,7 @@ def shown(angles: Iterable[float]) -> str:
 def tuck(here: Surroundings) -> Steps:
     """Fold the arm where the robot stands, else after backing off. Fails with ``blocked``."""
     planner, robot = here.planner, here.robot
-    if np.abs(robot.q[4:] - panda.TUCK_ARM).max() < 0.02 and abs(robot.q[3] - panda.TUCK_TORSO) < 0.01:
+    if np.abs(robot.q[4:] - robot.body.folded).max() < 0.02 and abs(robot.q[3] - robot.body.lift_tucked) < 0.01:
         return
     met: Free | Hit = FREE
     for back in (0.0, 0.15, 0.3, 0.45):
@@ -221,13 +220,13 @@ def tuck(here: Surroundings) -> Steps:
         met = planner.edge(start, stand) if back else FREE
         if not met:
             continue
-        way = planner.path(stand, panda.tucked(*stand[:3]), tree=back == 0.3)
+        way = planner.path(stand, robot.body.tuck(*stand[:3]), tree=back == 0.3)
         if not isinstance(way, Hit):
             yield from go_carefully(here, ([stand] if back else []) + way, 1.0 if here.hand.body is None else _LADEN)
             return
         met = way
     for up in _ways_up(here):
-        folded = planner.path(up[-1], panda.tucked(*up[-1][:3])) if here.scratch.free(up[-1]) else None
+        folded = planner.path(up[-1], robot.body.tuck(*up[-1][:3])) if here.scratch.free(up[-1]) else None
         if folded:
             yield from here.mover.play(up)
             yield from go_carefully(here, folded, 1.0 if here.hand.body is None else _LADEN)

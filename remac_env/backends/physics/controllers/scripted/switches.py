@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
-from remac_env.backends.physics.controllers.scripted.paths import STEP_LIMIT, Path
+from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, plan_reach
 from remac_env.backends.physics.controllers.scripted.skill import (
     SkillFailure,
@@ -156,7 +156,7 @@ def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands
         for k in range(1, 9):
             angle = start + (end - start) * k / 8
             step = planner.kinematics.track(
-                q, turn.at(angle), turn.turn(angle - start) @ grasp.rotation, iterations=8, largest=3 * STEP_LIMIT
+                q, turn.at(angle), turn.turn(angle - start) @ grasp.rotation, iterations=8, largest=3 * planner.step
             )
             q = step.q
             off = step.position_error > 0.006 or step.rotation_error > 0.08
@@ -173,7 +173,7 @@ def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands
     for _ in range(80):
         angle = sign * min(sign * angle + turn.rate * CONTROL_PERIOD, sign * end)
         wanted = turn.turn(angle - start) @ found.grasp.rotation
-        step = planner.kinematics.track(robot.q, turn.at(angle), wanted, largest=STEP_LIMIT)
+        step = planner.kinematics.track(robot.q, turn.at(angle), wanted, largest=planner.step)
         yield from here.mover.step(step.q)
         if sign * simulation.joint(turn.joint) >= sign * turn.target:
             break

@@ -1,7 +1,7 @@
 """Kinematics of the mobile Panda: forward, differential (tracking) and closed form.
 
 Poses are those of the grip site in the world: position (3,) in m and rotation (3, 3). Configurations are (11,),
-see :mod:`remac_env.robots.panda`.
+see :mod:`remac_env.robots.panda.measures`.
 """
 
 from __future__ import annotations
@@ -13,14 +13,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.robots import panda
-from remac_env.robots.model import bare_model
+from remac_env.robots.panda import measures as panda
+from remac_env.robots.panda.body import Panda
+from remac_env.robots.panda.measures import ARM_WEIGHTS, TORSO_HEIGHTS
+from remac_env.robots.panda.model import bare_model
 from remac_env.robots.rotation import Array, rotation_vector
 
-ARM_WEIGHTS = np.array([0.0, 0.0, 0.0, 0.3, *[1.0] * 7])  # arm and a little torso
-DOOR_WEIGHTS = np.array([0.15, 0.15, 0.05, 0.2, *[1.0] * 7])  # the base helps, slowly
 WRIST_TURNS = np.linspace(panda.LOWER[10], panda.UPPER[10], 36)
-TORSO_HEIGHTS = np.array([0.02, 0.10, 0.18, 0.26, 0.33])
 _ROTATION_WEIGHT = 0.5  # m/rad: what a turn counts beside a shift
 _ROW_WEIGHTS = np.array([[1.0]] * 3 + [[_ROTATION_WEIGHT]] * 3)
 _HAND = panda.FLANGE + panda.GRIP_DEPTH
@@ -38,8 +37,9 @@ class Tracked:
 class Kinematics:
     """Forward kinematics and damped least squares on a robot-only model. Holds scratch memory: one per thread."""
 
-    def __init__(self) -> None:
-        self._model = bare_model()
+    def __init__(self, body: Panda | None = None) -> None:
+        self.body = body or Panda()
+        self._model = bare_model(self.body.mount_height)
         self._data = mujoco.MjData(self._model)
         self._site = self._model.site("robot/grip").id
         self._jacobian = np.zeros((6, self._model.nv))
@@ -97,10 +97,14 @@ class Kinematics:
         change = np.minimum(largest, np.maximum(-largest, q - start))
         return Tracked(start + change, ep, er)
 
+    def solutions(self, position: Array, rotation: Array, base: Array, *, lifts: Array = TORSO_HEIGHTS) -> Array:
+        """See `remac_env.robots.body.Kinematics`."""
+        return solutions(position, rotation, base, torsos=lifts, mount_height=self.body.mount_height)
+
 
 def solutions(
     position: Array, rotation: Array, base: Array, *, torsos: NDArray[np.float64] = TORSO_HEIGHTS,
-    wrist_turns: NDArray[np.float64] = WRIST_TURNS,
+    wrist_turns: NDArray[np.float64] = WRIST_TURNS, mount_height: float = panda.MOUNT_HEIGHT,
 ) -> Array:
     """All configurations (n, 11) within limits that reach a pose, over a grid of joint 7 and torso heights.
 
@@ -110,7 +114,7 @@ def solutions(
     c, s = math.cos(base[2]), math.sin(base[2])
     to_base = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     r = to_base @ rotation
-    p = to_base @ np.array([position[0] - base[0], position[1] - base[1], position[2] - panda.MOUNT_HEIGHT])
+    p = to_base @ np.array([position[0] - base[0], position[1] - base[1], position[2] - mount_height])
     torso, q7 = (g.ravel() for g in np.meshgrid(np.atleast_1d(torsos), np.atleast_1d(wrist_turns), indexing="ij"))
     x6, y6, z6 = _wrist_axes(r, q7)
     u = -(p - _HAND * r[:, 2] - panda.WRIST_OFFSET * x6)

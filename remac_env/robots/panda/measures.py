@@ -61,6 +61,15 @@ HOME_ARM = np.array([0.0, -0.35, 0.0, -2.3, 0.0, 1.95, math.pi / 4])
 TUCK_ARM = np.array([0.0, -1.5, 0.0, -2.8, 0.0, 2.6, math.pi / 4])  # fingertips 0.28 ahead of the arm axis
 TUCK_TORSO = 0.05
 
+ARM_WEIGHTS = np.array([0.0, 0.0, 0.0, 0.3, *[1.0] * 7])  # arm and a little torso
+DOOR_WEIGHTS = np.array([0.15, 0.15, 0.05, 0.2, *[1.0] * 7])  # the base helps, slowly
+TORSO_HEIGHTS = np.array([0.02, 0.10, 0.18, 0.26, 0.33])
+
+PAD_FRICTION = 1.0
+
+SKIRT = "skirt"
+"""The lowest part of the base, 5 to 30 mm over the floor, which pushes away what lies there."""
+
 
 @dataclass(frozen=True)
 class Link:

@@ -1,6 +1,6 @@
 """Adds one mobile Panda to a MuJoCo description: joints, colliders on every link, position servos.
 
-Bodies, joints and actuators are called ``<robot>/<part>`` with the names in :mod:`remac_env.robots.panda`; the
+Bodies, joints and actuators are called ``<robot>/<part>`` with the names in :mod:`remac_env.robots.panda.measures`; the
 site ``<robot>/grip`` lies between the fingertip pads (z along the approach, x along the opening).
 """
 
@@ -13,7 +13,8 @@ from types import MappingProxyType
 import mujoco
 import numpy as np
 
-from remac_env.robots import panda
+from remac_env.robots.panda import measures as panda
+from remac_env.robots.panda.measures import PAD_FRICTION, SKIRT
 
 COLLIDER_GROUP = 3
 ROBOT_BIT, ROBOT_MEETS = 4, 7
@@ -23,7 +24,6 @@ CONTROL_PERIOD = 0.05  # s; servo setpoints ramp linearly over one period
 # hides so much of what contacts do that the pads bounce on a hard handle for ever, 3 mm deep, until it slides out.
 FINGER_INERTIA = 1.0
 
-PAD_FRICTION = 1.0
 PAD: Mapping[str, object] = MappingProxyType({
     "friction": [PAD_FRICTION, 0.01, 0.001], "condim": 4, "priority": 1, "solref": [0.01, 1.0],
     "solimp": [0.97, 0.99, 0.001, 0.5, 2.0],
@@ -34,9 +34,6 @@ Sliding: dry rubber on steel, glass and food is told to grip with 0.5 to 1.1 (0.
 steel); 1.0. Torsional, m: a patch of a pad's half width of 9.5 mm that presses evenly resists a turn with two thirds of
 its radius times the sliding friction, 6 mm; of its half length of 18 mm, 12 mm; 10 mm.
 """
-
-SKIRT = "skirt"
-"""The lowest part of the base, 5 to 30 mm over the floor, which pushes away what lies there."""
 
 BUMPER: Mapping[str, object] = MappingProxyType({
     "friction": [0.3, 0.005, 0.0001], "priority": 1, "solref": [0.01, 1.0], "solimp": [0.98, 0.999, 0.001, 0.5, 2.0],
@@ -50,29 +47,30 @@ _X_AXIS = (1.0, 0.0, 0.0)
 
 
 def add_robot(
-    spec: mujoco.MjSpec, name: str, *, looks: bool = False, accent: tuple[float, float, float] = (0.1, 0.4, 0.8)
+    spec: mujoco.MjSpec, name: str, *, looks: bool = False, accent: tuple[float, float, float] = (0.1, 0.4, 0.8),
+    mount_height: float = panda.MOUNT_HEIGHT,
 ) -> None:
     """Add the robot ``name`` (for instance ``robot_0``) to ``spec``, at the world's origin.
 
     ``looks`` also adds drawn geoms (group 1, never colliding, massless); ``accent`` is the RGB colour by which
     robots are told apart. Joints and their order do not depend on ``looks``.
     """
-    links = _add_bodies(spec, name)
+    links = _add_bodies(spec, name, mount_height)
     _add_servos(spec, name)
     for one, other in panda.ALWAYS_NEAR:
         spec.add_exclude(bodyname1=f"{name}/{one}", bodyname2=f"{name}/{other}")
     if looks:
-        from remac_env.robots import looks as drawing
+        from remac_env.robots.panda import looks as drawing
 
         drawing.dress(spec, name, links, accent)
 
 
-@lru_cache(maxsize=1)
-def bare_model() -> mujoco.MjModel:
+@lru_cache(maxsize=4)
+def bare_model(mount_height: float = panda.MOUNT_HEIGHT) -> mujoco.MjModel:
     """A model that holds one robot called ``robot`` and nothing else, for kinematics. Shared: do not change it."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
-    add_robot(spec, "robot")
+    add_robot(spec, "robot", mount_height=mount_height)
     for geom in list(spec.geoms):
         geom.contype = geom.conaffinity = 0
     return spec.compile()
@@ -85,7 +83,7 @@ def _collider(body: mujoco.MjsBody, kind: mujoco.mjtGeom, mass: float, **shape: 
     )
 
 
-def _add_bodies(spec: mujoco.MjSpec, name: str) -> dict[str, mujoco.MjsBody]:
+def _add_bodies(spec: mujoco.MjSpec, name: str, mount_height: float) -> dict[str, mujoco.MjsBody]:
     """The tree of bodies with joints and colliders, by short name."""
     bodies: dict[str, mujoco.MjsBody] = {}
 
@@ -105,7 +103,7 @@ def _add_bodies(spec: mujoco.MjSpec, name: str) -> dict[str, mujoco.MjsBody]:
     _collider(base, _BOX, 0.0, pos=[-0.135, 0.0, 0.0175], size=[0.285, 0.24, 0.0125], name=f"{name}/{SKIRT}", **BUMPER)
     _collider(base, _CYLINDER, 5.0, pos=[0.0, 0.0, 0.48], size=[0.10, 0.13, 0.0])
 
-    lift = child(base, "lift", (0.0, 0.0, panda.MOUNT_HEIGHT))
+    lift = child(base, "lift", (0.0, 0.0, mount_height))
     lift.add_joint(name=f"{name}/torso", type=slide, axis=[0, 0, 1], range=list(panda.TORSO_RANGE), limited=True,
                    armature=1.0, damping=[10.0, 0.0, 0.0])
     _collider(lift, _CYLINDER, panda.TORSO_MASS, pos=[0.0, 0.0, -0.16], size=[0.085, 0.14, 0.0])
