@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
@@ -111,11 +112,12 @@ class TaskWorlds(Worlds):
             if layout not in (None, *self.spec.layouts):
                 told = f"{self.spec.name} states its start; valid: {self.spec.layouts[0]}"
                 raise OptionError(f"layout {layout!r} is not that of the task: {told}")
-            return stated_start(
-                self.spec, self.spec.setup, self.layout(layout or picks[1], style), self.categories, style=style,
-                seed=seed, robots=robots, perception_noise=perception_noise,
-                knowledge=self.spec.knowledge or knowledge,
+            room = for_robots(self.layout(layout or picks[1], style), len(robots))
+            start, names = stated_start(
+                self.spec, self.spec.setup, room, self.categories, style=style, seed=seed, robots=robots,
+                perception_noise=perception_noise, knowledge=self.spec.knowledge or knowledge,
             )  # fmt: skip
+            return replace(start, body=body), names
         return sample(
             self.spec,
             for_robots(self.layout(layout or picks[1], style), len(robots)),

@@ -19,8 +19,8 @@ from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.frame import WORLD, Frame
 from remac_env.kitchen.objects import catalogue
+from remac_env.robots import bodies
 from remac_env.robots.panda import measures as panda
-from remac_env.robots.panda.ik import Kinematics
 
 DOWN = np.diag([1.0, -1.0, -1.0])
 
@@ -36,7 +36,7 @@ def kitchen() -> tuple[Simulation, Scratch, Planner]:
     layout, handle = layouts.load("one_wall_large"), simulation.robots["robot_0"]
     robot = Robot(handle)
     objects = {"vegetable": catalogue.get("potato")}
-    scratch = Scratch(View(Senses(simulation, handle, layout, objects), robot), robot, Kinematics())
+    scratch = Scratch(View(Senses(simulation, handle, layout, objects), robot), robot, bodies.get().kinematics())
     return simulation, scratch, Planner(scratch, np.random.default_rng(0))
 
 

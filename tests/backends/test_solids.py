@@ -21,8 +21,8 @@ from remac_env.kitchen.fixtures import models
 from remac_env.kitchen.fixtures.base import COUNTER_Z
 from remac_env.kitchen.fixtures.door import OPENED, Door
 from remac_env.kitchen.objects import catalogue, colliders
+from remac_env.robots import bodies
 from remac_env.robots.panda import measures as panda
-from remac_env.robots.panda.ik import Kinematics
 from remac_env.state import FrozenMap
 
 LAYOUT = layouts.load("one_wall_large")
@@ -70,7 +70,7 @@ def test_what_is_held_keeps_clear_on_its_way() -> None:
     handle.put(stand)
     robot = Robot(handle)
     objects = {"bowl": catalogue.get("bowl")}
-    scratch = Scratch(View(Senses(simulation, handle, LAYOUT, objects), robot), robot, Kinematics())
+    scratch = Scratch(View(Senses(simulation, handle, LAYOUT, objects), robot), robot, bodies.get().kinematics())
     spot = next(slot for slot in LAYOUT.slots.values() if slot.kind == "surface").center
     for height, clear in ((0.004, False), (0.02, True)):
         simulation.place("bowl", np.array([spot[0], spot[1], COUNTER_Z + height]), np.array([1.0, 0.0, 0.0, 0.0]))

@@ -18,7 +18,7 @@ from remac_env.backends.physics.controllers.base import in_room
 from remac_env.errors import ActionError, OptionError, PhysicsError, UnknownNameError
 from remac_env.lowlevel.names import skills
 from remac_env.lowlevel.options import targets
-from remac_env.robots.panda.ik import Kinematics
+from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
 
 NAMES = tuple(skills())
@@ -106,7 +106,7 @@ def test_the_hand_goes_along_the_axes_of_the_base(axis: str, way: tuple[int, int
     action[names.index("fingers")] = 1.0
     env.reset(seed=2)
     turned = env._manual.q[2]
-    kinematics = Kinematics()
+    kinematics = bodies.get().kinematics()
     before, _ = kinematics.forward(env._manual.q)
     action[names.index(f"hand_{axis}")] = 1.0
     for _ in range(4):

@@ -6,8 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from remac_env.robots import bodies
 from remac_env.robots.panda import measures as panda
-from remac_env.robots.panda.ik import Kinematics, solutions
+from remac_env.robots.panda.ik import solutions
 from remac_env.robots.panda.model import add_robot
 from remac_env.robots.rotation import about_x, about_z, from_rotation_vector, quaternion, rotation_vector
 
@@ -19,7 +20,7 @@ def random_configuration(rng: np.random.Generator) -> np.ndarray:
 
 def test_closed_form_recovers_random_configurations() -> None:
     rng = np.random.default_rng(0)
-    kinematics = Kinematics()
+    kinematics = bodies.get().kinematics()
     worst = 0.0
     for _ in range(1000):
         q = random_configuration(rng)
@@ -33,7 +34,7 @@ def test_closed_form_recovers_random_configurations() -> None:
 
 
 def test_every_solution_of_the_grid_reaches_the_pose() -> None:
-    kinematics = Kinematics()
+    kinematics = bodies.get().kinematics()
     q = np.concatenate([[0.3, -0.4, 1.2, 0.1], panda.HOME_ARM])
     position, rotation = kinematics.forward(q)
     found = solutions(position, rotation, q[:3])
@@ -53,7 +54,7 @@ def test_forward_agrees_with_two_robots_in_one_model() -> None:
     model = spec.compile()
     data = mujoco.MjData(model)
     rng = np.random.default_rng(1)
-    kinematics = Kinematics()
+    kinematics = bodies.get().kinematics()
     for name in ("robot_0", "robot_1"):
         q = random_configuration(rng)
         for part, value in zip(panda.JOINTS, q, strict=True):
@@ -66,7 +67,7 @@ def test_forward_agrees_with_two_robots_in_one_model() -> None:
 
 def test_jacobian_equals_finite_differences() -> None:
     rng = np.random.default_rng(2)
-    kinematics = Kinematics()
+    kinematics = bodies.get().kinematics()
     q = random_configuration(rng)
     jacobian = kinematics.jacobian(q)
     position, rotation = kinematics.forward(q)
@@ -79,7 +80,7 @@ def test_jacobian_equals_finite_differences() -> None:
 
 
 def test_tracking_reaches_a_near_pose() -> None:
-    kinematics = Kinematics()
+    kinematics = bodies.get().kinematics()
     q = np.concatenate([[0.0, 0.0, 0.0, 0.1], panda.HOME_ARM])
     position, rotation = kinematics.forward(q)
     target = position + [0.02, -0.01, 0.02]

@@ -9,7 +9,7 @@ import numpy as np
 from remac_env.backends.physics.routes import Outline
 from remac_env.robots.rotation import Array
 
-_CORE = 0.23  # m: circles of this radius lie within the base, see remac_env.robots.model
+_CORE = 0.23  # m: circles of this radius lie within the base, see remac_env.robots.panda.model
 _CORES = np.array([[-0.18, 0.0], [-0.09, 0.0]])  # their middles in the frame of the base, m
 _BLOCK = 48  # moments of one way looked at together, which bounds memory
 

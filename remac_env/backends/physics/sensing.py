@@ -25,7 +25,7 @@ Draw = Callable[[str], Mapping[str, NDArray[np.uint8]]]
 """What a robot's cameras show."""
 
 
-_SOLID = np.array([0, 0, 0, 1, 0, 0], np.uint8)  # the group of colliders, see remac_env.robots.model
+_SOLID = np.array([0, 0, 0, 1, 0, 0], np.uint8)  # the group of colliders, see remac_env.robots.panda.model
 
 
 class Senses:

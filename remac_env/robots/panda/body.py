@@ -82,4 +82,4 @@ class Panda:
         from remac_env.robots.panda.ik import Kinematics
 
         check_choice("arm", arm or self.hands[-1], self.hands)
-        return Kinematics(self)
+        return Kinematics(self, self.mount_height)

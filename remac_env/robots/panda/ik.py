@@ -13,8 +13,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from remac_env.robots.body import Body
 from remac_env.robots.panda import measures as panda
-from remac_env.robots.panda.body import Panda
 from remac_env.robots.panda.measures import ARM_WEIGHTS, TORSO_HEIGHTS
 from remac_env.robots.panda.model import bare_model
 from remac_env.robots.rotation import Array, rotation_vector
@@ -37,9 +37,9 @@ class Tracked:
 class Kinematics:
     """Forward kinematics and damped least squares on a robot-only model. Holds scratch memory: one per thread."""
 
-    def __init__(self, body: Panda | None = None) -> None:
-        self.body = body or Panda()
-        self._model = bare_model(self.body.mount_height)
+    def __init__(self, body: Body, mount_height: float = panda.MOUNT_HEIGHT) -> None:
+        self.body, self._mount_height = body, mount_height
+        self._model = bare_model(mount_height)
         self._data = mujoco.MjData(self._model)
         self._site = self._model.site("robot/grip").id
         self._jacobian = np.zeros((6, self._model.nv))
@@ -99,7 +99,7 @@ class Kinematics:
 
     def solutions(self, position: Array, rotation: Array, base: Array, *, lifts: Array = TORSO_HEIGHTS) -> Array:
         """See `remac_env.robots.body.Kinematics`."""
-        return solutions(position, rotation, base, torsos=lifts, mount_height=self.body.mount_height)
+        return solutions(position, rotation, base, torsos=lifts, mount_height=self._mount_height)
 
 
 def solutions(
