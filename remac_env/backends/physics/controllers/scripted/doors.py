@@ -36,9 +36,11 @@ _CLEAR, _ASIDE = 0.8, 1.0  # rad at which a leaf leaves room for the hand at its
 # Share of the door's turn that the hand follows; the round bar turns in the fingers.
 _OPENING_FOLLOWS, _CLOSING_FOLLOWS = (0.5, 0.8, 0.3), (0.3, 0.5, 0.15, 0.65)
 _DISTANCES, _SIDES, _TURNS = (0.58, 0.5, 0.66, 0.74), (-0.05, 0.1, -0.2, 0.25, 0.4), (0.0, 0.3, -0.3)
+_PARTS, _LEAST = (1.0, 0.7), 0.3  # rad to which a leaf is opened first that does not open in one go; of which at least
 # A hand that pushes: from the free edge, and above the handle's end, m; share of the panel's turn that it follows.
 _INSETS, _HIGHER = (0.02, 0.035, 0.0), (0.13, 0.19, 0.25)
 _CLOSING_TURNS, _OPENING_TURNS = (0.3, 0.15, 0.5, 0.0), (-0.6, -0.9, -0.3, -1.2)
+_FINGERS = 0.02  # m from the panel's upper and lower edge within which fingers would miss it
 _AIR = 0.022  # m from the panel to the grip site: closed fingertips reach 19 mm at most
 
 
@@ -101,26 +103,21 @@ def _door(here: Surroundings, leaf: Door) -> Leaf:
     bar = np.array(model.site(leaf.grip).pos)
     radius, half, _ = model.geom(leaf.grip).size
     geoms, sign = tuple(here.simulation.geoms(leaf.joint)), -float(joint.axis[2])
-    (along, out, _), (width, thickness, _) = model.geom_pos[geoms[0]], model.geom_size[geoms[0]]
+    (along, out, up), (width, thickness, high) = model.geom_pos[geoms[0]], model.geom_size[geoms[0]]
     edge, faces = sign * float(along + sign * width), (float(out - thickness), float(out + thickness))
+    ends = float(up - high), float(up + high)
     return Leaf(
-        leaf.joint, here.robot.frame, hinge, bar, float(half), float(radius), edge, faces, sign, int(joint.qposadr[0]),
-        geoms, here.simulation.turned(leaf.joint),
+        leaf.joint, here.robot.frame, hinge, bar, float(half), float(radius), edge, faces, ends, sign,
+        int(joint.qposadr[0]), geoms, here.simulation.turned(leaf.joint),
     )
 
 
 def _swing_leaf(here: Surroundings, door: Leaf, target: float) -> Steps:
-    """Swing one leaf by its handle, let go and back off; where no hand comes to that, push it."""
+    """Swing one leaf by its handle, let go and back off; where no hand comes to that, push it; open it in two goes."""
     here.begin()
     yield from tuck(here)
     start = here.simulation.joint(door.joint)
-    try:
-        found = _way(here, door, _grasps(door, start, here.robot.body, closing=target < start), start, target)
-    except SkillFailure as failed:
-        try:
-            found = _way(here, door, _pushes(door, start, here.robot.body, closing=target < start), start, target)
-        except SkillFailure:
-            raise failed from None
+    found, end = _plan(here, door, start, target)
     yield from go_to_grasp(here, found)
     if not isinstance(found.grasp, DoorGrasp):
         raise SkillFailure("blocked", f"no hand at {door.joint}")
@@ -129,8 +126,25 @@ def _swing_leaf(here: Surroundings, door: Leaf, target: float) -> Steps:
         if here.robot.opening < 0.008:
             yield from here.mover.fingers(here.robot.body.finger_travel, 6)
             raise SkillFailure("slipped", f"the hand missed the handle of {door.joint}")
-    yield from follow_arc(here, door, found.grasp, start, target)
+    yield from follow_arc(here, door, found.grasp, start, end)
     yield from _back_off(here, door, 0.0 if found.grasp.pushes else NARROW_GRIP)
+    if end != target:
+        yield from _swing_leaf(here, door, target)
+
+
+def _plan(here: Surroundings, door: Leaf, start: float, target: float) -> tuple[Reach, float]:
+    """A way to a hand at the leaf, and how far it can swing it: at the handle, else pushing, else not all the way."""
+    closing, why = target < start, list[SkillFailure]()
+    goes = [(_grasps, target), (_pushes, target)]
+    goes += [(_grasps, part) for part in _PARTS if not closing and part > start + _LEAST]
+    for hands, end in goes:
+        grasps = hands(door, start, here.robot.body, closing=closing)
+        try:
+            if grasps:
+                return _way(here, door, grasps, start, end), end
+        except SkillFailure as failed:
+            why.append(failed)
+    raise why[0]
 
 
 def _way(here: Surroundings, door: Leaf, grasps: list[DoorGrasp], start: float, target: float) -> Reach:
@@ -207,15 +221,19 @@ def _pushes(door: Leaf, angle: float, body: Body, *, closing: bool) -> list[Door
     """Closed hands before the face, or behind it, near the free edge above the handle; their wide side upright."""
     found, shares = [], _CLOSING_TURNS if closing else _OPENING_TURNS
     out = door.faces[0] - _AIR if closing else door.faces[1] + _AIR
-    for follows, inset, higher, pitch in product(shares, _INSETS, _HIGHER, (0.0, 0.3, -0.3)):
+    # In front a hand keeps clear of the handle; behind the panel there is none. Either way the fingers meet the panel.
+    heights = [door.half + higher for higher in _HIGHER] + ([] if closing else [0.0])
+    low, high = door.ends[0] - float(door.bar[2]) + _FINGERS, door.ends[1] - float(door.bar[2]) - _FINGERS
+    heights = [height for height in heights if low <= height <= high]
+    for follows, inset, height, pitch in product(shares, _INSETS, heights, (0.0, 0.3, -0.3)):
         beside = np.array([door.sign * (door.edge - inset), out, 0.0]) - door.bar * [1.0, 1.0, 0.0]
         turn = door.turn(follows * angle)
         approach = turn @ np.array([0.0, math.cos(pitch), math.sin(pitch)])
         for side in (1.0, -1.0):
             hand = grip_frame(approach, turn @ np.array([0.0, -side * math.sin(pitch), side * math.cos(pitch)]))
             grasp = DoorGrasp(
-                np.zeros(3), hand, door.frame, before=np.zeros(3), follows=follows, weights=body.door_weights,
-                higher=door.half + higher, beside=beside, pushes=True,
+                np.zeros(3), hand, door.frame, before=np.zeros(3), follows=follows, weights=DOOR_WEIGHTS,
+                higher=height, beside=beside, pushes=True,
             )
             at = grasp.at(door, angle)
             found.append(replace(grasp, position=at, before=at - hand[:, 2] * 0.12))

@@ -17,8 +17,8 @@ _PALM = 0.025  # m along the hand from the bar's middle to the palm, with a litt
 class Leaf:
     """A leaf's geometry: hinge line, handle in the leaf's frame; sign: 1 where it is hinged on the left, else -1.
 
-    half, radius: of the bar, an upright rod, m. edge, faces: of the panel, how far its free edge is from the hinge, and
-    y of front and back in its own frame, m.
+    half, radius: of the bar, an upright rod, m. edge, faces, ends: of the panel, how far its free edge is from the
+    hinge, and y of front and back and z of bottom and top in its own frame, m.
     """
 
     joint: str
@@ -29,6 +29,7 @@ class Leaf:
     radius: float
     edge: float
     faces: tuple[float, float]
+    ends: tuple[float, float]
     sign: float
     address: int
     geoms: tuple[int, ...]
