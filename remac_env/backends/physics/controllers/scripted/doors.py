@@ -232,7 +232,7 @@ def _pushes(door: Leaf, angle: float, body: Body, *, closing: bool) -> list[Door
         for side in (1.0, -1.0):
             hand = grip_frame(approach, turn @ np.array([0.0, -side * math.sin(pitch), side * math.cos(pitch)]))
             grasp = DoorGrasp(
-                np.zeros(3), hand, door.frame, before=np.zeros(3), follows=follows, weights=DOOR_WEIGHTS,
+                np.zeros(3), hand, door.frame, before=np.zeros(3), follows=follows, weights=body.door_weights,
                 higher=height, beside=beside, pushes=True,
             )
             at = grasp.at(door, angle)
