@@ -14,11 +14,13 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from itertools import cycle
 from pathlib import Path
 from statistics import median
 from time import process_time
 
+import gymnasium
 import numpy as np
 import typer
 from remac_bench.command import run_script
@@ -169,6 +171,15 @@ def _robosuite(name: str, robot: str, count: int, step: float = 0.002) -> float 
         macros.SIMULATION_TIMESTEP = usual
 
 
+def skills() -> Iterator[Figure]:
+    """Actions a second in an environment of a skill, without pictures."""
+    for control in ("joints", "ee"):
+        env = gymnasium.make("RemacSkill-PickUp-v0", target="vegetable", control=control, layout="one_wall_large")
+        env.reset(seed=0)
+        rate = 300 / sum(_timed(partial(lambda made: made.step(made.action_space.sample()), env), 300))
+        yield Figure(f"skills: env.step of RemacSkill-PickUp-v0, control={control}", rate, "1/s", ">= 400")
+
+
 # -- symbolic -------------------------------------------------------------------------------------------------------
 
 
@@ -284,6 +295,7 @@ def memory() -> Iterator[Figure]:
 GROUPS: dict[str, Callable[[], Iterator[Figure]]] = {
     "physics": physics,
     "robosuite": robosuite,
+    "skills": skills,
     "symbolic": symbolic,
     "starting": starting,
     "pictures": pictures,
