@@ -28,7 +28,8 @@ PACKAGES: Mapping[str, str] = {
 }
 EXTRAS: Mapping[str, str] = {
     "robosuite": "the tasks as its environments; docs/robosuite.md says how to install it",
-    "torch": "learned skills",
+    "torch": "training skills, remac learn train; they are played without",
+    "h5py": "demonstrations, remac learn record",
     "ray": "jobs on many machines",
 }
 

@@ -186,7 +186,7 @@ def test_doctor_names_keys_and_never_shows_them() -> None:
     assert findings["OPENAI_API_KEY"]["value"] == "set"
     assert findings["DEEPSEEK_API_KEY"]["value"] == "not set"
     assert "do-not-tell" not in result.output
-    assert {"Python", "cores", "memory", "MuJoCo", "OpenGL", "robosuite", "torch", "ray"} <= set(findings)
+    assert {"Python", "cores", "memory", "MuJoCo", "OpenGL", "robosuite", "torch", "h5py", "ray"} <= set(findings)
     assert all(finding["purpose"] for finding in findings.values() if finding["name"] != "system")
     assert "do-not-tell" not in remac("doctor", env={"OPENAI_API_KEY": "sk-do-not-tell"}).output
 
