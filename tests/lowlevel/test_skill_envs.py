@@ -202,6 +202,19 @@ def test_what_the_scripted_skill_does_is_judged_as_success(skill: str, seed: int
     assert not any(info["is_success"] for _, _, info in steps[:end])
 
 
+@pytest.mark.parametrize("skill", first("TurnOff"))
+def test_it_is_seen_when_a_skill_is_over_and_not_before(skill: str) -> None:
+    if skill in ("NavigateTo", "Season"):
+        pytest.skip("drives are planned for all robots together, and what was seasoned does not show")
+    env = make(skill).unwrapped
+    env.reset(seed=5)
+    manual, over = env._manual, []
+    for wanted in manual.scripted():
+        manual.command(in_room(wanted.q, wanted.frame), wanted.opening)
+        over.append(manual.aim.over())
+    assert manual.success and over[-1] and not any(over[: len(over) // 3])
+
+
 def test_nothing_is_achieved_by_doing_nothing_and_sparse_rewards_say_so(faucet: Any) -> None:
     faucet.reset(seed=1)
     still = np.zeros(12, np.float32)

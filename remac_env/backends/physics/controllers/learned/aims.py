@@ -28,6 +28,8 @@ _HELD_PART = 0.5  # of picking up that is done once the hand holds the thing
 _IN_HAND = 0.15  # m between the hand and the frame of what it holds, at most
 _EMPTY = 0.002  # m between fingers that hold nothing; the thinnest wall that they hold is 5 mm
 _SQUEEZED = 0.001  # m by which fingers are commanded closer than they come, where something is between them
+_THERE = 0.08  # m from its spot at which a thing has been put there
+_CLEAR = 0.12  # m between the hand and what it has let go of, from which on there is room to fold the arm
 _A_TURN = 0.3  # m that count as much as a turn of the base by 1 rad
 
 
@@ -71,6 +73,17 @@ class Aim(ABC):
     def update(self) -> None:
         """Take the last control period into account."""
         return
+
+    def achieved(self) -> bool:
+        """Whether it is seen that what was to be done is done."""
+        return self.done() >= 1.0
+
+    def over(self) -> bool:
+        """Whether nothing is left to do but to go home: it is done, and the hand has let go and is clear of it."""
+        if not self.achieved() or feels(self._sensing.body):
+            return False
+        hand = self.stand.point(self._sensing.body.grip.position)
+        return float(np.linalg.norm(self.target().at - hand)) > _CLEAR
 
 
 def aim_of(subtask: Subtask, sensing: Sensing) -> Aim:
@@ -139,6 +152,10 @@ class _Leaves(Aim):
         while self._turn < last and self._there(self._leaves[self._turn][0]) and not feels(self._sensing.body):
             self._turn += 1
 
+    def achieved(self) -> bool:
+        """Whether every leaf is where it is wanted."""
+        return all(self._there(number) for number, _ in self._leaves)
+
     def target(self) -> Target:
         """The handle of the leaf whose turn it is."""
         number, leaf = self._leaves[self._turn]
@@ -183,6 +200,12 @@ class _Switch(Aim):
         """Remember whether a button was pressed, and how far."""
         self._furthest = max(self._furthest, self._position())
         self._pressed |= self._actuator.switch in self._sensing.reading(self._name).pressed
+
+    def achieved(self) -> bool:
+        """Whether the switch is on, or off, or its button was pressed."""
+        if self._actuator.springs_back:
+            return self._pressed
+        return (self._actuator.switch in self._sensing.reading(self._name).on) == (self._goal > 0.0)
 
     def target(self) -> Target:
         """Where the hand takes hold of it or pushes, as it is turned now."""
@@ -232,6 +255,10 @@ class _Taken(_Thing):
         super().__init__(sensing, stand, name)
         self._lay = float(sensing.pose(name).position[2])
 
+    def over(self) -> bool:
+        """Once it is held and has risen."""
+        return self.achieved()
+
     def done(self) -> float:
         """Half once it is held, the rest as it rises."""
         body, at = self._sensing.body, self._sensing.pose(self._name).position
@@ -252,6 +279,10 @@ class _Put(Aim):
         """Where its frame is to come, with its size."""
         kind = self._sensing.objects[self._held]
         return Target(self._spot() + [0.0, 0.0, kind.rest_height], size=kind.size)
+
+    def achieved(self) -> bool:
+        """Whether it is about there."""
+        return self._away() < _THERE
 
     def done(self) -> float:
         """The share of its way that the thing has gone."""

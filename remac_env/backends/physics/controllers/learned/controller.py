@@ -16,12 +16,12 @@ from remac_env.rules.subtasks import Subtask
 
 _STANDARD = bodies.get()
 LONGEST = 700  # control periods, 35 s: three times as long as scripted skills take
-_STILL = 0.012  # rad or m that commands change at most while the robot stands still
+_STILL = 0.02  # rad or m that commands change at most while the robot stands still
 _RESTS = 3  # chunks on end in which it stands still and then has ended
 
 
 class Learned:
-    """A learned skill as a controller. It ends when its commands come to rest, or after LONGEST."""
+    """A learned skill as a controller. It ends when it is seen to be over, when it comes to rest, or after LONGEST."""
 
     def __init__(self, weights: Weights) -> None:
         self._weights = weights
@@ -29,7 +29,7 @@ class Learned:
     def run(self, subtask: Subtask, sensing: Sensing) -> Generator[Command, None, Outcome]:
         """See :class:`remac_env.backends.physics.controllers.base.Controller`.
 
-        Success here means that it has come to rest; whether anything was achieved is read from the kitchen.
+        Success here means that it has ended by itself; whether anything was achieved is read from the kitchen.
         """
         about, network = self._weights.about, self._weights.network
         if subtask.skill != about.skill:
@@ -45,6 +45,8 @@ class Learned:
                 q[3:] = np.clip(q[3:], _STANDARD.lower[3:], _STANDARD.upper[3:])
                 yield Command(q, float(np.clip(change[-1], 0.0, _STANDARD.finger_travel)))
                 aim.update()
+            if aim.over():
+                return Outcome("success")
             still = float(np.abs(sensing.body.commanded - before).max()) < _STILL
             rests = rests + 1 if still else 0
             if rests >= _RESTS:
