@@ -12,6 +12,7 @@ from remac_agents.plan import Commands, Plan
 from remac_agents.planners.dividing import allocated, decomposed
 from remac_agents.planners.mending import corrected, next_steps
 from remac_agents.planners.sentence import SentenceReader
+from remac_agents.planning.exploring import explored
 from remac_agents.planning.lessons import read_lesson
 from remac_agents.planning.rewriting import apply, tidy
 from remac_agents.planning.teamwork import parts_of, share_out
@@ -24,12 +25,13 @@ class LiteralPlanner:
 
     Args:
         mends: it is going to be told why steps failed, and needs the rules to make something of it.
+        explores: where a command failed every time in the iteration before, it tries something else around it.
     """
 
     needs_truth = False
 
-    def __init__(self, *, mends: bool = False) -> None:
-        self.needs_rules = mends
+    def __init__(self, *, mends: bool = False, explores: bool = False) -> None:
+        self.needs_rules, self._explores = mends, explores
 
     def plan(self, request: PlanRequest) -> Plan | dict[str, Any]:
         """A row for the leading robot; empty when the sentence names nothing that can be done.
@@ -43,6 +45,8 @@ class LiteralPlanner:
         commands = Commands(request.commands)
         reader = SentenceReader(request.facts, commands, request.verbs)
         steps = tidy(reader.read(request.goal), request.facts)
+        if self._explores:
+            steps = tidy(explored(steps, request), request.facts)
         for text in request.reflections:
             lesson = read_lesson(text, commands)
             if lesson is not None:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 ROLES: dict[str, dict[str, str]] = {
     "planner": {
         "literal": "remac_agents.planners.literal:LiteralPlanner",
+        "witness": "remac_agents.planners.witness:WitnessPlanner",
         "oracle": "remac_agents.planners.oracle:OraclePlanner",
         "noop": "remac_agents.planners.noop:NoopPlanner",
         "random": "remac_agents.planners.random:RandomPlanner",

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from remac_env.errors import OptionError
 from remac_env.kitchen.stated import stated_scene, stated_world
 from remac_env.kitchen.worlds import TaskWorlds
-from remac_env.oracle import OraclePlan, certify, problem_id
+from remac_env.oracle import OraclePlan, problem_id, relevant_commands, search
 from remac_env.oracle.bounds import make_bound
 from remac_env.rules.facts import Rules
 from remac_env.rules.knowledge import in_view
+from remac_env.rules.subtasks import WAIT
 from remac_env.state import WorldState
 from remac_env.tasks.spec import TaskSpec
 
@@ -47,15 +48,18 @@ def certified(spec: TaskSpec, scene: Rules, world: WorldState, plan: OraclePlan,
     """The task with a plan that works, and with a shortest one and bounds as far as a search of so many states goes."""
     lower, proof = make_bound(scene, spec.goal)(world), "witness"
     if states:
-        proven = certify(scene, world, spec.goal, max_rounds=plan.length, max_states=states)
-        if proven.plan is not None and proven.plan.cost == proven.plan.length <= plan.length:
-            plan = proven.plan
-        lower = max(lower, proven.lower or 0)
-        proof = "search" if proven.optimum == plan.length else proof
+        commands, bound = relevant_commands(scene, world, spec.goal), make_bound(scene, spec.goal)
+        found = search(
+            scene, world, lambda state: spec.goal.holds(scene, state), commands=commands, bound=bound,
+            max_rounds=plan.length, max_states=states,
+        )  # fmt: skip
+        lower = max(lower, found.lower)
+        if found.plan is not None and found.plan.cost == found.plan.length:
+            plan, proof = found.plan, "search"
     objects = [name for name in spec.goal.names() if name in scene.objects]
     unseen = len(set(objects) - in_view(scene, world)) if scene.hides else 0
     return Certified(
-        spec=spec, plan=plan, lower=min(lower, plan.length), upper=plan.length, proof=proof,
+        spec=spec, plan=plan, lower=lower, upper=plan.length, proof=proof,
         hidden=len(spec.quirks) + unseen, problem=problem_id(scene, world, spec.goal),
     )  # fmt: skip
 
@@ -69,3 +73,14 @@ def scene_of(spec: TaskSpec, robots: int, knowledge: str) -> tuple[Rules, WorldS
     layout = worlds.layout(spec.layouts[0], spec.styles[0])
     scene = stated_scene(spec, layout, worlds.categories, names, knowledge=knowledge)
     return scene, stated_world(scene, spec.setup)
+
+
+def with_others(task: Certified, robots: int, knowledge: str) -> Certified:
+    """The task for so many robots, of which one does what the plan for one says; what is proven is proven anew."""
+    scene, world = scene_of(task.spec, robots, knowledge)
+    worker = min(scene.robots)
+    waits = {name: WAIT for name in scene.robots if name != worker}
+    rounds = tuple({worker: next(iter(joint.values())), **waits} for joint in task.plan.rounds)
+    lower = make_bound(scene, task.spec.goal)(world)
+    proof = "search" if lower == task.upper else "witness"
+    return replace(task, plan=replace(task.plan, rounds=rounds), lower=lower, proof=proof)

@@ -10,19 +10,19 @@ import numpy as np
 
 from remac_env.errors import OptionError, SamplingError, check_choice, whole_number
 from remac_env.generator import templates
-from remac_env.generator.certified import Certified, certified, scene_of
+from remac_env.generator.certified import Certified, certified, scene_of, with_others
 from remac_env.generator.drawing import draw
 from remac_env.generator.quirking import with_quirks
 from remac_env.generator.templates import Template
 from remac_env.options import KNOWLEDGE, MAX_ROBOTS, MOST_QUIRKS
 from remac_env.oracle.witness import witness
 from remac_env.seeding import generator
-from remac_env.values import python_value
+from remac_env.values import python_values
 
 GRADES = {1: 6, 2: 12, 3: 20, 4: 40, 5: 80}
 """Grade -> the most rounds that its shortest known plan has without its quirks; more than those of the grade below."""
 
-EXACT_STATES = {1: 1_500, 2: 1_500}
+EXACT_STATES = {1: 800, 2: 800}
 """States that the search for an optimum looks at, by grade; none for those where it would give up in any case. For
 more robots fewer: each costs more."""
 
@@ -51,26 +51,36 @@ def make(
 ) -> Certified:
     """The task of these values, with its certificate; the same for the same values, everywhere.
 
+    It is the same task for any number of robots, unless its template is for a team: one robot can do it, and the others
+    wait in its plan.
+
     Raises:
         UnknownNameError, OptionError: for values that are not valid.
         SamplingError: saying of each template why no task of it fits.
     """
+    grade, seed, template, quirks, robots = python_values([grade, seed, template, quirks, robots])
     _check(grade, quirks, knowledge, robots)
-    template = python_value(template)
+    return _made(grade, seed, template, quirks, knowledge, robots)
+
+
+@lru_cache(maxsize=1024)
+def _made(grade: int, seed: int, template: str | None, quirks: int, knowledge: str, robots: int) -> Certified:
     options = candidates(grade, template, robots)
-    rng = generator(seed, "generate", grade, template, quirks, knowledge, robots)
+    crew = robots if any(row.team for row in options) else 1
+    rng = generator(seed, "generate", grade, template, quirks, knowledge)
     why: dict[str, str] = {}
     for _ in range(TRIES):
         row = options[int(rng.integers(len(options)))]
-        found = _attempt(row, grade, rng, quirks=quirks, knowledge=knowledge, robots=robots)
+        found = _attempt(row, grade, rng, quirks=quirks, knowledge=knowledge, robots=crew)
         if not isinstance(found, str):
-            made = {"grade": grade, "seed": int(seed), "template": row.name, "quirks": quirks, "knowledge": knowledge,
+            found = found if crew == robots else with_others(found, robots, knowledge)
+            told = {"grade": grade, "seed": seed, "template": row.name, "quirks": quirks, "knowledge": knowledge,
                     "robots": robots, **found.told}  # fmt: skip
             rounds = round(LEEWAY * GRADES[grade])
-            return replace(found, spec=replace(found.spec, generated=made, rounds=rounds, knowledge=knowledge))
+            return replace(found, spec=replace(found.spec, generated=told, rounds=rounds, knowledge=knowledge))
         why[row.name] = found
-    told = "; ".join(f"{name}: {reason}" for name, reason in why.items())
-    raise SamplingError(f"no task of grade {grade} (seed {seed}, quirks {quirks}, robots {robots}) was found: {told}")
+    said = "; ".join(f"{name}: {reason}" for name, reason in why.items())
+    raise SamplingError(f"no task of grade {grade} (seed {seed}, quirks {quirks}, robots {robots}) was found: {said}")
 
 
 def _check(grade: int, quirks: int, knowledge: str, robots: int) -> None:

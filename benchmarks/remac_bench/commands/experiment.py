@@ -12,10 +12,14 @@ from remac_bench.flags import REACH, of, takes
 @takes(*of("experiment"), *REACH, "extensions")
 def experiment(
     context: typer.Context,
-    name: Annotated[str, typer.Argument(help="reflection, wording or validity.")],
+    name: Annotated[str, typer.Argument(help="reflection, wording, validity or headroom.")],
     **given: Any,
 ) -> None:
     """Ask planners for plans only, and judge them by the skill table: seconds, no physics."""
+    if name == "headroom":
+        from remac_bench.commands.headroom import headroom_command
+
+        return headroom_command(given)
     from remac_bench.commands.planning import experiment_command
 
-    experiment_command(context)
+    return experiment_command(context)
