@@ -20,6 +20,7 @@ from remac_env.files import read_text
 from remac_env.option_rows import rows
 from remac_env.options import MAX_ROBOTS, Options
 from remac_env.seeding import digest
+from remac_env.tasks.generated import SPEC as GENERATED
 
 KEPT_SEEDS = 900_000
 """Seeds from here on are kept for judging: no suite uses them."""
@@ -239,7 +240,7 @@ def _block(file: str, where: str, data: Any, methods: Any) -> Block:
     except RemacError as error:
         raise UsageError(f"{file}: {where}.kitchen: {error}") from error
     return Block(
-        tasks=_check_names(file, f"{where}.tasks", tasks, remac_env.tasks()),
+        tasks=_check_names(file, f"{where}.tasks", tasks, [*remac_env.tasks(), GENERATED.name]),
         seeds=_seeds(file, f"{where}.seeds", data["seeds"]),
         methods=_check_names(file, f"{where}.methods", data.get("methods", methods), agents.methods()),
         kitchen=kitchen,

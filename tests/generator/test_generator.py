@@ -19,7 +19,11 @@ from remac_env.tasks.goals import progress
 from remac_env.vocabulary import built_in
 
 ROWS = templates.load()
-LEAST = [(name, min(row.sizes)) for name, row in ROWS.items() if not row.team]
+LEAST = [
+    pytest.param(name, min(row.sizes), marks=[pytest.mark.long] if at % 4 else [])
+    for at, (name, row) in enumerate(ROWS.items())
+    if not row.team
+]
 
 
 def played(task: object, robots: int, knowledge: str = "full") -> float:
