@@ -50,8 +50,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
     """
 
     def __init__(self, spec: TaskSpec, options: Options) -> None:
-        self.worlds = worlds_for(spec, options)
-        self.options = options
+        self.worlds, self.options = worlds_for(spec, options), options
         self.vocabulary = self._words()
         self.metadata = {
             "name": f"RemacKitchen-{spec.name}-v0",
