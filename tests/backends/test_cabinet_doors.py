@@ -12,11 +12,14 @@ import pytest
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.scripted import arc, doors
+from remac_env.backends.physics.controllers.scripted.leaf import Leaf
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout
+from remac_env.kitchen.frame import WORLD
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rendering.posing import pose
+from remac_env.robots import bodies
 from remac_env.rules.outcomes import Outcome
 from remac_env.start import Offset, Start
 from remac_env.state import Place, door_state
@@ -144,12 +147,26 @@ def test_a_panel_whose_handle_no_hand_reaches_is_pushed_shut() -> None:
     assert max(kitchen.angles) < 0.05
 
 
+@pytest.mark.parametrize("closing", [False, True])
+def test_fingers_that_push_meet_the_panel(closing: bool) -> None:
+    """A microwave's door ends shortly above and below its handle: there is no room beside that in front of it."""
+    tall = Leaf(
+        "door", WORLD, np.zeros(3), np.array([0.35, -0.07, 1.05]), half=0.09, radius=0.009, edge=0.4,
+        faces=(-0.025, 0.0), ends=(0.6, 1.8), sign=1.0, address=0, geoms=(), seen=0.0,
+    )  # fmt: skip
+    short = replace(tall, ends=(0.9, 1.2))
+    for leaf in (tall, short):
+        heights = {float(grasp.position[2]) for grasp in doors._pushes(leaf, 0.5, bodies.get(), closing=closing)}
+        assert all(leaf.ends[0] + 0.02 <= height <= leaf.ends[1] - 0.02 for height in heights), heights
+        assert bool(heights) is (leaf is tall or not closing)
+
+
 @pytest.mark.long
 def test_a_panel_is_pushed_open_from_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     kitchen = BesideFridge()
     assert kitchen.run("navigate to cabinet", "open cabinet door") == [None, None]
     with monkeypatch.context() as fault:
-        fault.setattr(doors, "_pushes", lambda door, angle, *, closing: doors._grasps(door, angle, closing=closing))
+        fault.setattr(doors, "_pushes", doors._grasps)
         assert kitchen.run("close cabinet door") == ["blocked"]
     kitchen.panels[0].qpos[0], kitchen.panels[1].qpos[0] = 0.8, 1.45
     assert kitchen.run("close cabinet door") == [None]
