@@ -57,7 +57,7 @@ class Solids:
         self.model = copy.copy(model)
         self.names = [model.body(number).name for number in range(model.nbody)]
         free = {int(body) for body, kind in zip(model.jnt_bodyid, model.jnt_type, strict=True) if kind == 0}
-        self._things = free
+        self._objects = free
         for geom, body in enumerate(model.geom_bodyid.tolist()):
             masks = (0, 0)
             if body in free:
@@ -96,11 +96,11 @@ class Solids:
         bodies = sorted((int(self.model.geom_bodyid[geom]) for geom in (one, other)), key=self._rank)
         first, second = (self.names[body] for body in bodies)
         same = first.partition("/")[0] == second.partition("/")[0]
-        return None if same and not self._things & set(bodies) else (first, second)
+        return None if same and not self._objects & set(bodies) else (first, second)
 
     def _rank(self, body: int) -> tuple[int, str]:
         name = self.names[body]
-        return (0 if body in self._things else 1 if name.endswith("door") else 2), name
+        return (0 if body in self._objects else 1 if name.endswith("door") else 2), name
 
 
 class Probe:

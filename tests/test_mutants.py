@@ -36,7 +36,7 @@ bookkeeper.Bookkeeper.__init__ = make
 
 MUTANTS: dict[str, tuple[str, str]] = {
     "perception noise is off": (
-        "from remac_env.backends.physics.crew import Crew\nCrew._disturb = lambda self, now: None",
+        "from remac_env.backends.physics.team import Team\nTeam._disturb = lambda self, now: None",
         "tests/backends/test_perception.py::test_each_round_looks_anew_and_each_episode_alike",
     ),
     "a sentence is dropped": (

@@ -8,7 +8,7 @@ import numpy as np
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.base import MakeController
-from remac_env.backends.physics.controllers.scripted.skill import Surroundings
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rules.subtasks import Subtask
@@ -37,7 +37,7 @@ def kitchen(
     return backend, start, worlds
 
 
-def stand(simulation: Simulation, here: Surroundings, q: np.ndarray) -> None:
+def stand(simulation: Simulation, here: Workspace, q: np.ndarray) -> None:
     """Pose a robot at once, in the frame of the room."""
     here.leave()
     simulation.robots[here.robot.name].put(q)

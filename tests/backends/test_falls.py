@@ -8,7 +8,8 @@ import pytest
 from physics_kit import ROBOT, command, kitchen, run
 
 from remac_env.backends.physics.controllers.scripted import controller
-from remac_env.backends.physics.controllers.scripted.skill import Steps, Surroundings
+from remac_env.backends.physics.controllers.scripted.skill import Steps
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen import layout as layouts
@@ -91,7 +92,7 @@ def test_a_skill_that_only_says_that_it_took_something_slipped_and_took_its_time
     backend, _, worlds = kitchen({"mug": "counter"}, 120700)
     assert run(backend, worlds, ["navigate to mug"]) == [None]
 
-    def idle(here: Surroundings, *_: Any) -> Steps:
+    def idle(here: Workspace, *_: Any) -> Steps:
         yield from [here.robot.command] * 10
 
     monkeypatch.setattr(controller, "motion", idle)

@@ -10,7 +10,7 @@ from forces import Measured, Probe, together
 from physics_kit import ROBOT, kitchen, run
 
 from remac_env.backends.physics import timeline
-from remac_env.backends.physics.controllers.scripted import arc, leaf
+from remac_env.backends.physics.controllers.scripted import arc, panel
 from remac_env.robots.panda import measures as panda
 from remac_env.robots.panda import model
 
@@ -89,7 +89,7 @@ def test_gravity_counts(fresh_models: None) -> None:
 def test_a_hand_that_presses_on_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(arc, "_YIELD", 0.0)
     monkeypatch.setattr(arc, "_SQUEEZE", 140.0)
-    monkeypatch.setattr(leaf.Leaf, "clear_of_palm", lambda self, pitch: 0.0)
+    monkeypatch.setattr(panel.DoorPanel, "clear_of_palm", lambda self, pitch: 0.0)
     assert strongest(measured(DOORS[:2])) > DOOR
 
 

@@ -10,7 +10,8 @@ from physics_kit import ROBOT, command, kitchen, run
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.scripted import dispatch, season
-from remac_env.backends.physics.controllers.scripted.skill import Steps, Surroundings
+from remac_env.backends.physics.controllers.scripted.skill import Steps
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.happened import Happened
 from remac_env.rules.marks import SEASONED
 from remac_env.state import WorldState
@@ -19,7 +20,7 @@ MEAT = {"meat": "counter", "seasoning": "counter"}
 BEFORE_SEASONING = ["navigate to seasoning", "pick up seasoning", "navigate to meat"]
 
 
-def idle(here: Surroundings, *args: object, **options: object) -> Steps:
+def idle(here: Workspace, *args: object, **options: object) -> Steps:
     """A motion that does nothing and says that all went well."""
     for _ in range(20):
         yield here.robot.command

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from physics_kit import ROBOT, command, kitchen
 
-from remac_env.backends.physics import traffic
+from remac_env.backends.physics import multi_robot
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.scripted.motion import StuckError
 
@@ -100,7 +100,7 @@ def test_out_of_a_ring_around_litter_and_nothing_is_pressed_into_the_floor(monke
         lay(backend, name, spot, 0.016)
     stops: list[Place] = []
     with monkeypatch.context() as heavy:
-        heavy.setattr(traffic, "Bumper", lambda here: Immovable(backend, stops))
+        heavy.setattr(multi_robot, "Bumper", lambda here: Immovable(backend, stops))
         assert drive("navigate aside") == "blocked"
     assert stops and math.dist(place(backend), stops[-1]) > 0.02
     assert drive("navigate aside") is None

@@ -10,10 +10,10 @@ import pytest
 from physics_kit import stand
 
 from remac_env.backends.physics.controllers.scripted.grasps import candidates
-from remac_env.backends.physics.crew import Crew
 from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.simulation import Simulation
 from remac_env.backends.physics.stage import pose_start
+from remac_env.backends.physics.team import Team
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.frame import WORLD
@@ -29,7 +29,7 @@ NO_THINGS: Mapping[str, str] = {}
 
 
 @pytest.fixture(scope="module")
-def crew() -> tuple[Simulation, Crew]:
+def team() -> tuple[Simulation, Team]:
     layout = layouts.load("u_shaped_large")
     scene = build_scene(layout, {}, (ROBOT,))
     world = WorldState(FrozenMap({ROBOT: RobotState()}), FrozenMap({}), resting_fixtures(scene))
@@ -39,14 +39,14 @@ def crew() -> tuple[Simulation, Crew]:
     )
     simulation = Simulation(build_model(layout, robots=(ROBOT,), objects={}), (ROBOT,))
     pose_start(simulation, layout, {}, start)
-    return simulation, Crew(simulation, layout, {}, start, {})
+    return simulation, Team(simulation, layout, {}, start, {})
 
 
 @pytest.mark.parametrize("rounds", [-2, -1, 0, 1, 2])
 def test_a_robot_that_has_gone_round_does_not_turn_back_to_come_home(
-    crew: tuple[Simulation, Crew], rounds: int
+    team: tuple[Simulation, Team], rounds: int
 ) -> None:
-    simulation, robots = crew
+    simulation, robots = team
     here, layout = robots.robots[ROBOT], layouts.load("u_shaped_large")
     assert len({station.wall for station in layout.stations.values()}) == 3
     for station in layout.stations.values():

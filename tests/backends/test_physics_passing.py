@@ -13,12 +13,12 @@ from physics_kit import stand
 
 import remac_env
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure
-from remac_env.backends.physics.crew import Crew
-from remac_env.backends.physics.drives import Errand
+from remac_env.backends.physics.drives import DriveGoal
 from remac_env.backends.physics.encounters import Encounter
+from remac_env.backends.physics.multi_robot import MultiRobotPlanner
 from remac_env.backends.physics.simulation import Simulation
+from remac_env.backends.physics.team import Team
 from remac_env.backends.physics.timetable import Timetable
-from remac_env.backends.physics.traffic import Convoy
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout, Station
@@ -75,7 +75,7 @@ def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
     env.reset(seed=1)
     layout, chance = layouts.load(name), np.random.default_rng(1)
     simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, looks=False), ROBOTS)
-    crew = Crew(simulation, layout, {}, env.start, {})
+    team = Team(simulation, layout, {}, env.start, {})
 
     def near(place: str) -> Station:
         dx, dy, turn = chance.uniform(-1.0, 1.0, 3) * OFF
@@ -83,14 +83,14 @@ def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
         return replace(exact, x=exact.x + dx, y=exact.y + dy, yaw=exact.yaw + turn)
 
     def way(drive: Drive) -> bool:
-        for here, place in zip(crew.robots.values(), drive, strict=False):
+        for here, place in zip(team.robots.values(), drive, strict=False):
             station = near(place)
             stand(simulation, here, panda.tucked(station.x, station.y, station.yaw))
             here.enter(station)
         mujoco.mj_forward(simulation.model, simulation.data)
-        errand = Errand(crew.robots["robot_1"], near(drive[2]))
+        drive_goal = DriveGoal(team.robots["robot_1"], near(drive[2]))
         try:
-            next(Convoy(crew.separation, {"robot_1": errand}, ()).steps("robot_1"))
+            next(MultiRobotPlanner(team.separation, {"robot_1": drive_goal}, ()).steps("robot_1"))
         except SkillFailure:
             return False
         return True
@@ -105,14 +105,14 @@ def test_many_pairs_of_ways_are_not_tried_before_one_robot_makes_room(monkeypatc
     env.reset(seed=1)
     layout = layouts.load(name)
     simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, looks=False), ROBOTS)
-    crew = Crew(simulation, layout, {}, env.start, {})
+    team = Team(simulation, layout, {}, env.start, {})
     swap = {"robot_0": ("sink", "stove"), "robot_1": ("stove", "sink")}
     for robot, (place, _) in swap.items():
-        station, here = layout.stations[place], crew.robots[robot]
+        station, here = layout.stations[place], team.robots[robot]
         stand(simulation, here, panda.tucked(station.x, station.y, station.yaw))
         here.enter(station)
     mujoco.mj_forward(simulation.model, simulation.data)
-    crew.separation.refresh()
+    team.separation.refresh()
 
     def never(self: Encounter, delays: tuple[int, int]) -> bool:
         tried[0] += 1
@@ -123,8 +123,8 @@ def test_many_pairs_of_ways_are_not_tried_before_one_robot_makes_room(monkeypatc
 
     monkeypatch.setattr(Encounter, "passes", never)
     monkeypatch.setattr(Timetable, "_by_turns", by_turns)
-    errands = {robot: Errand(crew.robots[robot], layout.stations[goal]) for robot, (_, goal) in swap.items()}
+    drive_goals = {robot: DriveGoal(team.robots[robot], layout.stations[goal]) for robot, (_, goal) in swap.items()}
     with pytest.raises(SkillFailure):
-        next(Convoy(crew.separation, errands, ()).steps("robot_0"))
+        next(MultiRobotPlanner(team.separation, drive_goals, ()).steps("robot_0"))
     assert len(asked) == 1 and 0 < asked[0] <= 200
     assert tried[0] > 500, "after that the others are tried all the same"

@@ -101,7 +101,7 @@ def test_what_lies_in_a_dish_is_measured() -> None:
     model = spec.compile()
     bodies = {name: model.body(name) for name in food}
     geoms = {name: range(int(b.geomadr[0]), int(b.geomadr[0] + b.geomnum[0])) for name, b in bodies.items()}
-    here: Any = SimpleNamespace(simulation=SimpleNamespace(model=model, geoms=geoms.get))
+    here: Any = SimpleNamespace(sensed=SimpleNamespace(model=model, geoms=geoms.get))
     assert {name: lies_in_dish(here, name) for name in food} == {name: kind.small for name, kind in food.items()}
     assert {kind.small for kind in food.values()} == {True, False}
 
@@ -116,15 +116,15 @@ def test_what_is_forbidden_is_a_rule_of_the_robots_own() -> None:
 def test_slots_are_free_or_taken_as_they_seem() -> None:
     backend, start, worlds = kitchen({"mug": "counter", "bowl": "counter"}, 120510)
     assert told(backend, worlds, ["wait"]) == [None]
-    here = backend._begun()._crew.robots[ROBOT]
+    here = backend._begun()._team.robots[ROBOT]
     places = {name: item.place.where for name, item in start.world.objects.items()}
     assert seen_on_slots(here) == {slot: [name] for name, slot in places.items()}
     away = np.array([0.0, 0.0, 1.0])
-    here.simulation.senses.perception.things["mug"] = Error(away, 0.0, np.zeros(3))
+    here.sensed.senses.perception.objects["mug"] = Error(away, 0.0, np.zeros(3))
     assert seen_on_slots(here) == {places["bowl"]: ["bowl"]}
     # Where the fixture seems to be off by as much, the object still seems to stand on it.
     for name in ("mug", "bowl"):
-        here.simulation.senses.perception.things[name] = Error(away, 0.0, np.zeros(3))
-    for name in here.layout.fixtures:
-        here.simulation.senses.perception.fixtures[name] = Error(away, 0.0, np.zeros(3))
+        here.sensed.senses.perception.objects[name] = Error(away, 0.0, np.zeros(3))
+    for name in here.kitchen.layout.fixtures:
+        here.sensed.senses.perception.fixtures[name] = Error(away, 0.0, np.zeros(3))
     assert seen_on_slots(here) == {slot: [name] for name, slot in places.items()}

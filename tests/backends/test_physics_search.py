@@ -26,7 +26,7 @@ class Counted:
     """Stands in for the collision checker."""
 
     checks: int = 0
-    fences: tuple[object, ...] = ()
+    keep_out: tuple[object, ...] = ()
 
 
 class Three:
@@ -67,12 +67,12 @@ def test_a_search_keeps_to_its_budget(checks: int, monkeypatch: pytest.MonkeyPat
     assert len(look(checker, Budget(cast(Any, checker), checks))[1]) == 36, "without it everything is tried"
 
 
-def test_a_budget_is_small_within_fences_and_can_be_narrowed() -> None:
+def test_a_budget_is_small_behind_keep_out_planes_and_can_be_narrowed() -> None:
     checker = Counted(checks=7)
-    usual, fenced = (Budget(cast(Any, each), search.CHECKS) for each in (checker, Counted(7, ("fence",))))
+    usual, confined = (Budget(cast(Any, each), search.CHECKS) for each in (checker, Counted(7, ("plane",))))
     checker.checks = 7 + 1501
-    fenced._scratch = cast(Any, checker)
-    assert fenced.spent and not usual.spent
+    confined._checker = cast(Any, checker)
+    assert confined.spent and not usual.spent
     usual.narrow(10)
     checker.checks += 11
     assert usual.spent

@@ -10,7 +10,7 @@ import pytest
 import solids
 from physics_kit import kitchen, run
 
-from remac_env.backends.physics.controllers.scripted.collision import Scratch
+from remac_env.backends.physics.controllers.scripted.collision import CollisionChecker
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.backends.physics.sensing import Senses
 from remac_env.backends.physics.simulation import Simulation
@@ -68,18 +68,18 @@ def test_what_is_held_keeps_clear_on_its_way() -> None:
     handle = simulation.robots["robot_0"]
     stand = panda.tucked(0.1, -0.85, 0.5 * np.pi)
     handle.put(stand)
-    robot = Robot(handle)
+    robot = Robot(handle, bodies.get().kinematics())
     objects = {"bowl": catalogue.get("bowl")}
-    scratch = Scratch(View(Senses(simulation, handle, LAYOUT, objects), robot), robot, bodies.get().kinematics())
+    checker = CollisionChecker(View(Senses(simulation, handle, LAYOUT, objects), robot), robot)
     spot = next(slot for slot in LAYOUT.slots.values() if slot.kind == "surface").center
     for height, clear in ((0.004, False), (0.02, True)):
         simulation.place("bowl", np.array([spot[0], spot[1], COUNTER_Z + height]), np.array([1.0, 0.0, 0.0, 0.0]))
         mujoco.mj_forward(model, simulation.data)
-        scratch.begin(held="bowl")
-        assert scratch.free(stand)
-        with scratch.clearance(0.010, gripper=False):
-            assert bool(scratch.free(stand)) == clear
-        assert scratch.free(stand), "the margin holds within the context only"
+        checker.begin(held="bowl")
+        assert checker.free(stand)
+        with checker.clearance(0.010, gripper=False):
+            assert bool(checker.free(stand)) == clear
+        assert checker.free(stand), "the margin holds within the context only"
 
 
 def test_in_play_nothing_reaches_deep_into_anything() -> None:

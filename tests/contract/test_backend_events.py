@@ -10,7 +10,7 @@ import pytest
 
 from remac_env.backends.base import Backend
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.backends.physics.traffic import Convoy
+from remac_env.backends.physics.multi_robot import MultiRobotPlanner
 from remac_env.backends.symbolic import SymbolicBackend
 from remac_env.errors import LifecycleError, UnknownNameError
 from remac_env.kitchen import layout as layouts
@@ -206,7 +206,7 @@ def test_a_drive_that_begins_later_keeps_clear_of_one_under_way() -> None:
 
 
 def test_a_drive_that_does_not_know_of_one_under_way_meets_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Convoy, "under_way", lambda self: iter(()))
+    monkeypatch.setattr(MultiRobotPlanner, "under_way", lambda self: iter(()))
     backend = PhysicsBackend()
     ended = crossing(backend)
     assert backend.counters.robot_contacts > 0 and not all(outcome.success for outcome in ended.values())

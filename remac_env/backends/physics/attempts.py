@@ -1,7 +1,8 @@
 """What robots have begun, side by side: each attempt is a generator that returns its outcome.
 
 Who begins while others are busy keeps clear of them: drives that are under way are moving obstacles for a new one, and
-whoever would work or go next to a robot at work that has no fence towards it, or work where a drive comes by, waits.
+whoever would work or go next to a robot at work that has no keep-out plane towards it, or work where a drive comes by,
+waits.
 """
 
 from __future__ import annotations
@@ -9,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 
-from remac_env.backends.physics.controllers.scripted.skill import Surroundings
-from remac_env.backends.physics.drives import Errand
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
+from remac_env.backends.physics.drives import DriveGoal
 from remac_env.backends.physics.litter import lying, pressed
+from remac_env.backends.physics.multi_robot import MultiRobotPlanner
 from remac_env.backends.physics.pilot import SKILL_TIME, Attempt, Pilot
 from remac_env.backends.physics.sensing import Briefed
 from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
-from remac_env.backends.physics.traffic import Convoy
 from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.layout_checks import work_floor
@@ -24,7 +25,7 @@ from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
 
-_DETOURS = 3  # times that a drive starts anew which things on the floor have stopped
+_DETOURS = 3  # times that a drive starts anew which objects on the floor have stopped
 _THOUGHT = 20  # control periods within which a skill has only planned and closed or opened its hand
 Waiting = Generator[None, None, None]
 
@@ -57,13 +58,13 @@ class Orders:
 
 @dataclass(frozen=True)
 class Earlier:
-    """Who was busy when others began: robots at work at their stations, and all convoys, later ones among them."""
+    """Who was busy when others began: robots at work at their stations, and all planners, later ones among them."""
 
     working: frozenset[str] = frozenset()
-    convoys: Sequence[Convoy] = ()
+    planners: Sequence[MultiRobotPlanner] = ()
 
     def __bool__(self) -> bool:
-        return bool(self.working or self.convoys)
+        return bool(self.working or self.planners)
 
 
 class Attempts:
@@ -74,24 +75,24 @@ class Attempts:
     ) -> None:
         self._simulation, self._separation, self._layout = simulation, separation, layout
         self._pilots = pilots
-        self._robots: dict[str, Surroundings] = {name: pilot.here for name, pilot in pilots.items()}
+        self._robots: dict[str, Workspace] = {name: pilot.here for name, pilot in pilots.items()}
         self.aims: dict[str, Station | None] = {}
         self._busy: set[str] = set()  # without those that have begun and still give way
         self._working: set[str] = set()
-        self._convoys: list[Convoy] = []
+        self._planners: list[MultiRobotPlanner] = []
         self._waiting: dict[str, tuple[float, float]] = {}
 
     def begin(self, now: Orders, goals: Mapping[str, Station]) -> dict[str, Attempt]:
         """A generator for every robot with an accepted subtask; each returns its outcome. ``goals``: of drives."""
-        earlier = Earlier(frozenset(self._working), self._convoys) if self._working or self.aims else Earlier()
+        earlier = Earlier(frozenset(self._working), self._planners) if self._working or self.aims else Earlier()
         if not earlier:
-            self._busy, self._waiting, self._convoys = set(), {}, []
+            self._busy, self._waiting, self._planners = set(), {}, []
         self._busy |= now.active
         self._working |= now.active - now.driving
         self.aims |= {name: goals.get(name) for name in now.driving}
         own = {name: self._pilots[name].own.get(subtask.skill) for name, subtask in now.subtasks.items()}
-        errands = {name: Errand(self._robots[name], goal) for name, goal in goals.items() if own[name] is None}
-        convoy = self._convoy(errands, self._rooms())
+        drive_goals = {name: DriveGoal(self._robots[name], goal) for name, goal in goals.items() if own[name] is None}
+        planner = self._planner(drive_goals, self._rooms())
         found: dict[str, Attempt] = {}
         for robot, subtask in now.subtasks.items():
             controller, pilot = own[robot], self._pilots[robot]
@@ -99,7 +100,7 @@ class Attempts:
                 briefed = pilot.briefed(now.number, subtask, now.world, goals.get(robot))
                 found[robot] = pilot.drive(controller, subtask, briefed)
             elif robot in now.driving:
-                found[robot] = self._drive(convoy, robot, errands, earlier)
+                found[robot] = self._drive(planner, robot, drive_goals, earlier)
             elif robot in now.active:
                 found[robot] = self._skill(robot, subtask, now, earlier)
             else:
@@ -122,44 +123,46 @@ class Attempts:
         standing = (here.place for name, here in self._robots.items() if name not in self.aims)
         return [work_floor(self._layout.facing(place), place) for place in standing if place.wall]
 
-    def _convoy(
-        self, errands: Mapping[str, Errand], rooms: Sequence[Block], jammed: frozenset[str] = frozenset()
-    ) -> Convoy:
-        convoy = Convoy(self._separation, errands, rooms, jammed, self._convoys)
-        self._convoys.append(convoy)
-        return convoy
+    def _planner(
+        self, drive_goals: Mapping[str, DriveGoal], rooms: Sequence[Block], jammed: frozenset[str] = frozenset()
+    ) -> MultiRobotPlanner:
+        planner = MultiRobotPlanner(self._separation, drive_goals, rooms, jammed, self._planners)
+        self._planners.append(planner)
+        return planner
 
-    def _drive(self, convoy: Convoy, robot: str, errands: Mapping[str, Errand], earlier: Earlier) -> Attempt:
-        """Go with the convoy; a robot that cannot pass those at work waits until they are done.
+    def _drive(
+        self, planner: MultiRobotPlanner, robot: str, drive_goals: Mapping[str, DriveGoal], earlier: Earlier
+    ) -> Attempt:
+        """Go with the planner; a robot that cannot pass those at work waits until they are done.
 
-        So does one that was stopped by things on the floor, or whose convoy was; then it looks for another way.
+        So does one that was stopped by objects on the floor, or whose planner was; then it looks for another way.
         """
-        errand = errands.get(robot)
-        if errand is None:
+        drive_goal = drive_goals.get(robot)
+        if drive_goal is None:
             return failure("blocked", "no parking place is free")
         if earlier:
             # Drives that begin together are planned together, so they wait together too.
-            ends = [end for each in errands.values() for end in (each.here.place, each.goal)]
+            ends = [end for each in drive_goals.values() for end in (each.here.place, each.goal)]
             yield from self._give_way(robot, lambda: self._beside(ends, earlier))
-            convoy.keep_off(self._rooms())
-        outcome = yield from self._pilots[robot].steps(convoy.steps(robot), SKILL_TIME)
-        if outcome.reason == "blocked" and convoy.held_up(robot):
+            planner.keep_off(self._rooms())
+        outcome = yield from self._pilots[robot].steps(planner.steps(robot), SKILL_TIME)
+        if outcome.reason == "blocked" and planner.held_up(robot):
             yield from self._turn(robot)
-            convoy = self._convoy({robot: errand}, ())
-            outcome = yield from self._pilots[robot].steps(convoy.steps(robot), SKILL_TIME)
+            planner = self._planner({robot: drive_goal}, ())
+            outcome = yield from self._pilots[robot].steps(planner.steps(robot), SKILL_TIME)
         for _ in range(_DETOURS):
-            if outcome.success or not convoy.jammed:
+            if outcome.success or not planner.jammed:
                 break
             yield from self._turn(robot)
-            convoy = self._convoy({robot: errand}, (), convoy.jammed)
-            outcome = yield from self._pilots[robot].steps(convoy.steps(robot), SKILL_TIME)
+            planner = self._planner({robot: drive_goal}, (), planner.jammed)
+            outcome = yield from self._pilots[robot].steps(planner.steps(robot), SKILL_TIME)
         return outcome
 
     def _skill(self, robot: str, subtask: Subtask, now: Orders, earlier: Earlier) -> Attempt:
         """Run a skill within its time; after a failure come home if that can be done.
 
-        A skill that finds no way within the fence towards a robot working next to it waits until that one is done; then
-        it goes on, by way of its home pose if it has begun to move.
+        A skill that finds no way behind the keep-out plane towards a robot working next to it waits until that one is
+        done; then it goes on, by way of its home pose if it has begun to move.
         """
         here, pilot = self._robots[robot], self._pilots[robot]
         if earlier:
@@ -172,10 +175,10 @@ class Attempts:
         if own is not None:
             return (yield from pilot.skill(own, subtask, sensing))
         outcome = yield from self._among_litter(robot, subtask, sensing, now)
-        if here.scratch.fences and outcome.reason in ("blocked", "unreachable"):
+        if here.clear.checker.keep_out and outcome.reason in ("blocked", "unreachable"):
             moved = self._simulation.ticks - began > _THOUGHT
             yield from self._turn(robot)
-            here.scratch.fences = ()
+            here.clear.checker.keep_out = ()
             if moved:
                 outcome = yield from pilot.home()
             if not moved or (outcome.success and not now.achieved(robot, subtask)):
@@ -191,9 +194,9 @@ class Attempts:
             litter = lying(here)
             if litter and not last:
                 here.begin(avoid=litter)
-                here.keep_off = litter if here.scratch.free(here.robot.q) else litter - pressed(here)
+                here.clear.litter = litter if here.clear.checker.free(here.robot.q) else litter - pressed(here)
             outcome = yield from pilot.scripted(subtask, sensing)
-            here.keep_off = frozenset()
+            here.clear.litter = frozenset()
             if last or not litter or outcome.reason not in ("blocked", "unreachable"):
                 break
             home = yield from pilot.home()
@@ -232,7 +235,7 @@ class Attempts:
         if not place.wall:
             return False
         room = work_floor(self._layout.facing(place), place)
-        drives = [drive for convoy in earlier.convoys for drive in convoy.under_way()]
+        drives = [drive for planner in earlier.planners for drive in planner.under_way()]
         return any(drive.driver.outline.meets(drive.bases, room) for drive in drives)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.collision import IGNORED
 from remac_env.backends.physics.controllers.scripted.paths import Path
-from remac_env.backends.physics.controllers.scripted.skill import Surroundings
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.encounters import Encounter
 from remac_env.backends.physics.litter import blocks
 from remac_env.backends.physics.routes import Departure, Outline, sampled
@@ -26,46 +26,47 @@ _APART = NEAR_MISS + 0.005  # m
 
 
 @dataclass(frozen=True)
-class Errand:
-    """One robot's drive: its surroundings and where it is to end, world frame."""
+class DriveGoal:
+    """One robot's drive: its workspace and where it is to end, world frame."""
 
-    here: Surroundings
+    here: Workspace
     goal: Station
 
 
 class Drives:
     """Drives that begin together, with what they must keep clear of; ``drivers`` are the robots with their ways.
 
-    ``rooms``: the floor that robots need which work meanwhile; drives keep off it. ``avoided``: things on the floor to
+    ``rooms``: the floor that robots need which work meanwhile; drives keep off it. ``avoided``: objects on the floor to
     drive around. ``moving``: drives that are under way.
     """
 
     def __init__(
-        self, separation: Separation, errands: Mapping[str, Errand], rooms: Sequence[Block],
+        self, separation: Separation, drive_goals: Mapping[str, DriveGoal], rooms: Sequence[Block],
         avoided: frozenset[str] = frozenset(), moving: Sequence[Moving] = (),
     ) -> None:
-        self._separation, self._errands, self._rooms, self._avoided = separation, errands, tuple(rooms), avoided
+        self._separation, self._drive_goals, self._rooms, self._avoided = separation, drive_goals, tuple(rooms), avoided
         self._moving = {drive.name: drive for drive in moving}
-        self._staying = set(separation.robots) - set(errands) - set(self._moving)
+        self._staying = set(separation.robots) - set(drive_goals) - set(self._moving)
         self._met: dict[tuple[Way, Way], Encounter] = {}
         self.drivers: Mapping[str, Driver] = {}
 
-    def _driver(self, errand: Errand) -> Driver:
+    def _driver(self, drive_goal: DriveGoal) -> Driver:
         """All ways of one robot, not yet checked."""
-        here = errand.here
+        here = drive_goal.here
         here.begin(avoid=self._avoided)
         for robot, body in self._separation.held.items():
             if robot != here.robot.name:
-                here.scratch.mark(here.simulation.geoms(body), IGNORED)  # it goes where that robot goes
-        start = Departure(here.layout, here.place, here.robot.q, self._rooms, self._standing(), self._litter(here))
-        return Driver(here, ways_to(start, errand.goal, here.robot.body), Outline.of(here), errand.goal)
+                here.clear.checker.mark(here.sensed.geoms(body), IGNORED)  # it goes where that robot goes
+        layout, standing, litter = here.kitchen.layout, self._standing(), self._litter(here)
+        start = Departure(layout, here.place, here.robot.q, self._rooms, standing, litter)
+        return Driver(here, ways_to(start, drive_goal.goal, here.robot.body), Outline.of(here), drive_goal.goal)
 
     def _standing(self) -> tuple[Array, ...]:
         """Base poses (3,) of robots that stay, and of those under way where they end."""
         staying = tuple(place for name, place in self._separation.places.items() if name in self._staying)
         return staying + tuple(moving.bases[-1] for moving in self._moving.values())
 
-    def _litter(self, here: Surroundings) -> tuple[Block, ...]:
+    def _litter(self, here: Workspace) -> tuple[Block, ...]:
         return blocks(here, self._avoided - {here.hand.body})
 
     def _path(self, driver: Driver, way: Way) -> Path | None:
@@ -76,8 +77,8 @@ class Drives:
             path = sampled(corners, here.robot.body)
             bases = np.array(path[::4])[:, :3]
             if not any(driver.outline.meets(bases, room) for room in self._rooms):
-                with here.scratch.without_robots():
-                    free = all(here.planner.edge(one, other, 0.1) for one, other in pairwise(corners))
+                with here.clear.checker.without_robots():
+                    free = all(here.clear.planner.edge(one, other, 0.1) for one, other in pairwise(corners))
                 if free and self._keeps_off(driver, path, self._staying):
                     way.path = path
         return way.path

@@ -1,4 +1,4 @@
-"""Things that fell in a round although no subtask says so, and which robots are to answer for it. Pure functions."""
+"""Objects that fell in a round although no subtask says so, and which robots are to answer for it. Pure functions."""
 
 from __future__ import annotations
 

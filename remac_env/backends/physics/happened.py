@@ -1,4 +1,4 @@
-"""What happened and where things are does not show: buttons that were pressed, and things that were seasoned.
+"""What happened does not always show in where objects are: buttons that were pressed, and objects that were seasoned.
 
 Both are read from the simulation at every control step. What a controller believes to have done plays no part.
 """
@@ -25,7 +25,7 @@ JERK = 2.0  # m/s2, of the shaker along the vertical
 TIPPED = -0.1  # z component of its axis from which on its top points down
 JERKS = 4  # of them, to and fro in turn, season what lies below
 SCATTER = 0.2  # m to each side of the shaker's top that grains fly: 1 m/s for the 0.2 s of a fall
-HIGHEST = 0.45  # m of the shaker over a thing from which grains still land on it
+HIGHEST = 0.45  # m of the shaker over an object from which grains still land on it
 
 
 @dataclass
@@ -38,7 +38,7 @@ class _Button:
 
 @dataclass
 class _Shaker:
-    """How a shaker moved: height and vertical speed at the last step, and jerks since it was tipped, by thing below."""
+    """How a shaker moved: height and vertical speed at the last step, and jerks since it was tipped by object below."""
 
     height: float = math.nan
     speed: float = math.nan
@@ -47,17 +47,17 @@ class _Shaker:
 
 
 class Happened:
-    """``running``: switches that push buttons have left on. ``seasoned``: things over which a shaker was shaken.
+    """``running``: switches that push buttons have left on. ``seasoned``: objects over which a shaker was shaken.
 
     ``update`` is to be called after every control step.
     """
 
     def __init__(
-        self, simulation: Bodies, scene: Rules, layout: Layout, things: Mapping[str, Category], on: Collection[str]
+        self, simulation: Bodies, scene: Rules, layout: Layout, objects: Mapping[str, Category], on: Collection[str]
     ) -> None:
-        self._simulation, self._scene, self._things = simulation, scene, things
+        self._simulation, self._scene, self._objects = simulation, scene, objects
         self._buttons = [_Button(fixture) for fixture in layout.fixtures.values() if fixture.buttons]
-        self._shakers = {name: _Shaker() for name, kind in things.items() if kind.seasons}
+        self._shakers = {name: _Shaker() for name, kind in objects.items() if kind.seasons}
         pushed = {button.switch for fixture in layout.fixtures.values() for button in fixture.buttons}
         self.running = frozenset(on) & pushed
         self.seasoned: frozenset[str] = frozenset()
@@ -95,20 +95,20 @@ class Happened:
         if not abs(pull) >= JERK or side == shaker.side:
             return
         shaker.side = side
-        thing = self._below(name, position, rotation)
-        if thing is None:
+        obj = self._below(name, position, rotation)
+        if obj is None:
             return
-        shaker.jerks[thing] = shaker.jerks.get(thing, 0) + 1
-        if shaker.jerks[thing] >= JERKS:
-            self.seasoned |= {thing}
+        shaker.jerks[obj] = shaker.jerks.get(obj, 0) + 1
+        if shaker.jerks[obj] >= JERKS:
+            self.seasoned |= {obj}
 
     def _below(self, name: str, position: Array, rotation: Array) -> str | None:
-        """The thing on which most grains land that leave the shaker's top now: the nearest in reach, on top."""
-        top = position + rotation[:, 2] * 2.0 * self._things[name].size[2]
+        """The object on which most grains land that leave the shaker's top now: the nearest in reach, on top."""
+        top = position + rotation[:, 2] * 2.0 * self._objects[name].size[2]
         found: list[tuple[float, float, str]] = []
-        for thing, kind in self._things.items():
-            at = self._simulation.pose(thing).position
-            if thing != name and 0.0 < top[2] - at[2] < HIGHEST:
+        for obj, kind in self._objects.items():
+            at = self._simulation.pose(obj).position
+            if obj != name and 0.0 < top[2] - at[2] < HIGHEST:
                 miss = max(0.0, math.dist(at[:2], top[:2]) - max(kind.size[:2]))
-                found += [(miss, -float(at[2]), thing)] if miss <= SCATTER else []
+                found += [(miss, -float(at[2]), obj)] if miss <= SCATTER else []
         return min(found)[2] if found else None

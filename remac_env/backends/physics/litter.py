@@ -1,4 +1,4 @@
-"""Things on the floor: which robots drive around where there is room, and push aside, gently, where there is none."""
+"""Objects on the floor: which robots drive around where there is room, and push aside, gently, where there is none."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.motion import StuckError
 from remac_env.backends.physics.controllers.scripted.paths import Path
-from remac_env.backends.physics.controllers.scripted.skill import Steps, Surroundings
+from remac_env.backends.physics.controllers.scripted.skill import Steps
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.kitchen.blocks import Block
 from remac_env.robots.rotation import Array
 
@@ -23,29 +24,29 @@ _NEAR = 0.03  # m between objects, or an object and a base, that press on one an
 _BASE_MIDDLE, _BASE_HALF = np.array([-0.135, 0.0]), np.array([0.285, 0.24])  # m, see remac_env.robots.panda
 
 
-def lying(here: Surroundings) -> frozenset[str]:
+def lying(here: Workspace) -> frozenset[str]:
     """The objects on the floor, as the robot sees them."""
-    return frozenset(body for body in here.things if body != here.hand.body and here.on_floor(body))
+    return frozenset(body for body in here.kitchen.objects if body != here.hand.body and here.sensed.on_floor(body))
 
 
-def blocks(here: Surroundings, bodies: Collection[str]) -> tuple[Block, ...]:
+def blocks(here: Workspace, bodies: Collection[str]) -> tuple[Block, ...]:
     """The floor, world frame, that objects take."""
     return tuple(_block(here, body) for body in sorted(bodies))
 
 
-def _block(here: Surroundings, body: str) -> Block:
-    (x, y, _), reach = here.simulation.in_room(body).position, _reach(here, body)
+def _block(here: Workspace, body: str) -> Block:
+    (x, y, _), reach = here.sensed.in_room(body).position, _reach(here, body)
     return Block((x - reach, y - reach, 0.0), (x + reach, y + reach, 1.0))
 
 
-def _reach(here: Surroundings, body: str) -> float:
+def _reach(here: Workspace, body: str) -> float:
     """How far an object reaches from its frame at most, in whatever way it lies (m)."""
-    return float(np.linalg.norm(here.things[body].size))
+    return float(np.linalg.norm(here.kitchen.objects[body].size))
 
 
-def pressed(here: Surroundings) -> frozenset[str]:
+def pressed(here: Workspace) -> frozenset[str]:
     """The objects on the floor that are at the base of a robot, and those at them."""
-    places = {body: here.simulation.in_room(body).position[:2] for body in lying(here)}
+    places = {body: here.sensed.in_room(body).position[:2] for body in lying(here)}
     x, y, yaw = here.robot.standing
     turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
 
@@ -74,7 +75,7 @@ def slowed(path: Path) -> Path:
 class Bumper:
     """Watches with how much force a base drives; one for each drive."""
 
-    def __init__(self, here: Surroundings) -> None:
+    def __init__(self, here: Workspace) -> None:
         self._here, self._late = here, 0
 
     def check(self) -> None:
@@ -85,7 +86,7 @@ class Bumper:
             raise StuckError(f"what lies on the floor holds the robot with {force:.0f} N")
 
 
-def retreat(here: Surroundings, travelled: Sequence[Array]) -> Steps:
+def retreat(here: Workspace, travelled: Sequence[Array]) -> Steps:
     """Go back a little on the way just gone, as far as that can be done, so that nothing stays pressed."""
     here.robot.q = here.robot.measured
     now = here.robot.q[:3]

@@ -38,7 +38,7 @@ class Manual:
         self.world: WorldState = timeline.world
         self._scene = timeline.start.scene
         place = None if (goes := subtask.row.goes) is None else goes(self._scene, self.world, robot, subtask.target)
-        stations = self._pilot.here.layout.stations
+        stations = self._pilot.here.kitchen.layout.stations
         self.sensing = self._pilot.briefed(0, subtask, self.world, stations.get(str(place)))
         self.aim: Aim = aim_of(subtask, self.sensing)
         self._conditions = subtask.achieves(robot, self.world.robots[robot].holding)
@@ -101,7 +101,7 @@ class Manual:
         return not self.subtask.row.takes or self._carried(self.subtask.target)
 
     def _carried(self, name: str) -> bool:
-        """Whether a thing that is held touches nothing but robots and other things: its weight is the hand's."""
+        """Whether an object that is held touches nothing but robots and other objects: its weight is the hand's."""
         simulation = self._timeline.simulation
         model, data = simulation.model, simulation.data
         body = model.body(name).id

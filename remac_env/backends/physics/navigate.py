@@ -1,4 +1,4 @@
-"""Navigate: which base pose a command means. The driving itself is in :mod:`remac_env.backends.physics.traffic`."""
+"""Navigate: which base pose a command means. The driving itself is in :mod:`remac_env.backends.physics.multi_robot`."""
 
 from __future__ import annotations
 

@@ -50,29 +50,29 @@ class Perception:
     """What one robot misjudges. ``things`` and ``fixtures``: errors by name; none where perception is perfect."""
 
     def __init__(self) -> None:
-        self.things: dict[str, Error | HeldError] = {}
+        self.objects: dict[str, Error | HeldError] = {}
         self.fixtures: dict[str, Error] = {}
 
     def draw(
-        self, chance: np.random.Generator, noise: float, layout: Layout, things: Mapping[str, Category],
+        self, chance: np.random.Generator, noise: float, layout: Layout, objects: Mapping[str, Category],
         held: str | None,
     ) -> None:
         """Draw all errors anew, but for an object that the hand holds; ``noise``: standard deviation, m."""
-        in_hand = self.things.get(held) if held else None
+        in_hand = self.objects.get(held) if held else None
         drawn: dict[str, Error | HeldError] = {
-            name: _error(chance, noise, np.zeros(3), max(things[name].size[:2])) for name in sorted(things)
+            name: _error(chance, noise, np.zeros(3), max(objects[name].size[:2])) for name in sorted(objects)
         }
-        self.things = drawn
+        self.objects = drawn
         if held and isinstance(in_hand, HeldError):
-            self.things[held] = in_hand
+            self.objects[held] = in_hand
         self.fixtures = {}
         for name in sorted(layout.fixtures):
             middle, half = _extent(layout.fixtures[name])
             self.fixtures[name] = _error(chance, noise, np.array(layout.frame(name).space(middle)), half)
 
-    def thing(self, name: str, position: Array, rotation: Array) -> tuple[Array, Array]:
+    def seen(self, name: str, position: Array, rotation: Array) -> tuple[Array, Array]:
         """How an object at ``position`` (3,) and ``rotation`` (3, 3), world frame, is seen."""
-        error = self.things.get(name)
+        error = self.objects.get(name)
         if error is None:
             return position, rotation
         if isinstance(error, HeldError):
@@ -81,9 +81,9 @@ class Perception:
 
     def hold(self, name: str, rotation: Array) -> None:
         """From now on an object with ``rotation`` (3, 3) in the world keeps its error as it turns with the hand."""
-        error = self.things.get(name)
+        error = self.objects.get(name)
         if isinstance(error, Error):
-            self.things[name] = HeldError(rotation.T @ error.shift, rotation.T @ about_z(error.turn) @ rotation)
+            self.objects[name] = HeldError(rotation.T @ error.shift, rotation.T @ about_z(error.turn) @ rotation)
 
 
 def _error(chance: np.random.Generator, noise: float, pivot: Array, half: float) -> Error:

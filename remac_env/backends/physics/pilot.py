@@ -9,7 +9,8 @@ from remac_env.backends.physics.controllers.base import Command, CommandError, C
 from remac_env.backends.physics.controllers.guard import guarded
 from remac_env.backends.physics.controllers.scripted.controller import Scripted, ended
 from remac_env.backends.physics.controllers.scripted.motion import Steps
-from remac_env.backends.physics.controllers.scripted.skill import Surroundings, go_home, take
+from remac_env.backends.physics.controllers.scripted.skill import go_home, take
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.sensing import Briefed, Felt
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
@@ -31,7 +32,7 @@ class Pilot:
     """Runs motions of one robot. ``own``: the controllers, by skill, that take the place of scripted ones."""
 
     def __init__(
-        self, simulation: Simulation, here: Surroundings, rules: Rules, own: Mapping[str, Controller], seed: int
+        self, simulation: Simulation, here: Workspace, rules: Rules, own: Mapping[str, Controller], seed: int
     ) -> None:
         self._simulation, self._handle = simulation, simulation.robots[here.robot.name]
         self.here, self.own, self._seed = here, own, seed
@@ -40,7 +41,7 @@ class Pilot:
     def briefed(self, number: int, subtask: Subtask, world: WorldState, goal: Station | None = None) -> Briefed:
         """What the robot is told about a subtask that begins now; ``number``: of the batch in which it was given."""
         chance = generator(self._seed, "search", number, subtask.text)
-        return Briefed(self.here.simulation.senses, Felt(self._handle), self.here.place, goal, world, chance)
+        return Briefed(self.here.sensed.senses, Felt(self._handle), self.here.place, goal, world, chance)
 
     def wanted(self, subtask: Subtask, sensing: Briefed) -> Generator[Command, None, Outcome]:
         """What the scripted controller wants of the robot."""
@@ -94,7 +95,7 @@ class Pilot:
     def _feel(self, told: WorldState, stood: Mapping[str, Pose]) -> None:
         """Note what the hand holds by now. ``stood``: how everything stood before."""
         here = self.here
-        held = holding(self._simulation, self._handle, here.things)
+        held = holding(self._simulation, self._handle, here.kitchen.objects)
         if held is None:
             here.hand.body, here.hand.contents = None, ()
         elif held != here.hand.body:

@@ -11,7 +11,7 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.motion import periods_between
 from remac_env.backends.physics.controllers.scripted.paths import Path
-from remac_env.backends.physics.controllers.scripted.skill import Surroundings
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import Frame
@@ -188,12 +188,12 @@ class Outline:
     high: Array
 
     @staticmethod
-    def of(here: Surroundings) -> Outline:
+    def of(here: Workspace) -> Outline:
         """The outline of a robot as it is, with what it holds."""
         q = here.robot.q.copy()
         q[:3] = 0.0
-        here.scratch.pose(q)
-        low, high = here.scratch.extent()
+        here.clear.checker.pose(q)
+        low, high = here.clear.checker.extent()
         return Outline(low[:, :2], high[:, :2])
 
     def corners(self, bases: Array) -> Array:

@@ -64,7 +64,7 @@ class Senses:
         """Where an object is seen, or a part of a fixture by the name of its body, site or geom."""
         if name in self.objects:
             truth = self._simulation.pose(name)
-            return Pose(*self.perception.thing(name, truth.position, truth.rotation), WORLD)
+            return Pose(*self.perception.seen(name, truth.position, truth.rotation), WORLD)
         position, rotation = self._part(name)
         error = self.perception.fixtures.get(name.partition("/")[0])
         if error is None:
@@ -134,7 +134,7 @@ class Senses:
     def positions(self) -> Array:
         """All joint positions (nq,), of objects as they are seen."""
         qpos = self._simulation.data.qpos.copy()
-        for body in self.perception.things:
+        for body in self.perception.objects:
             address = int(self.model.joint(body).qposadr[0])
             seen = self.pose(body)
             qpos[address : address + 7] = [*seen.position, *quaternion(seen.rotation)]

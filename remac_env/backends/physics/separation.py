@@ -19,7 +19,7 @@ _FAR = 2.4  # m between two bases from which on arms cannot meet
 
 
 class Separation:
-    """Distances between robots, measured on a scratch copy in which nothing else collides."""
+    """Distances between robots, measured on a copy in which nothing else collides."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -35,7 +35,7 @@ class Separation:
         self._set_masks()
 
     def holding(self, held: Mapping[str, str]) -> None:
-        """Let these things (robot -> body) count as parts of the robots that hold them."""
+        """Let these objects (robot -> body) count as parts of the robots that hold them."""
         if held != self._held:
             self._held = dict(held)
             self._set_masks()

@@ -21,11 +21,11 @@ from remac_env.state import FLOOR, FixtureState, FrozenMap, ObjectState, Place, 
 STATION_DISTANCE = 0.20  # m; released threshold
 STATION_COSINE = 0.98  # of the heading's error; released threshold
 PAN_ON_BURNER = 0.15  # m from the burner's middle; released threshold
-SLOT_SLACK = 0.06  # m over a slot's edge: a thing that rolled a little still lies in it
-_SURFACE_BAND = (-0.03, 0.12)  # m of a thing's frame over the slot's surface
+SLOT_SLACK = 0.06  # m over a slot's edge: an object that rolled a little still lies in it
+_SURFACE_BAND = (-0.03, 0.12)  # m of an object's frame over the slot's surface
 _CAVITY_HEIGHT = 0.5
 _NEAR = 0.6  # m, along and across, within which all of a slot lies
-_VESSEL_BAND = (-0.01, 0.14)  # m of a thing's frame over that of the vessel it is in
+_VESSEL_BAND = (-0.01, 0.14)  # m of an object's frame over that of the vessel it is in
 _UPRIGHT = 0.8  # z component of a vessel's axis
 
 
@@ -37,7 +37,7 @@ class Posed(Protocol):
 
 
 def read_world(
-    simulation: Bodies, scene: Rules, layout: Layout, things: Mapping[str, Category], *,
+    simulation: Bodies, scene: Rules, layout: Layout, objects: Mapping[str, Category], *,
     marks: Mapping[str, frozenset[str]], running: frozenset[str],
 ) -> WorldState:
     """The world as it is.
@@ -45,11 +45,11 @@ def read_world(
     ``marks`` and ``running`` are what geometry does not show: marks of objects, and switches that a push button
     has left on.
     """
-    held = {name: holding(simulation, robot, things) for name, robot in simulation.robots.items()}
+    held = {name: holding(simulation, robot, objects) for name, robot in simulation.robots.items()}
     robots = {name: RobotState(station_of(robot, layout), held[name]) for name, robot in simulation.robots.items()}
     holders = {body: name for name, body in held.items() if body is not None}
-    objects = {
-        name: ObjectState(_place(simulation, layout, things, holders, name), marks.get(name, frozenset()))
+    states = {
+        name: ObjectState(_place(simulation, layout, objects, holders, name), marks.get(name, frozenset()))
         for name in scene.objects
     }
     fixtures = {}
@@ -57,7 +57,7 @@ def read_world(
         reading = layout.fixtures[name].read(simulation.model, simulation.data)
         on = reading.on | (running & frozenset(layout.fixtures[name].switches))
         fixtures[name] = FixtureState(reading.door, frozenset(on))
-    return WorldState(FrozenMap(robots), FrozenMap(objects), FrozenMap(fixtures))
+    return WorldState(FrozenMap(robots), FrozenMap(states), FrozenMap(fixtures))
 
 
 def station_of(robot: Standing, layout: Layout) -> str:
@@ -70,11 +70,11 @@ def station_of(robot: Standing, layout: Layout) -> str:
     return ASIDE
 
 
-def holding(simulation: Bodies, robot: Standing, things: Mapping[str, Category]) -> str | None:
-    """The thing that both fingers of a robot touch, or None."""
+def holding(simulation: Bodies, robot: Standing, objects: Mapping[str, Category]) -> str | None:
+    """The object that both fingers of a robot touch, or None."""
     model, data = simulation.model, simulation.data
     fingers = [model.body(finger).id for finger in robot.fingers]
-    bodies = {model.body(name).id: name for name in things}
+    bodies = {model.body(name).id: name for name in objects}
     touched: dict[int, set[int]] = {}
     for pair in model.geom_bodyid[data.contact.geom[: data.ncon]]:
         for one, other in (pair, pair[::-1]):
@@ -85,26 +85,26 @@ def holding(simulation: Bodies, robot: Standing, things: Mapping[str, Category])
 
 
 def _place(
-    simulation: Bodies, layout: Layout, things: Mapping[str, Category], holders: Mapping[str, str], name: str
+    simulation: Bodies, layout: Layout, objects: Mapping[str, Category], holders: Mapping[str, str], name: str
 ) -> Place:
     if name in holders:
         return Place("held", holders[name])
     position = simulation.pose(name).position
-    vessel = vessel_around(simulation, things, name, position)
+    vessel = vessel_around(simulation, objects, name, position)
     if vessel is not None:
         return Place("vessel", vessel)
-    slot = slot_under(layout, position - [0.0, 0.0, things[name].rest_height], partial(shifted, simulation, layout))
+    slot = slot_under(layout, position - [0.0, 0.0, objects[name].rest_height], partial(shifted, simulation, layout))
     return FLOOR if slot is None else Place("slot", slot)
 
 
 def vessel_around(
-    simulation: Posed, things: Mapping[str, Category], name: str, position: Array
+    simulation: Posed, objects: Mapping[str, Category], name: str, position: Array
 ) -> str | None:
-    """The nearest upright vessel in or on which the thing's frame lies."""
+    """The nearest upright vessel in or on which the object's frame lies."""
     found = []
-    if things[name].vessel:
+    if objects[name].vessel:
         return None
-    for other, kind in things.items():
+    for other, kind in objects.items():
         if other == name or not kind.vessel:
             continue
         pose = simulation.pose(other)
@@ -124,7 +124,7 @@ def shifted(simulation: Bodies, layout: Layout, slot: str) -> Array:
 
 
 def slot_under(layout: Layout, point: Array, seen: Callable[[str], Array] | None = None) -> str | None:
-    """The slot on which a thing with its lowest point at ``point`` (3,) lies, or None; world frame, m.
+    """The slot on which an object with its lowest point at ``point`` (3,) lies, or None; world frame, m.
 
     ``seen``: by how much (3,) a slot seems to be off, where one asks for what is seen.
     """

@@ -16,14 +16,14 @@ from remac_env.robots.rotation import Array
 from remac_env.start import Start
 from remac_env.state import base_place
 
-_AIR = 0.0002  # m under a thing, so that it starts without penetration
+_AIR = 0.0002  # m under an object, so that it starts without penetration
 
 
-def pose_start(simulation: Bodies, layout: Layout, things: Mapping[str, Category], start: Start) -> None:
+def pose_start(simulation: Bodies, layout: Layout, objects: Mapping[str, Category], start: Start) -> None:
     """Set every joint of a fresh simulation: objects, doors, switches and robots."""
     simulation.clear()
     for name in start.world.objects:
-        position, yaw = _object_pose(layout, things, start, name)
+        position, yaw = _object_pose(layout, objects, start, name)
         simulation.place(name, position, np.array([math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw)]))
     for name, state in start.world.fixtures.items():
         for joint, value in layout.fixtures[name].joints(start.doors.get(name, 0.0), state.on).items():
@@ -35,12 +35,12 @@ def pose_start(simulation: Bodies, layout: Layout, things: Mapping[str, Category
     mujoco.mj_forward(simulation.model, simulation.data)
 
 
-def _object_pose(layout: Layout, things: Mapping[str, Category], start: Start, name: str) -> tuple[Array, float]:
-    """Position (3,) and yaw of a thing in its slot, or in a vessel that is in one."""
+def _object_pose(layout: Layout, objects: Mapping[str, Category], start: Start, name: str) -> tuple[Array, float]:
+    """Position (3,) and yaw of an object in its slot, or in a vessel that is in one."""
     place, offset = start.world.objects[name].place, start.offsets[name]
-    shift = np.array([offset.dx, offset.dy, things[name].rest_height + _AIR])
+    shift = np.array([offset.dx, offset.dy, objects[name].rest_height + _AIR])
     if place.relation == "vessel":
-        ground = _object_pose(layout, things, start, place.where)[0] + [0.0, 0.0, things[place.where].inside_height]
+        ground = _object_pose(layout, objects, start, place.where)[0] + [0.0, 0.0, objects[place.where].inside_height]
     else:
         fixture = layout.fixtures[layout.slots[place.where].fixture]
         ground = np.array(layout.middle(place.where))

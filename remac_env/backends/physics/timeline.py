@@ -12,12 +12,12 @@ import mujoco
 from remac_env.backends.base import Counters, RoundResult
 from remac_env.backends.physics.attempts import Orders
 from remac_env.backends.physics.controllers.base import MakeController, check_controllers
-from remac_env.backends.physics.crew import Crew
 from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.pilot import Attempt, Pilot
 from remac_env.backends.physics.separation import NEAR_MISS
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, SUBSTEPS, Simulation
 from remac_env.backends.physics.stage import pose_start
+from remac_env.backends.physics.team import Team
 from remac_env.backends.physics.truth import Truth
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout
@@ -33,7 +33,7 @@ from remac_env.state import WorldState
 
 _REST_SPEED = 0.02  # m/s or rad/s below which the kitchen is at rest
 _REST_LEAST, _REST_MOST = 6, 60  # control periods
-_START_LEAST = 1  # of the same: things start where they rest
+_START_LEAST = 1  # of the same: objects start where they rest
 
 Watch = Callable[[], None] | None
 
@@ -61,25 +61,25 @@ class Timeline:
         check_controllers(controllers, len(start.scene.robots))
         self.start, self._controllers = start, controllers
         self._layout: Layout = worlds.layout_of(start)
-        self._things: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
+        self._objects: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
         robots = tuple(start.scene.robots)
-        model = _model(self._layout, robots, tuple(self._things.items()), start.body)
+        model = _model(self._layout, robots, tuple(self._objects.items()), start.body)
         self.simulation = Simulation(model, robots, before, bodies.get(start.body))
-        self._truth = Truth(self.simulation, start, self._layout, self._things)
+        self._truth = Truth(self.simulation, start, self._layout, self._objects)
         self._batches = self._contacts = self._misses = 0
         self._tasks: dict[str, _Task] = {}
         self._attempts: dict[str, Attempt] = {}
         self._stepped: set[str] = set()
         self._fell: dict[str, str] = {}
-        pose_start(self.simulation, self._layout, self._things, start)
+        pose_start(self.simulation, self._layout, self._objects, start)
         self._settle(_START_LEAST)
         self._zero = self.simulation.ticks
         self.world = self._truth.read()
 
     @cached_property
-    def _crew(self) -> Crew:
+    def _team(self) -> Team:
         """Made for the first subtask, as it takes longer and more memory than all the rest."""
-        return Crew(self.simulation, self._layout, self._things, self.start, self._controllers)
+        return Team(self.simulation, self._layout, self._objects, self.start, self._controllers)
 
     @property
     def busy(self) -> frozenset[str]:
@@ -96,13 +96,13 @@ class Timeline:
         """Start subtasks of idle robots; see the backend."""
         world, now = self.world, self.simulation.ticks
         idle = {name: state for name, state in world.robots.items() if name not in self._attempts}
-        self._crew.hold({name: state.holding for name, state in idle.items()})
+        self._team.hold({name: state.holding for name, state in idle.items()})
         claims = {robot: task.claim for robot, task in self._tasks.items()}
         refused, stations = settle_claims(self.start.scene, world, subtasks, claims)
         accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
         for robot, subtask in accepted.items():
             self._tasks[robot] = _Task(subtask, now, world, Claim.of(world, robot, subtask, stations[robot]))
-        self._attempts |= self._crew.attempts(Orders(self._batches, world, accepted, stations, self._achieved))
+        self._attempts |= self._team.attempts(Orders(self._batches, world, accepted, stations, self._achieved))
         self._batches += 1
         return {robot: self._timed(outcome, now) for robot, outcome in refused.items()}
 
@@ -143,8 +143,8 @@ class Timeline:
 
     def pilot(self, robot: str) -> Pilot:
         """Who passes a robot's commands on, for who moves it from outside; see `manual`."""
-        self._crew.hold({name: state.holding for name, state in self.world.robots.items()})
-        return self._crew.pilots[robot]
+        self._team.hold({name: state.holding for name, state in self.world.robots.items()})
+        return self._team.pilots[robot]
 
     def seen(self) -> WorldState:
         """The world as geometry shows it now, in the midst of motion."""
@@ -153,7 +153,7 @@ class Timeline:
     def abandon(self) -> None:
         """Forget what is under way."""
         for robot in self._attempts:
-            self._crew.finished(robot)
+            self._team.finished(robot)
         self._attempts, self._tasks, self._stepped, self._fell = {}, {}, set(), {}
 
     def _run(self, watch: Watch, until: float = math.inf) -> dict[str, Outcome]:
@@ -167,14 +167,14 @@ class Timeline:
                 except StopIteration as end:
                     ended[robot] = self._timed(end.value, self._tasks[robot].began)
                     del self._attempts[robot], self._tasks[robot]
-                    self._crew.finished(robot)
+                    self._team.finished(robot)
             if ended or self.clock >= until:
                 break
             self.tick()
             self._stepped.clear()
             if watch is not None:
                 watch()
-            distance = self._crew.separation.of_world()
+            distance = self._team.separation.of_world()
             self._contacts += distance <= 0.0
             self._misses += distance < NEAR_MISS
         return ended
@@ -231,7 +231,7 @@ class Timeline:
 
 @lru_cache(maxsize=8)
 def _model(
-    layout: Layout, robots: tuple[str, ...], things: tuple[tuple[str, Category], ...], body: str
+    layout: Layout, robots: tuple[str, ...], objects: tuple[tuple[str, Category], ...], body: str
 ) -> mujoco.MjModel:
     """Compiled colliders; a model is never written to, so episodes share it."""
-    return build_model(layout, robots=robots, objects=dict(things), looks=False, body=bodies.get(body))
+    return build_model(layout, robots=robots, objects=dict(objects), looks=False, body=bodies.get(body))

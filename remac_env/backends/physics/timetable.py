@@ -31,9 +31,9 @@ class Timetable(Drives):
 
     def timed(self) -> dict[str, Path]:
         """A timed path for every robot; those without any way are left out, the others replanned."""
-        self.drivers = drivers = {name: self._driver(errand) for name, errand in self._errands.items()}
+        self.drivers = drivers = {name: self._driver(drive_goal) for name, drive_goal in self._drive_goals.items()}
         self._separation.refresh()
-        places = {name: (errand.goal.x, errand.goal.y) for name, errand in self._errands.items()}
+        places = {name: (drive_goal.goal.x, drive_goal.goal.y) for name, drive_goal in self._drive_goals.items()}
         going = sorted(drivers, key=lambda name: places[name])
         if self._moving:
             return self._between({name: drivers[name] for name in going})
@@ -159,7 +159,7 @@ class Timetable(Drives):
         for one, first in drivers.items():
             here, rest = first.here, {name: driver for name, driver in drivers.items() if name != one}
             waiting = {name: driver.here.robot.q for name, driver in rest.items()}
-            for refuge in sorted(here.layout.refuges(here.place), key=here.place.distance)[:_REFUGES]:
+            for refuge in sorted(here.kitchen.layout.refuges(here.place), key=here.place.distance)[:_REFUGES]:
                 out = self._alone(one, (here.place, here.robot.q), refuge, waiting)
                 through = self._past(rest, {one: out[-1]}) if out else None
                 if not out or not through:
@@ -188,7 +188,7 @@ class Timetable(Drives):
         """The quickest way of one robot while others stand in these configurations."""
         driver, (place, q) = self.drivers[name], start
         around = (*standing.values(), *self._standing())
-        leaves = Departure(driver.here.layout, place, q, self._rooms, around, self._litter(driver.here))
+        leaves = Departure(driver.here.kitchen.layout, place, q, self._rooms, around, self._litter(driver.here))
         still = [(other, _still(at)) for other, at in standing.items()]
         for way in ways_to(leaves, goal, driver.here.robot.body):
             if self._path(driver, way) and all(

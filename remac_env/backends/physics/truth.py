@@ -23,11 +23,11 @@ class Truth:
     ``happened``: what was pressed and seasoned by now.
     """
 
-    def __init__(self, bodies: Bodies, start: Start, layout: Layout, things: Mapping[str, Category]) -> None:
-        self._bodies, self._scene, self._layout, self._things = bodies, start.scene, layout, things
+    def __init__(self, bodies: Bodies, start: Start, layout: Layout, objects: Mapping[str, Category]) -> None:
+        self._bodies, self._scene, self._layout, self._objects = bodies, start.scene, layout, objects
         self._marks = {name: state.marks for name, state in start.world.objects.items()}
         on = frozenset().union(*(state.on for state in start.world.fixtures.values()))
-        self.happened = Happened(bodies, start.scene, layout, things, on)
+        self.happened = Happened(bodies, start.scene, layout, objects, on)
 
     def update(self) -> None:
         """Take the last control step into account."""
@@ -51,7 +51,7 @@ class Truth:
         happened = self.happened
         marks = {n: marks | {SEASONED} if n in happened.seasoned else marks for n, marks in self._marks.items()}
         return read_world(
-            self._bodies, self._scene, self._layout, self._things, marks=marks, running=happened.running
+            self._bodies, self._scene, self._layout, self._objects, marks=marks, running=happened.running
         )
 
     def read(self) -> WorldState:

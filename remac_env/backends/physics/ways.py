@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.paths import Path
-from remac_env.backends.physics.controllers.scripted.skill import Surroundings
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.routes import Course, Departure, Outline, candidates, periods
 from remac_env.kitchen.floor_plan import Station
 from remac_env.robots.body import Body
@@ -43,7 +43,7 @@ class Way:
 class Driver:
     """A robot with its ways, quickest first, its outline while it drives, and its goal."""
 
-    here: Surroundings
+    here: Workspace
     ways: list[Way]
     outline: Outline
     goal: Station
@@ -82,12 +82,12 @@ def ways_to(start: Departure, goal: Station, body: Body) -> list[Way]:
     return sorted(ways, key=lambda way: way.periods)
 
 
-def held_pose(here: Surroundings, q: Array) -> tuple[int, Array] | None:
+def held_pose(here: Workspace, q: Array) -> tuple[int, Array] | None:
     """Address and pose (7,) of what a robot holds when it is in configuration ``q``."""
-    attached = here.scratch.held
+    attached = here.clear.checker.held
     if attached is None:
         return None
-    position, rotation = here.kinematics.forward(q)
+    position, rotation = here.robot.kinematics.forward(q)
     turned = quaternion(rotation @ attached.rotation)
     return attached.address, np.concatenate([position + rotation @ attached.position, turned])
 

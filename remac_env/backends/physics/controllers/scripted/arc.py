@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
-from remac_env.backends.physics.controllers.scripted.leaf import Leaf
+from remac_env.backends.physics.controllers.scripted.panel import DoorPanel
 from remac_env.backends.physics.controllers.scripted.reach import BACK
-from remac_env.backends.physics.controllers.scripted.skill import Steps, Surroundings
+from remac_env.backends.physics.controllers.scripted.skill import Steps
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.robots.rotation import Array, about_z
 
@@ -20,11 +21,11 @@ NARROW_GRIP = 0.024
 
 _PLANNED = 0.05  # rad beyond, in planning
 _BEYOND = 0.06  # rad by which the command may go beyond
-# rad/s; slower where a leaf is nearly shut: a hand that still leads presses bar and panel on the fingers, which then
+# rad/s; slower where a panel is nearly shut: a hand that still leads presses bar and panel on the fingers, which then
 # do not open.
 _SPEED, _SHUTTING, _LANDING = 0.7, 0.35, 0.15
 _STARTING = 12  # control periods in which the hand comes up to speed
-_LAST = 0.12  # rad before it is shut over which a leaf lands
+_LAST = 0.12  # rad before it is shut over which a panel lands
 _LEAD = 0.22  # rad by which the command may run ahead of the door
 _STALLED = 25  # control periods without progress
 # Share of what forces hold the hand off the arc by which, each period, the command yields to them across the bar's way.
@@ -47,21 +48,21 @@ class DoorGrasp(Grasp):
     beside: Array = field(default_factory=lambda: np.zeros(3))
     pushes: bool = False
 
-    def at(self, door: Leaf, angle: float) -> Array:
+    def at(self, door: DoorPanel, angle: float) -> Array:
         """Where the hand is (3,) when the panel stands at an angle."""
         at = door.at(angle, self.higher)
         return at + door.turn(angle) @ self.beside if self.pushes else at
 
 
 def arc_is_free(
-    here: Surroundings, door: Leaf, q: Array, grasp: DoorGrasp, start: float, target: float
+    here: Workspace, door: DoorPanel, q: Array, grasp: DoorGrasp, start: float, target: float
 ) -> Free | Hit | NoWay:
     """Whether the whole swing, the release and the way home are free, the panel moving along."""
-    planner, scratch = here.planner, here.scratch
+    planner, checker = here.clear.planner, here.clear.checker
     beyond = target if grasp.pushes else target + math.copysign(_PLANNED, target - start)
     count = max(1, int(abs(beyond - start) / 0.06))
     angle = start
-    scratch.fingers(0.0 if grasp.pushes else _BAR_GRIP)
+    checker.fingers(0.0 if grasp.pushes else _BAR_GRIP)
     for k in range(1, count + 1):
         angle = start + (beyond - start) * k / count
         at = about_z(-door.sign * grasp.follows * (angle - start)) @ grasp.rotation
@@ -71,10 +72,10 @@ def arc_is_free(
         q = step.q
         panel = {door.address: max(angle, 0.0)}
         off = step.position_error > 0.008 or step.rotation_error > 0.12
-        free = NoWay("the arm cannot follow") if off else scratch.free(q, panel)
+        free = NoWay("the arm cannot follow") if off else checker.free(q, panel)
         if not free:
             return NoWay(f"arc at {angle:.2f} rad: {free}")
-    scratch.fingers(0.0 if grasp.pushes else NARROW_GRIP)
+    checker.fingers(0.0 if grasp.pushes else NARROW_GRIP)
     away = planner.line(q, planner.hand(q).back(BACK), weights=grasp.weights)
     if isinstance(away, Hit | NoWay):
         return away
@@ -85,13 +86,13 @@ def arc_is_free(
     return FREE if home else NoWay("no way on")
 
 
-def follow_arc(here: Surroundings, door: Leaf, grasp: DoorGrasp, start: float, target: float) -> Steps:
+def follow_arc(here: Workspace, door: DoorPanel, grasp: DoorGrasp, start: float, target: float) -> Steps:
     """Lead the bar along its arc until the door is there or stops moving."""
-    simulation, planner, robot = here.simulation, here.planner, here.robot
+    sensed, planner, robot = here.sensed, here.clear.planner, here.robot
     sign = math.copysign(1.0, target - start)
     angle, last, stalled, shift = start, start, 0, np.zeros(3)
     for period in range(1, 301):
-        now = simulation.joint(door.joint)
+        now = sensed.joint(door.joint)
         limit = min(sign * now + _LEAD, sign * target + _BEYOND)
         speed = min(1.0, period / _STARTING) * (_pace(sign * angle) if sign < 0.0 else _SPEED)
         angle = sign * min(sign * angle + speed * CONTROL_PERIOD, limit)
@@ -115,11 +116,11 @@ def follow_arc(here: Surroundings, door: Leaf, grasp: DoorGrasp, start: float, t
 
 
 def _pace(angle: float) -> float:
-    """How fast (rad/s) a leaf is shut that stands at ``-angle``."""
+    """How fast (rad/s) a panel is shut that stands at ``-angle``."""
     return _SPEED if angle < -_LEAD else _SHUTTING if angle < -_LAST else _LANDING
 
 
 def _yielding(shift: Array, outward: Array) -> Array:
-    """The parts of a shift (3,) along the leaf and upwards: along its way the hand has to pull."""
+    """The parts of a shift (3,) along the panel and upwards: along its way the hand has to pull."""
     along = float(np.clip(shift @ outward, -_YIELD_MOST, _YIELD_MOST))
     return along * outward + [0.0, 0.0, float(np.clip(shift[2], -_YIELD_MOST, _YIELD_MOST))]

@@ -1,6 +1,6 @@
-"""Collision checks on a scratch copy of the world, for one robot at a time.
+"""Collision checks on a copy of the world, for one robot at a time.
 
-The scratch model differs from the simulated one only in what meets what: pairs without the planning robot (or the
+The copied model differs from the simulated one only in what meets what: pairs without the planning robot (or the
 object in its hand) are switched off, and margins are added around the robot. The simulation is never touched.
 """
 
@@ -18,7 +18,6 @@ import numpy as np
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit
 from remac_env.backends.physics.pose import Pose
-from remac_env.robots.body import Kinematics
 from remac_env.robots.rotation import Array, quaternion
 
 ARM_MARGIN = 0.008  # m, around arm links, column and base
@@ -53,7 +52,7 @@ class Attached:
 
 
 @dataclass(frozen=True)
-class Fence:
+class KeepOutPlane:
     """An upright plane in the world: its normal, of length 1, and how far along it one may go (m)."""
 
     x: float
@@ -66,19 +65,19 @@ class Fence:
         return np.array([self.x, self.y, 0.0])
 
 
-class Scratch:
+class CollisionChecker:
     """Answers whether a configuration of one robot, expressed in the robot's frame, is free of forbidden contact."""
 
-    def __init__(self, simulation: View, robot: Robot, kinematics: Kinematics) -> None:
-        self.simulation, self.robot, self.kinematics = simulation, robot, kinematics
-        model = simulation.model
+    def __init__(self, sensed: View, robot: Robot) -> None:
+        self.sensed, self.robot = sensed, robot
+        model = sensed.model
         self.model = copy.copy(model)
         self._use(mujoco.MjData(self.model))
         self.checks = 0
         names = [model.body(b).name for b in range(model.nbody)]
         own = np.array([n.startswith(robot.name + "/") for n in names])
         grip = np.array([n.startswith(robot.name + "/") and n.split("/")[1] in _GRIPPER_PARTS for n in names])
-        others = np.array([any(n.startswith(r + "/") for r in simulation.robots) for n in names]) & ~own
+        others = np.array([any(n.startswith(r + "/") for r in sensed.robots) for n in names]) & ~own
         self._body_names, self._others = names, others
         of = model.geom_bodyid
         self._classes = np.full(model.ngeom, OTHER)
@@ -94,10 +93,10 @@ class Scratch:
         self.model.opt.enableflags = 0
         self.classes = self._classes.copy()
         self.held: Attached | None = None
-        self.fences: tuple[Fence, ...] = ()  # robot and held object must stay on this side of them
+        self.keep_out: tuple[KeepOutPlane, ...] = ()  # robot and held object must stay on this side of them
         self._spans = _geom_spans(model)
         self._radii = np.linalg.norm(self._spans[:, :3], axis=1) + self._spans[:, 3]
-        self._fenced = np.flatnonzero(own[of])
+        self._confined = np.flatnonzero(own[of])
         self._start = self.data.qpos.copy()
 
     def begin(
@@ -109,19 +108,19 @@ class Scratch:
         ``contents`` ride in a held vessel and are ignored. ``held_meets=False`` ignores the held object's contacts.
         """
         self.release()
-        self.data.qpos[:] = self.simulation.positions()
+        self.data.qpos[:] = self.sensed.positions()
         self._start = self.data.qpos.copy()
         self.classes[:] = self._classes
         self.mark(target, TARGET)
         for body in contents:
-            self.mark(self.simulation.geoms(body), IGNORED)
+            self.mark(self.sensed.geoms(body), IGNORED)
         if held is not None:
             grip = self.robot.grip_pose()
-            self.hold(held, grip, self.simulation.pose(held), meets=held_meets)
+            self.hold(held, grip, self.sensed.pose(held), meets=held_meets)
 
     def look(self) -> None:
         """Stand the fixtures where the robot sees them."""
-        self.simulation.stand(self.model)
+        self.sensed.stand(self.model)
 
     def mark(self, geoms: Iterable[int], kind: int) -> None:
         """Class ``kind`` for these geoms until the next :meth:`begin`."""
@@ -135,28 +134,28 @@ class Scratch:
     def hold(self, body: str, grip: Pose, pose: Pose, *, meets: bool = True) -> None:
         """Attach ``body`` to the hand, at ``pose`` when the grip is at ``grip``."""
         self.release()
-        geoms = self.simulation.geoms(body)
+        geoms = self.sensed.geoms(body)
         self.mark(geoms, HELD)
-        self._fenced = np.concatenate([self._fenced, geoms])
+        self._confined = np.concatenate([self._confined, geoms])
         self._set_meeting(body, 3 if meets else 0)
-        address = int(self.simulation.model.joint(body).qposadr[0])
+        address = int(self.sensed.model.joint(body).qposadr[0])
         self.held = Attached(body, address, *grip.of(pose))
 
     def release(self, *, leave: bool = False) -> None:
-        """Detach the held thing: back to where it was, or left where it is now."""
+        """Detach the held object: back to where it was, or left where it is now."""
         if self.held is None:
             return
         if not leave:
             a = self.held.address
             self.data.qpos[a : a + 7] = self._start[a : a + 7]
         self._set_meeting(self.held.body, 0)
-        self._fenced = self._fenced[: len(self._fenced) - len(self.simulation.geoms(self.held.body))]
+        self._confined = self._confined[: len(self._confined) - len(self.sensed.geoms(self.held.body))]
         self.held = None
 
     @contextmanager
     def clearance(self, margin: float, *, gripper: bool = True, arm: bool = False) -> Iterator[None]:
         """Keep what is held and the gripper, or the arm alone, ``margin`` (m) away from objects within this context."""
-        held = self.simulation.geoms(self.held.body) if self.held and not arm else []
+        held = self.sensed.geoms(self.held.body) if self.held and not arm else []
         own = np.flatnonzero(self._classes == ARM) if arm else self._own_grip if gripper else ()
         geoms = np.array([*held, *own], int)
         before = self.model.geom_margin[geoms]
@@ -171,7 +170,7 @@ class Scratch:
         self.checks += 1
         data = self.data
         self.pose(q, joints)
-        if any(self._beyond(fence) for fence in self.fences):
+        if any(self._beyond(plane) for plane in self.keep_out):
             return Hit(self.robot.name, "the room of another robot")
         try:
             mujoco.mj_collision(self.model, data)
@@ -188,7 +187,7 @@ class Scratch:
         if not bad.any():
             return FREE
         first = pairs[int(np.argmax(bad))]
-        one, other = (self._body_names[self.simulation.model.geom_bodyid[g]] or "world" for g in first)
+        one, other = (self._body_names[self.sensed.model.geom_bodyid[g]] or "world" for g in first)
         return Hit(one, other)
 
     def pose(self, q: Array, joints: Mapping[int, float] | None = None) -> None:
@@ -201,14 +200,14 @@ class Scratch:
                 qpos[address] = value
         if self.held is not None:
             a = self.held.address
-            position, rotation = self.kinematics.forward(q)
+            position, rotation = self.robot.kinematics.forward(q)
             qpos[a : a + 3] = position + rotation @ self.held.position
             qpos[a + 3 : a + 7] = quaternion(rotation @ self.held.rotation)
         mujoco.mj_kinematics(self.model, data)
 
     def extent(self) -> tuple[Array, Array]:
         """Low and high corners (n, 3), in the world, around the geoms of robot and held object, as last checked."""
-        ids = self._fenced
+        ids = self._confined
         turns = np.abs(self._geom_xmat[ids])
         reach = np.einsum("nij,nj->ni", turns, self._spans[ids, :3]) + self._spans[ids, 3:]
         return self._geom_xpos[ids] - reach, self._geom_xpos[ids] + reach
@@ -243,22 +242,22 @@ class Scratch:
         self.data, self._qpos = data, data.qpos
         self._geom_xpos, self._geom_xmat = data.geom_xpos, data.geom_xmat.reshape(-1, 3, 3)
 
-    def _beyond(self, fence: Fence) -> bool:
-        """True when a geom of the robot or of what it holds reaches over the fence."""
-        ids, normal = self._fenced, fence.normal
+    def _beyond(self, plane: KeepOutPlane) -> bool:
+        """True when a geom of the robot or of what it holds reaches over the keep-out plane."""
+        ids, normal = self._confined, plane.normal
         along = self._geom_xpos[ids] @ normal
         # Spheres around the geoms are quick to test; few configurations need their real spans.
-        doubtful = along + self._radii[ids] > fence.limit
+        doubtful = along + self._radii[ids] > plane.limit
         if not doubtful.any():
             return False
         ids = ids[doubtful]
         turned = np.abs(np.einsum("nij,i->nj", self._geom_xmat[ids], normal))
         reach = (turned * self._spans[ids, :3]).sum(axis=1) + self._spans[ids, 3]
-        return bool((along[doubtful] + reach).max() > fence.limit)
+        return bool((along[doubtful] + reach).max() > plane.limit)
 
     def _set_meeting(self, body: str, bits: int) -> None:
-        self.model.geom_conaffinity[self.simulation.geoms(body)] = bits
-        self.model.body_conaffinity[self.simulation.model.body(body).id] = bits
+        self.model.geom_conaffinity[self.sensed.geoms(body)] = bits
+        self.model.body_conaffinity[self.sensed.model.body(body).id] = bits
 
 
 def _geom_spans(model: mujoco.MjModel) -> np.ndarray:

@@ -8,8 +8,9 @@ from remac_env.backends.physics.controllers.scripted.pick_up import LIFTS, pick_
 from remac_env.backends.physics.controllers.scripted.place import place_on
 from remac_env.backends.physics.controllers.scripted.room import Spot, forbidden, free_slot, spot_in, vessels_on
 from remac_env.backends.physics.controllers.scripted.season import season
-from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, require_open
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, require_open
 from remac_env.backends.physics.controllers.scripted.switches import work
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.kitchen.fixtures import Slot
 from remac_env.rules.facts import Rules
 from remac_env.rules.places import switch_for
@@ -19,10 +20,10 @@ from remac_env.state import WorldState, base_place, contents
 _CAVITY_LIFT = 0.10  # m by which a vessel is raised in a cavity where there is room
 _OUTWARDS = ((-0.35, 0.6), (-0.35, 0.4), (-0.30, 0.8))  # back (m) and share of the lift
 _OUT_OF_BASIN = ((0.0, 1.0), (-0.08, 1.0), (-0.14, 1.0), (-0.2, 1.0))
-_FALL = 20  # control periods in which a dropped thing reaches the floor
+_FALL = 20  # control periods in which a dropped object reaches the floor
 
 
-def motion(here: Surroundings, scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> Steps:
+def motion(here: Workspace, scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> Steps:
     """The generator that runs an accepted subtask other than driving."""
     target = subtask.target
     if subtask.skill == "pick up":
@@ -41,7 +42,7 @@ def motion(here: Surroundings, scene: Rules, world: WorldState, robot: str, subt
         raise SkillFailure("invalid", f"physics has no skill {subtask.skill!r}")
 
 
-def _empty(here: Surroundings) -> Steps:
+def _empty(here: Workspace) -> Steps:
     """Open the hand where the robot stands; what it held falls, and the skill with it."""
     body = here.hand.body
     if body is None:
@@ -51,32 +52,32 @@ def _empty(here: Surroundings) -> Steps:
     raise SkillFailure("dropped", f"the hand opened and the {body} fell")
 
 
-def _slot_of(here: Surroundings, world: WorldState, name: str) -> Slot:
-    """The slot in which a thing stands, directly or in a vessel."""
+def _slot_of(here: Workspace, world: WorldState, name: str) -> Slot:
+    """The slot in which an object stands, directly or in a vessel."""
     place = base_place(world, name)
     if place.relation != "slot":
         raise SkillFailure("unreachable", f"the {name} is in no slot")
-    return here.layout.slots[place.where]
+    return here.kitchen.layout.slots[place.where]
 
 
-def _pick_up(here: Surroundings, scene: Rules, world: WorldState, target: str) -> Steps:
+def _pick_up(here: Workspace, scene: Rules, world: WorldState, target: str) -> Steps:
     slot = _slot_of(here, world, target)
     require_open(here, slot.fixture)
     place = world.objects[target].place
     vessel = place.where if place.relation == "vessel" else None
     inner = tuple(contents(world, target))
-    if slot.kind == "cavity" and here.things[target].vessel:
+    if slot.kind == "cavity" and here.kitchen.objects[target].vessel:
         yield from pick_up(here, target, kind=slot.kind, contents=inner, lift=_CAVITY_LIFT, lifts=_OUTWARDS)
     elif slot.kind == "cavity":
         yield from take_out(here, target, vessel=vessel)
     else:
-        big = here.things[target].vessel
+        big = here.kitchen.objects[target].vessel
         lift = 0.26 if slot.kind == "basin" else 0.20 if big else 0.14
         lifts = _OUT_OF_BASIN if slot.kind == "basin" and big else LIFTS
         yield from pick_up(here, target, kind=slot.kind, vessel=vessel, contents=inner, lift=lift, lifts=lifts)
 
 
-def _place(here: Surroundings, scene: Rules, world: WorldState, robot: str, target: str) -> Steps:
+def _place(here: Workspace, scene: Rules, world: WorldState, robot: str, target: str) -> Steps:
     if here.hand.body is None:
         raise SkillFailure("hands_empty", "there is nothing to place")
     require_open(here, target if target in scene.fixtures else _slot_of(here, world, target).fixture)
@@ -87,20 +88,20 @@ def _place(here: Surroundings, scene: Rules, world: WorldState, robot: str, targ
         yield from place_on(here, spot.point, kind=spot.slot.kind, vessel=spot.vessel)
 
 
-def _spot(here: Surroundings, scene: Rules, world: WorldState, robot: str, target: str) -> Spot:
-    """Where there seems to be room for the held thing. Fails with ``blocked`` where there is none."""
+def _spot(here: Workspace, scene: Rules, world: WorldState, robot: str, target: str) -> Spot:
+    """Where there seems to be room for the held object. Fails with ``blocked`` where there is none."""
     body, options = str(here.hand.body), list[tuple[Slot, str | None]]()
     if target in scene.objects:
         slot = _slot_of(here, world, target)
-        kind, options = here.fixture(slot.fixture).kind, [(slot, target)]
+        kind, options = here.kitchen.fixture(slot.fixture).kind, [(slot, target)]
     else:
         kind, station = scene.fixtures[target].kind, world.robots[robot].station
         slots = [name for name in scene.fixtures[target].slots if scene.slots[name].station == station]
-        free = free_slot(here, slots, here.reading(target).on)
+        free = free_slot(here, slots, here.sensed.reading(target).on)
         options = [(free, None)] if free else [*vessels_on(here, slots, kind)]
     why = f"no room is seen on the {target}"
     for slot, vessel in options:
-        rule = forbidden(here.things[body], kind, here.things[vessel] if vessel else None)
+        rule = forbidden(here.kitchen.objects[body], kind, here.kitchen.objects[vessel] if vessel else None)
         spot = spot_in(here, slot, vessel, body) if rule is None else None
         if spot is not None:
             return spot
@@ -108,20 +109,20 @@ def _spot(here: Surroundings, scene: Rules, world: WorldState, robot: str, targe
     raise SkillFailure("blocked", f"{why}, for the {body}")
 
 
-def _season(here: Surroundings, world: WorldState, target: str) -> Steps:
+def _season(here: Workspace, world: WorldState, target: str) -> Steps:
     slot = _slot_of(here, world, target)
     if slot.kind == "cavity":
         require_open(here, slot.fixture)
     yield from season(here, target, inside=slot.fixture if slot.kind == "cavity" else None)
 
 
-def _switch(here: Surroundings, scene: Rules, world: WorldState, target: str, *, on: bool) -> Steps:
-    facts, actuators = scene.fixtures[target], {a.switch: a for a in here.fixture(target).actuators}
+def _switch(here: Workspace, scene: Rules, world: WorldState, target: str, *, on: bool) -> Steps:
+    facts, actuators = scene.fixtures[target], {a.switch: a for a in here.kitchen.fixture(target).actuators}
     switches = list(facts.switches)
     if facts.switch_per_slot:
         switches = [switch_for(scene, world, target)] if on else sorted(world.fixtures[target].on)
     for switch in switches:
         yield from work(here, actuators[switch], on=on)
-    if on and facts.shut_to_run and here.reading(target).door not in (None, "closed"):
+    if on and facts.shut_to_run and here.sensed.reading(target).door not in (None, "closed"):
         raise SkillFailure("blocked", f"the {target} does not run with its door open")
 

@@ -13,30 +13,23 @@ from remac_env.backends.physics.controllers.base import Command
 from remac_env.backends.physics.controllers.scripted.arc import NARROW_GRIP, DoorGrasp, arc_is_free, follow_arc
 from remac_env.backends.physics.controllers.scripted.collision import OTHER, TARGET
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
-from remac_env.backends.physics.controllers.scripted.leaf import Leaf
+from remac_env.backends.physics.controllers.scripted.panel import DoorPanel
 from remac_env.backends.physics.controllers.scripted.pull import pull
 from remac_env.backends.physics.controllers.scripted.reach import Reach, go_to_grasp, let_go, plan_reach
-from remac_env.backends.physics.controllers.scripted.skill import (
-    SkillFailure,
-    Steps,
-    Surroundings,
-    go_home,
-    shown,
-    stances,
-    tuck,
-)
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, go_home, shown, stances, tuck
 from remac_env.backends.physics.controllers.scripted.verdicts import Free, Hit, NoWay
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
 from remac_env.kitchen.fixtures.level import Level
 from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array, grip_frame
 
-_SWUNG, _SHUT = 1.0, 0.045  # rad at which a leaf has been opened, and closed
-_CLEAR, _ASIDE = 0.8, 1.0  # rad at which a leaf leaves room for the hand at its neighbour, and to which it is swung
+_SWUNG, _SHUT = 1.0, 0.045  # rad at which a panel has been opened, and closed
+_CLEAR, _ASIDE = 0.8, 1.0  # rad at which a panel leaves room for the hand at its neighbour, and to which it is swung
 # Share of the door's turn that the hand follows; the round bar turns in the fingers.
 _OPENING_FOLLOWS, _CLOSING_FOLLOWS = (0.5, 0.8, 0.3), (0.3, 0.5, 0.15, 0.65)
 _DISTANCES, _SIDES, _TURNS = (0.58, 0.5, 0.66, 0.74), (-0.05, 0.1, -0.2, 0.25, 0.4), (0.0, 0.3, -0.3)
-_PARTS, _LEAST = (1.0, 0.7), 0.3  # rad to which a leaf is opened first that does not open in one go; of which at least
+_PARTS, _LEAST = (1.0, 0.7), 0.3  # rad to which a panel is opened first that does not open in one go; of which at least
 # A hand that pushes: from the free edge, and above the handle's end, m; share of the panel's turn that it follows.
 _INSETS, _HIGHER = (0.02, 0.035, 0.0), (0.13, 0.19, 0.25)
 _CLOSING_TURNS, _OPENING_TURNS = (0.3, 0.15, 0.5, 0.0), (-0.6, -0.9, -0.3, -1.2)
@@ -44,47 +37,47 @@ _FINGERS = 0.02  # m from the panel's upper and lower edge within which fingers 
 _AIR = 0.022  # m from the panel to the grip site: closed fingertips reach 19 mm at most
 
 
-def open_door(here: Surroundings, name: str) -> Steps:
-    """Swing every leaf of the door of fixture ``name`` open from any angle."""
+def open_door(here: Workspace, name: str) -> Steps:
+    """Swing every panel of the door of fixture ``name`` open from any angle."""
     yield from _swing(here, name, OPEN_TO)
 
 
-def close_door(here: Surroundings, name: str) -> Steps:
-    """Swing every leaf of the door of fixture ``name`` shut from any angle."""
+def close_door(here: Workspace, name: str) -> Steps:
+    """Swing every panel of the door of fixture ``name`` shut from any angle."""
     yield from _swing(here, name, 0.0)
 
 
-def _swing(here: Surroundings, name: str, target: float) -> Steps:
-    """The leaves in turn, those nearer to the robot first; of two, one that stands there already is left alone."""
-    levels = [leaf for leaf in here.fixture(name).leaves if isinstance(leaf, Level)]
-    leaves = [_door(here, leaf) for leaf in here.fixture(name).leaves if isinstance(leaf, Door)]
+def _swing(here: Workspace, name: str, target: float) -> Steps:
+    """The panels in turn, those nearer to the robot first; of two, one that stands there already is left alone."""
+    levels = [panel for panel in here.kitchen.fixture(name).leaves if isinstance(panel, Level)]
+    panels = [_door(here, panel) for panel in here.kitchen.fixture(name).leaves if isinstance(panel, Door)]
     here.begin()
     yield from tuck(here)
-    aside, angle = float(here.robot.q[0]), here.simulation.joint
-    if len(leaves) > 1:
-        leaves.sort(key=lambda leaf: abs(leaf.at(0.0)[0] - aside))
-        leaves = [leaf for leaf in leaves if not _there(angle(leaf.joint), target)]
-    if len(leaves) > 1 and target == 0.0:
-        leaves = yield from _make_room(here, leaves)
-    for leaf in leaves:
-        yield from _swing_leaf(here, leaf, target)
+    aside, angle = float(here.robot.q[0]), here.sensed.joint
+    if len(panels) > 1:
+        panels.sort(key=lambda panel: abs(panel.at(0.0)[0] - aside))
+        panels = [panel for panel in panels if not _there(angle(panel.joint), target)]
+    if len(panels) > 1 and target == 0.0:
+        panels = yield from _make_room(here, panels)
+    for panel in panels:
+        yield from _swing_panel(here, panel, target)
     for level in levels:
         yield from pull(here, level, target)
     yield from go_home(here)
-    angles = here.reading(name).door_angles
+    angles = here.sensed.reading(name).door_angles
     if not all(_there(value, target) for value in angles):
         raise SkillFailure("slipped", f"the {name} door stopped at {shown(angles)}")
 
 
-def _make_room(here: Surroundings, leaves: list[Leaf]) -> Generator[Command, None, list[Leaf]]:
-    """The order in which to close leaves; beside one that is ajar there is no room for the hand, so it is opened."""
-    orders = [leaves, leaves[::-1]]
+def _make_room(here: Workspace, panels: list[DoorPanel]) -> Generator[Command, None, list[DoorPanel]]:
+    """The order in which to close panels; beside one that is ajar there is no room for the hand, so it is opened."""
+    orders = [panels, panels[::-1]]
     for order in orders:
         *_, last = order
-        if not _SHUT < here.simulation.joint(last.joint) < _CLEAR:
+        if not _SHUT < here.sensed.joint(last.joint) < _CLEAR:
             break
         try:
-            yield from _swing_leaf(here, last, _ASIDE)
+            yield from _swing_panel(here, last, _ASIDE)
             break
         except SkillFailure as failed:
             if failed.reason != "blocked" or order is orders[-1]:
@@ -96,27 +89,27 @@ def _there(angle: float, target: float) -> bool:
     return angle >= _SWUNG if target > 0.0 else angle <= _SHUT
 
 
-def _door(here: Surroundings, leaf: Door) -> Leaf:
-    model = here.simulation.model
-    joint = model.joint(leaf.joint)
-    hinge = here.simulation.located(leaf.joint, np.array(model.body(leaf.joint).pos))
-    bar = np.array(model.site(leaf.grip).pos)
-    radius, half, _ = model.geom(leaf.grip).size
-    geoms, sign = tuple(here.simulation.geoms(leaf.joint)), -float(joint.axis[2])
+def _door(here: Workspace, panel: Door) -> DoorPanel:
+    model = here.sensed.model
+    joint = model.joint(panel.joint)
+    hinge = here.sensed.located(panel.joint, np.array(model.body(panel.joint).pos))
+    bar = np.array(model.site(panel.grip).pos)
+    radius, half, _ = model.geom(panel.grip).size
+    geoms, sign = tuple(here.sensed.geoms(panel.joint)), -float(joint.axis[2])
     (along, out, up), (width, thickness, high) = model.geom_pos[geoms[0]], model.geom_size[geoms[0]]
     edge, faces = sign * float(along + sign * width), (float(out - thickness), float(out + thickness))
     ends = float(up - high), float(up + high)
-    return Leaf(
-        leaf.joint, here.robot.frame, hinge, bar, float(half), float(radius), edge, faces, ends, sign,
-        int(joint.qposadr[0]), geoms, here.simulation.turned(leaf.joint),
+    return DoorPanel(
+        panel.joint, here.robot.frame, hinge, bar, float(half), float(radius), edge, faces, ends, sign,
+        int(joint.qposadr[0]), geoms, here.sensed.turned(panel.joint),
     )
 
 
-def _swing_leaf(here: Surroundings, door: Leaf, target: float) -> Steps:
-    """Swing one leaf by its handle, let go and back off; where no hand comes to that, push it; open it in two goes."""
+def _swing_panel(here: Workspace, door: DoorPanel, target: float) -> Steps:
+    """Swing one panel by its handle, let go and back off; where no hand comes to that, push it; open it in two goes."""
     here.begin()
     yield from tuck(here)
-    start = here.simulation.joint(door.joint)
+    start = here.sensed.joint(door.joint)
     found, end = _plan(here, door, start, target)
     yield from go_to_grasp(here, found)
     if not isinstance(found.grasp, DoorGrasp):
@@ -129,11 +122,11 @@ def _swing_leaf(here: Surroundings, door: Leaf, target: float) -> Steps:
     yield from follow_arc(here, door, found.grasp, start, end)
     yield from _back_off(here, door, 0.0 if found.grasp.pushes else NARROW_GRIP)
     if end != target:
-        yield from _swing_leaf(here, door, target)
+        yield from _swing_panel(here, door, target)
 
 
-def _plan(here: Surroundings, door: Leaf, start: float, target: float) -> tuple[Reach, float]:
-    """A way to a hand at the leaf, and how far it can swing it: at the handle, else pushing, else not all the way."""
+def _plan(here: Workspace, door: DoorPanel, start: float, target: float) -> tuple[Reach, float]:
+    """A way to a hand at the panel, and how far it can swing it: at the handle, else pushing, else not all the way."""
     closing, why = target < start, list[SkillFailure]()
     goes = [(_grasps, target), (_pushes, target)]
     goes += [(_grasps, part) for part in _PARTS if not closing and part > start + _LEAST]
@@ -147,31 +140,31 @@ def _plan(here: Surroundings, door: Leaf, start: float, target: float) -> tuple[
     raise why[0]
 
 
-def _way(here: Surroundings, door: Leaf, grasps: list[DoorGrasp], start: float, target: float) -> Reach:
-    """A way to a grasp (all hold or all push) from which the leaf can be swung. Raises SkillFailure as `plan_reach`."""
-    robot, scratch, pushes = here.robot, here.scratch, grasps[0].pushes
+def _way(here: Workspace, door: DoorPanel, grasps: list[DoorGrasp], start: float, target: float) -> Reach:
+    """A way to a grasp (all hold or all push) from which to swing the panel. Raises SkillFailure as `plan_reach`."""
+    robot, checker, pushes = here.robot, here.clear.checker, grasps[0].pushes
     bar, posts = ((), ()) if pushes else (door.geoms[1:2], door.geoms[2:])
     here.begin(bar)
     robot.grip = 0.0 if pushes else here.robot.body.finger_travel if target > start else NARROW_GRIP
-    scratch.fingers(robot.grip)
+    checker.fingers(robot.grip)
 
     def after(goal: Array, grasp: Grasp) -> Free | Hit | NoWay:
         if not isinstance(grasp, DoorGrasp):
             return NoWay("no hand at a door")
-        scratch.mark(posts, TARGET)  # which the bar may turn against the fingers, once they hold it
+        checker.mark(posts, TARGET)  # which the bar may turn against the fingers, once they hold it
         free = arc_is_free(here, door, goal, grasp, start, target)
-        scratch.mark(posts, OTHER)
-        scratch.data.qpos[door.address] = start
-        scratch.fingers(robot.grip)
+        checker.mark(posts, OTHER)
+        checker.data.qpos[door.address] = start
+        checker.fingers(robot.grip)
         return free
 
     sides, turns = ([door.sign * value for value in values] for values in (_SIDES, _TURNS))
     return plan_reach(here, stances(here, door.at(start), _DISTANCES, sides, turns), grasps, after)
 
 
-def _back_off(here: Surroundings, door: Leaf, opening: float) -> Steps:
+def _back_off(here: Workspace, door: DoorPanel, opening: float) -> Steps:
     """Let go, the fingers open by so much (m), straight back, away from the fronts, and fold the arm."""
-    robot, planner = here.robot, here.planner
+    robot, planner = here.robot, here.clear.planner
     yield from let_go(here, door.geoms, opening)
     back = robot.q.copy()
     back[:2] -= min(0.3, max(0.0, back[1] - here.station.y)) * robot.heading[:2]
@@ -189,7 +182,7 @@ def _back_off(here: Surroundings, door: Leaf, opening: float) -> Steps:
         yield from tuck(here)
 
 
-def _grasps(door: Leaf, angle: float, body: Body, *, closing: bool) -> list[DoorGrasp]:
+def _grasps(door: DoorPanel, angle: float, body: Body, *, closing: bool) -> list[DoorGrasp]:
     """Hands on the bar: level or pitched down, either way round.
 
     To open, the hand starts square to the panel. To close, it starts turned from the wall by its share of the door's
@@ -217,7 +210,7 @@ def _grasps(door: Leaf, angle: float, body: Body, *, closing: bool) -> list[Door
     return sorted(found, key=lambda grasp: grasp.weights is not helps[0])
 
 
-def _pushes(door: Leaf, angle: float, body: Body, *, closing: bool) -> list[DoorGrasp]:
+def _pushes(door: DoorPanel, angle: float, body: Body, *, closing: bool) -> list[DoorGrasp]:
     """Closed hands before the face, or behind it, near the free edge above the handle; their wide side upright."""
     found, shares = [], _CLOSING_TURNS if closing else _OPENING_TURNS
     out = door.faces[0] - _AIR if closing else door.faces[1] + _AIR

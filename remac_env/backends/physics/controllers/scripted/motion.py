@@ -11,7 +11,7 @@ import numpy as np
 from remac_env.backends.physics.controllers.base import Command
 from remac_env.backends.physics.controllers.scripted.robot import Robot
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.robots.body import Body, Kinematics
+from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array
 
 Steps = Generator[Command, None, None]
@@ -47,8 +47,8 @@ class StuckError(Exception):
 class Mover:
     """Plays back motions on one robot and watches that it follows."""
 
-    def __init__(self, robot: Robot, kinematics: Kinematics) -> None:
-        self.robot, self._kinematics = robot, kinematics
+    def __init__(self, robot: Robot) -> None:
+        self.robot, self._kinematics = robot, robot.kinematics
         self._late = 0
         self._commands: deque[Array] = deque(maxlen=LAG_PERIODS)
 

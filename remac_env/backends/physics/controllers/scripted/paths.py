@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from remac_env.backends.physics.controllers.scripted.collision import TRANSIT_MARGIN, Scratch
+from remac_env.backends.physics.controllers.scripted.collision import TRANSIT_MARGIN, CollisionChecker
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
 from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
@@ -28,12 +28,12 @@ _ESCAPES = ((-0.05, 0.0), (-0.10, 0.0), (0.0, 0.05), (-0.2, 0.05), (-0.3, 0.0)) 
 
 
 class Planner:
-    """Plans for the robot of ``scratch``. ``random`` is used by the tree search only."""
+    """Plans for the robot of ``checker``. ``random`` is used by the tree search only."""
 
-    def __init__(self, scratch: Scratch, random: np.random.Generator) -> None:
-        self.scratch, self.random = scratch, random
-        self.robot = scratch.robot
-        self.kinematics, self.body = scratch.kinematics, scratch.kinematics.body
+    def __init__(self, checker: CollisionChecker, random: np.random.Generator) -> None:
+        self.checker, self.random = checker, random
+        self.robot = checker.robot
+        self.kinematics, self.body = checker.robot.kinematics, checker.robot.body
         self.step = self.body.speed * CONTROL_PERIOD * 1.5  # largest change of a joint in one control period
 
     # -- joint space -----------------------------------------------------------------------------------------
@@ -44,7 +44,7 @@ class Planner:
         count = max(1, math.ceil(max(change[4:].max(), change[:4].max() * 2.5) / step))
         # The ends of ever smaller halves first: a hit shows early.
         for k in sorted(range(1, count + 1), key=lambda k: -(k & -k)):
-            free = self.scratch.free(a + (b - a) * (k / count), joints)
+            free = self.checker.free(a + (b - a) * (k / count), joints)
             if not free:
                 return free
         return FREE
@@ -54,15 +54,15 @@ class Planner:
 
         What was met last, where there is no way.
         """
-        with self.scratch.clearance(TRANSIT_MARGIN):
-            found = self.scratch.free(a) and self.scratch.free(b) and self._path(a, b, via, tree)
+        with self.checker.clearance(TRANSIT_MARGIN):
+            found = self.checker.free(a) and self.checker.free(b) and self._path(a, b, via, tree)
         return found or self._path(a, b, via, tree)
 
     def _path(self, a: Array, b: Array, via: bool, tree: bool) -> Path | Hit:
-        end = self.scratch.free(b)
+        end = self.checker.free(b)
         if not end:
             return end
-        start = self.scratch.free(a)
+        start = self.checker.free(a)
         if not start:
             return self._escape(a, b, start)
         free = self.edge(a, b)
@@ -72,7 +72,7 @@ class Planner:
             for arm in self.body.via:
                 for torso in (a[3], b[3], 0.3):
                     middle = np.concatenate([a[:3], [torso], arm])
-                    free = self.scratch.free(middle) and self.edge(a, middle) and self.edge(middle, b)
+                    free = self.checker.free(middle) and self.edge(a, middle) and self.edge(middle, b)
                     if free:
                         return [middle, b]
         return self._tree(a, b, free) if tree else free
@@ -84,13 +84,13 @@ class Planner:
             c = a.copy()
             c[:2] += back * heading
             c[3] = min(c[3] + up, self.body.upper[3])
-            clear = self.scratch.free(c)
+            clear = self.checker.free(c)
             if not clear:
                 met = clear
                 continue
             end = b.copy()
             end[:3] = c[:3]
-            rest = self.scratch.free(end) and self._path(c, end, True, True)
+            rest = self.checker.free(end) and self._path(c, end, True, True)
             if not isinstance(rest, Hit):
                 return [c, *rest]
             met = rest
@@ -101,9 +101,9 @@ class Planner:
         lower, upper = self.body.lower.copy(), self.body.upper.copy()
         lower[:3] = upper[:3] = a[:3]
         near, far = _Tree(a), _Tree(b)
-        limit = self.scratch.checks + _TREE_CHECKS
+        limit = self.checker.checks + _TREE_CHECKS
         for _ in range(_TREE_ROUNDS):
-            if self.scratch.checks > limit:
+            if self.checker.checks > limit:
                 break
             goal = far.nodes[0] if self.random.random() < 0.2 else self.random.uniform(lower, upper)
             reached = self._extend(near, goal)
@@ -172,7 +172,7 @@ class Planner:
             path.append(q)
             if error > 0.01 or turn_error > 0.06:
                 return NoWay("the arm cannot follow the line")
-            free = self.scratch.free(q, joints) if check and (k % 2 == 0 or k == count) else FREE
+            free = self.checker.free(q, joints) if check and (k % 2 == 0 or k == count) else FREE
             if not free:
                 return free
         if error > 0.004 or turn_error > 0.04:

@@ -12,13 +12,13 @@ from remac_env.backends.physics.controllers.scripted.skill import (
     EMPTY,
     SkillFailure,
     Steps,
-    Surroundings,
     check_held,
     go_home,
     take,
     tuck,
 )
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.pose import Pose
 from remac_env.robots.rotation import Array
 
@@ -29,23 +29,23 @@ _RIM_TOLERANCE = 0.001  # m; a hand that closes 3 mm too high holds only a rim's
 
 
 def pick_up(
-    here: Surroundings, body: str, *, kind: str, vessel: str | None = None, contents: tuple[str, ...] = (),
+    here: Workspace, body: str, *, kind: str, vessel: str | None = None, contents: tuple[str, ...] = (),
     lift: float = 0.14, lifts: Lifts = LIFTS,
 ) -> Steps:
     """Grasp ``body`` where it stands, lift it and come home with it.
 
     ``kind``: of the slot in which it stands. ``vessel``: what it lies in.
     """
-    simulation, obj = here.simulation, here.things[body]
+    sensed, obj = here.sensed, here.kitchen.objects[body]
     here.begin()
     yield from tuck(here)
-    here.begin(simulation.geoms(body) + (simulation.geoms(vessel) if vessel else []))
-    stood = here.simulation.pose(body)
+    here.begin(sensed.geoms(body) + (sensed.geoms(vessel) if vessel else []))
+    stood = here.sensed.pose(body)
     opening = OPENINGS[obj.grasp.mode]
-    here.scratch.fingers(opening)
+    here.clear.checker.fingers(opening)
     here.robot.grip = opening
     for inner in contents:
-        here.scratch.mark(simulation.geoms(inner), IGNORED)
+        here.clear.checker.mark(sensed.geoms(inner), IGNORED)
 
     def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
         return _lift(here, body, goal, grasp, lift, lifts)
@@ -59,7 +59,7 @@ def pick_up(
         yield from here.mover.settle(_RIM_TOLERANCE, 20)
     yield from here.mover.grasp(squeeze(obj, here.robot.body))
     yield from here.mover.play(found.after)
-    risen = simulation.pose(body).position[2] - stood.position[2]
+    risen = sensed.pose(body).position[2] - stood.position[2]
     if here.robot.opening < EMPTY or risen < _LEAST_RISE:
         yield from here.mover.fingers(opening, 6)
         raise SkillFailure("slipped", f"the {body} did not come up with the hand")
@@ -71,30 +71,30 @@ def pick_up(
 
 
 def _lift(
-    here: Surroundings, body: str, goal: Array, grasp: Grasp, lift: float, lifts: Lifts
+    here: Workspace, body: str, goal: Array, grasp: Grasp, lift: float, lifts: Lifts
 ) -> Path | Hit | NoWay:
     """Off the surface unchecked for the object itself, then up, or slanting out from under something."""
-    scratch, planner = here.scratch, here.planner
+    checker, planner = here.clear.checker, here.clear.planner
     at = planner.hand(goal)
-    pose = here.simulation.pose(body)
-    scratch.hold(body, at, pose, meets=False)
+    pose = here.sensed.pose(body)
+    checker.hold(body, at, pose, meets=False)
     off = path = planner.line(goal, grasp.shifted([0.0, 0.0, 0.03]), speed=0.15)
     if off:
-        scratch.hold(body, at, pose)
+        checker.hold(body, at, pose)
         for back, share in lifts:
             rest = planner.line(off[-1], grasp.shifted([0.0, back, share * lift]))
             path = off + rest if rest else rest
             if path:
                 break
-    scratch.release()
-    scratch.mark(here.simulation.geoms(body), TARGET)
+    checker.release()
+    checker.mark(here.sensed.geoms(body), TARGET)
     return path
 
 
-def draw_in(here: Surroundings) -> Steps:
+def draw_in(here: Workspace) -> Steps:
     """Bring an object that must stay level to the carry posture: near the body, the hand's orientation kept."""
     here.begin()
-    robot, planner = here.robot, here.planner
+    robot, planner = here.robot, here.clear.planner
     hand = planner.hand(robot.q)
     height = float(hand.position[2])
     forward = robot.heading

@@ -9,15 +9,9 @@ from remac_env.backends.physics.controllers.scripted.collision import TARGET
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, reach_in_slot
-from remac_env.backends.physics.controllers.scripted.skill import (
-    SkillFailure,
-    Steps,
-    Surroundings,
-    check_held,
-    go_home,
-    lowest,
-)
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, check_held, go_home, lowest
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array, about_x, about_z, from_rotation_vector, rotation_vector
 
@@ -36,7 +30,7 @@ _OVER_RIM = 0.26  # m above a basin's floor
 _FROM_ABOVE = 0.10  # m above its place from where the hand comes straight; over the rim into a basin
 
 
-def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None = None) -> Steps:
+def place_on(here: Workspace, point: Array, *, kind: str, vessel: str | None = None) -> Steps:
     """Set the held object down with its lowest point at ``point`` (3,), then come home empty-handed.
 
     ``kind``: of the slot in which the point lies. ``vessel``: hand and object may touch this body.
@@ -44,24 +38,24 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
     body = here.hand.body
     if body is None:
         raise SkillFailure("hands_empty", "there is nothing to place")
-    obj, robot = here.things[body], here.robot
-    here.begin(here.simulation.geoms(vessel) if vessel else ())
-    if not here.scratch.free(robot.q):
-        here.begin(here.simulation.geoms(vessel) if vessel else (), held_meets=False)
-    grip, pose = robot.grip_pose(), here.simulation.pose(body)
+    obj, robot = here.kitchen.objects[body], here.robot
+    here.begin(here.sensed.geoms(vessel) if vessel else ())
+    if not here.clear.checker.free(robot.q):
+        here.begin(here.sensed.geoms(vessel) if vessel else (), held_meets=False)
+    grip, pose = robot.grip_pose(), here.sensed.pose(body)
     grasps = upright_poses(here, point, kind)
 
     # Out of a basin the arm is folded more easily from over its rim.
     backs = (0.12,) if kind != "basin" else (_OVER_RIM,) if obj.vessel else (_OVER_RIM, 0.12)
 
     def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
-        here.scratch.free(goal)
-        here.scratch.release(leave=True)
-        here.scratch.mark(here.simulation.geoms(body), TARGET)
+        here.clear.checker.free(goal)
+        here.clear.checker.release(leave=True)
+        here.clear.checker.mark(here.sensed.geoms(body), TARGET)
         out: Path | Hit | NoWay = NoWay("no way out")
         for back in backs:
-            out = out or here.planner.line(goal, grasp.back(back), speed=0.25)
-        here.scratch.hold(body, grip, pose)
+            out = out or here.clear.planner.line(goal, grasp.back(back), speed=0.25)
+        here.clear.checker.hold(body, grip, pose)
         return out
 
     found = reach_in_slot(here, kind, point, grasps, after, carry=robot.q.copy())
@@ -69,25 +63,25 @@ def place_on(here: Surroundings, point: Array, *, kind: str, vessel: str | None 
     check_held(here)
     yield from release(here)
     yield from here.mover.play(found.after)
-    here.begin(here.simulation.geoms(body))
+    here.begin(here.sensed.geoms(body))
     yield from go_home(here)
 
 
-def release(here: Surroundings, periods: int = 6) -> Steps:
+def release(here: Workspace, periods: int = 6) -> Steps:
     """Open the fingers; the hand is empty from now on."""
     body = here.hand.body
-    level = body is not None and here.things[body].vessel
+    level = body is not None and here.kitchen.objects[body].vessel
     yield from here.mover.fingers(0.03 if level else 0.04, periods)
     here.hand.body, here.hand.contents = None, ()
 
 
-def upright_poses(here: Surroundings, point: Array, kind: str) -> list[Grasp]:
+def upright_poses(here: Workspace, point: Array, kind: str) -> list[Grasp]:
     """Poses of the hand that set the held object upright on ``point``; its turn about the vertical is free."""
     body = here.hand.body
     if body is None:
         return []
-    obj = here.things[body]
-    grip, pose = here.robot.grip_pose(), here.simulation.pose(body)
+    obj = here.kitchen.objects[body]
+    grip, pose = here.robot.grip_pose(), here.sensed.pose(body)
     offset, turned = grip.of(pose)
     # A vessel droops in the fingers, the more the longer it is carried: the hand sets it level again, or partly where
     # it would touch the worktop itself. Other objects stood as they were found.
@@ -120,9 +114,9 @@ def _turns(obj: Category, kind: str) -> tuple[float, ...]:
     return tuple(turn + flip for turn in _TURNS for flip in (0.0, math.pi))
 
 
-def _covered(here: Surroundings, point: Array) -> bool:
+def _covered(here: Workspace, point: Array) -> bool:
     """True when a fixture hangs less than 0.6 m above the point, or just behind it."""
-    for fixture in here.layout.at_wall(here.station.wall):
+    for fixture in here.kitchen.layout.at_wall(here.station.wall):
         for block in fixture.blocks:
             inside = block.low[0] - 0.1 < point[0] < block.high[0] + 0.1 and block.low[1] - 0.15 < point[1]
             if inside and point[2] + 0.1 < block.low[2] < point[2] + 0.6:

@@ -13,8 +13,9 @@ from remac_env.backends.physics.controllers.scripted.collision import OTHER, TAR
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.reach import BACK, go_to_grasp, let_go, plan_reach
 from remac_env.backends.physics.controllers.scripted.room import seen_on_slots
-from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, Surroundings, stances, tuck
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, stances, tuck
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.fixtures.level import Level
@@ -74,14 +75,14 @@ class _Way:
         return self.at(position) + turned[:, 2] * _INTO, turned
 
 
-def pull(here: Surroundings, door: Level, opened: float) -> Steps:
+def pull(here: Workspace, door: Level, opened: float) -> Steps:
     """Move a drawer or flap to where it is open by so much, let go and back off."""
-    simulation, robot, scratch = here.simulation, here.robot, here.scratch
-    model = simulation.model
-    bar = simulation.located(door.joint, np.array(model.body(door.joint).pos) + np.array(model.site(door.grip).pos))
+    sensed, robot, checker = here.sensed, here.robot, here.clear.checker
+    model = sensed.model
+    bar = sensed.located(door.joint, np.array(model.body(door.joint).pos) + np.array(model.site(door.grip).pos))
     way = _Way(
-        door, int(model.joint(door.joint).qposadr[0]), robot.frame, bar, about_z(simulation.turned(door.joint)),
-        simulation.joint(door.joint), door.position(opened), tuple(simulation.geoms(door.joint)),
+        door, int(model.joint(door.joint).qposadr[0]), robot.frame, bar, about_z(sensed.turned(door.joint)),
+        sensed.joint(door.joint), door.position(opened), tuple(sensed.geoms(door.joint)),
         dict(_inside(here, door.name)),
     )  # fmt: skip
     opening = min(robot.body.finger_travel, door.room)
@@ -89,17 +90,17 @@ def pull(here: Surroundings, door: Level, opened: float) -> Steps:
     yield from tuck(here)
     here.begin(way.geoms[1:4])
     robot.grip = opening
-    scratch.fingers(robot.grip)
-    before = scratch.data.qpos.copy()
+    checker.fingers(robot.grip)
+    before = checker.data.qpos.copy()
 
     def after(goal: Array, grasp: Grasp) -> Free | Hit | NoWay:
         if not isinstance(grasp, _Hold):
             return NoWay("no hand at a handle")
-        scratch.mark(way.geoms, TARGET)
+        checker.mark(way.geoms, TARGET)
         free = _way_is_free(here, way, goal, grasp, before)
-        scratch.mark(way.geoms[:1] + way.geoms[4:], OTHER)
-        scratch.data.qpos[[way.address, *way.inside]] = before[[way.address, *way.inside]]
-        scratch.fingers(robot.grip)
+        checker.mark(way.geoms[:1] + way.geoms[4:], OTHER)
+        checker.data.qpos[[way.address, *way.inside]] = before[[way.address, *way.inside]]
+        checker.fingers(robot.grip)
         return free
 
     found = plan_reach(here, stances(here, way.at(way.start), _DISTANCES, _SIDES), _grasps(way), after)
@@ -114,14 +115,14 @@ def pull(here: Surroundings, door: Level, opened: float) -> Steps:
     yield from tuck(here)
 
 
-def _inside(here: Surroundings, name: str) -> Iterator[tuple[int, float]]:
+def _inside(here: Workspace, name: str) -> Iterator[tuple[int, float]]:
     """Addresses of the positions of what is seen in a drawer, which comes along, with how each changes."""
-    fixture = here.fixture(name)
+    fixture = here.kitchen.fixture(name)
     if not any(fixture.shift(OPEN_TO)):
         return
-    out, seen = here.layout.frame(name).rotation @ np.array([0.0, -1.0, 0.0]), seen_on_slots(here)
+    out, seen = here.kitchen.layout.frame(name).rotation @ np.array([0.0, -1.0, 0.0]), seen_on_slots(here)
     for body in (body for slot in fixture.slots for body in seen.get(slot.name, ())):
-        first = int(here.simulation.model.joint(body).qposadr[0])
+        first = int(here.sensed.model.joint(body).qposadr[0])
         yield from ((first + axis, float(out[axis])) for axis in range(3))
 
 
@@ -140,9 +141,9 @@ def _grasps(way: _Way) -> list[_Hold]:
     return found
 
 
-def _way_is_free(here: Surroundings, way: _Way, q: Array, hold: _Hold, before: Array) -> Free | Hit | NoWay:
+def _way_is_free(here: Workspace, way: _Way, q: Array, hold: _Hold, before: Array) -> Free | Hit | NoWay:
     """Whether the whole way, letting go and folding the arm are free, the drawer moving along."""
-    planner, scratch = here.planner, here.scratch
+    planner, checker = here.clear.planner, here.clear.checker
     count = max(2, math.ceil(abs(way.end - way.start) * way.door.arm / 0.02))
     for k in range(1, count + 1):
         position = way.start + (way.end - way.start) * k / count
@@ -151,7 +152,7 @@ def _way_is_free(here: Surroundings, way: _Way, q: Array, hold: _Hold, before: A
         )
         q = step.q
         off = step.position_error > 0.008 or step.rotation_error > 0.12
-        free = NoWay("the arm cannot follow") if off else scratch.free(q, way.moved(position, before))
+        free = NoWay("the arm cannot follow") if off else checker.free(q, way.moved(position, before))
         if not free:
             return NoWay(f"way at {position:.2f}: {free}")
     away = planner.line(q, planner.hand(q).back(BACK), weights=planner.body.door_weights)
@@ -160,14 +161,14 @@ def _way_is_free(here: Surroundings, way: _Way, q: Array, hold: _Hold, before: A
     return FREE if planner.path(away[-1], planner.body.tuck(*away[-1][:3])) else NoWay("no way on")
 
 
-def _follow(here: Surroundings, way: _Way, hold: _Hold) -> Steps:
+def _follow(here: Workspace, way: _Way, hold: _Hold) -> Steps:
     """Lead the bar until the drawer or flap is there or stops moving."""
-    simulation, planner, robot, arm = here.simulation, here.planner, here.robot, way.door.arm
+    sensed, planner, robot, arm = here.sensed, here.clear.planner, here.robot, way.door.arm
     sign = math.copysign(1.0, way.end - way.start)
     led = last = way.start
     stalled = 0
     for period in range(1, 161):
-        now = simulation.joint(way.door.joint)
+        now = sensed.joint(way.door.joint)
         limit = min(sign * now + _LEAD / arm, sign * way.end + _BEYOND / arm)
         led = sign * min(sign * led + min(1.0, period / _STARTING) * _SPEED / arm * CONTROL_PERIOD, limit)
         robot.grip = here.mover.squeezed(_SQUEEZE)

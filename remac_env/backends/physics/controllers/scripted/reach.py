@@ -16,15 +16,9 @@ from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.motion import periods_between, smooth
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.search import CHECKS, Budget, Reasons, search
-from remac_env.backends.physics.controllers.scripted.skill import (
-    SkillFailure,
-    Steps,
-    Surroundings,
-    drive_to,
-    go_carefully,
-    stances,
-)
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, drive_to, go_carefully, stances
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.pose import Pose
 from remac_env.robots.rotation import Array
 
@@ -36,7 +30,7 @@ _CLOSE = 0.003  # m around the arm where nothing else reaches into a basin
 _LEANS, _LEVEL_STEP = 0.4, 0.15  # rad by which a held vessel may lean, and of a joint's turn between looks at that
 _CARRYING, _CALMLY = 0.25, 0.5  # m/s, of the hand on a straight way with a vessel; share of the usual joint speeds
 _CALMEST = 2  # of ways: 0, 1 where a vessel stays level, 2 where what is held keeps clear of everything too
-_SET_DOWN = 0.04  # m before the goal from where a held thing may come near to others
+_SET_DOWN = 0.04  # m before the goal from where a held object may come near to others
 
 BACK = 0.10
 """By how much, m, a hand goes back from a handle that it lets go of."""
@@ -57,15 +51,16 @@ class Reach:
 
 
 def plan_reach(
-    here: Surroundings, stands: Sequence[Array], grasps: Sequence[Grasp], after: After, *, carry: Array | None = None,
+    here: Workspace, stands: Sequence[Array], grasps: Sequence[Grasp], after: After, *, carry: Array | None = None,
     most: int = 6, checks: int = CHECKS,
 ) -> Reach:
-    """The first free combination, or one found soon after it on which a held thing stays level and clear of others too.
+    """The first free combination, or one found soon after it on which what is held stays level and clear of others.
 
     ``carry``: the configuration to start from instead of the folded arm. Raises SkillFailure: ``unreachable`` when no
-    pose can be reached, ``blocked`` when things are in the way.
+    pose can be reached, ``blocked`` when objects are in the way.
     """
-    planner, scratch, why, budget = here.planner, here.scratch, Reasons(), Budget(here.scratch, checks)
+    planner, checker, why = here.clear.planner, here.clear.checker, Reasons()
+    budget = Budget(checker, checks)
     tight: Reach | None = None
     steady, drive = 0, None
 
@@ -74,7 +69,7 @@ def plan_reach(
 
     def from_here(base: Array) -> Iterator[Grasp]:
         nonlocal drive
-        drive, free = None, scratch.free(ready(base))
+        drive, free = None, checker.free(ready(base))
         if not free:
             why.add("stance", free)
             return
@@ -110,7 +105,7 @@ def plan_reach(
 
 
 def reach_in_slot(
-    here: Surroundings, kind: str, target: Array, grasps: Sequence[Grasp], after: After, *,
+    here: Workspace, kind: str, target: Array, grasps: Sequence[Grasp], after: After, *,
     awkward: Sequence[Grasp] = (), carry: Array | None = None,
 ) -> Reach:
     """A way to something in a slot of this ``kind``: into a basin turned, so that the forearm clears its front, at last
@@ -128,15 +123,15 @@ def reach_in_slot(
     every = [*grasps, *awkward]
     with suppress(SkillFailure):
         return plan_reach(here, steep, every, after, carry=carry, checks=2 * CHECKS)
-    with here.scratch.clearance(_CLOSE, arm=True):
+    with here.clear.checker.clearance(_CLOSE, arm=True):
         return plan_reach(here, [*usual, *steep], every, after, carry=carry, checks=CHECKS)
 
 
 def _try_goal(
-    here: Surroundings, ready: Array, goal: Array, grasp: Grasp, after: After, why: Reasons
+    here: Workspace, ready: Array, goal: Array, grasp: Grasp, after: After, why: Reasons
 ) -> tuple[Path, Path, Any] | None:
-    planner = here.planner
-    free = here.scratch.free(goal)
+    planner = here.clear.planner
+    free = here.clear.checker.free(goal)
     if not free:
         why.add("goal", free)
         return None
@@ -155,7 +150,7 @@ def _try_goal(
     return way, approach[1:], following
 
 
-def _calmed(here: Surroundings, ready: Array, reach: Reach) -> tuple[Reach, int]:
+def _calmed(here: Workspace, ready: Array, reach: Reach) -> tuple[Reach, int]:
     """A way, or the same with straight lines where a vessel is better carried on these, and how calm it is."""
     level = _keeps_level(here, ready, reach)
     if level and _keeps_clear(here, ready, reach):
@@ -166,30 +161,30 @@ def _calmed(here: Surroundings, ready: Array, reach: Reach) -> tuple[Reach, int]
     return straight, _CALMEST if _keeps_clear(here, ready, straight) else 1
 
 
-def _vessel(here: Surroundings) -> bool:
+def _vessel(here: Workspace) -> bool:
     """Whether a vessel is held."""
-    held = here.scratch.held
-    return held is not None and here.things[held.body].vessel
+    held = here.clear.checker.held
+    return held is not None and here.kitchen.objects[held.body].vessel
 
 
-def _keeps_level(here: Surroundings, ready: Array, reach: Reach) -> bool:
+def _keeps_level(here: Workspace, ready: Array, reach: Reach) -> bool:
     """Whether a vessel that is held leans little on its way: else it turns in the fingers, and what it holds slides."""
-    held = here.scratch.held
+    held = here.clear.checker.held
     if held is None or not _vessel(here):
         return True
     corners = [ready, *reach.way, *reach.approach]
     for start, end in pairwise(corners):
         for share in np.linspace(0.0, 1.0, 2 + int(np.abs(end - start)[4:].max() / _LEVEL_STEP))[1:]:
-            _, rotation = here.kinematics.forward(start + share * (end - start))
+            _, rotation = here.robot.kinematics.forward(start + share * (end - start))
             if (rotation @ held.rotation)[2, 2] < math.cos(_LEANS):
                 return False
     return True
 
 
-def _straight(here: Surroundings, ready: Array, reach: Reach) -> Reach | None:
+def _straight(here: Workspace, ready: Array, reach: Reach) -> Reach | None:
     """The same with the hand on straight lines, which keep a vessel level: at once, from above, or from the front."""
-    planner, before = here.planner, reach.way[-1]
-    start, there = here.kinematics.forward(ready)[0], planner.hand(before)
+    planner, before = here.clear.planner, reach.way[-1]
+    start, there = here.robot.kinematics.forward(ready)[0], planner.hand(before)
     end = there.position
     above, aside = np.array([end[0], end[1], start[2]]), np.array([end[0], start[1], start[2]])
     low = np.array([end[0], start[1], end[2]])
@@ -208,28 +203,28 @@ def _straight(here: Surroundings, ready: Array, reach: Reach) -> Reach | None:
     return None
 
 
-def _keeps_clear(here: Surroundings, ready: Array, reach: Reach) -> bool:
+def _keeps_clear(here: Workspace, ready: Array, reach: Reach) -> bool:
     """Whether what is held stays well clear of everything on the way, up to where it is set down."""
-    if here.scratch.held is None:
+    if here.clear.checker.held is None:
         return True
-    with here.scratch.clearance(HELD_MARGIN, gripper=False):
-        return all(here.planner.edge(start, end) for start, end in pairwise([ready, *reach.way])) and all(
-            here.scratch.free(q)
+    with here.clear.checker.clearance(HELD_MARGIN, gripper=False):
+        return all(here.clear.planner.edge(start, end) for start, end in pairwise([ready, *reach.way])) and all(
+            here.clear.checker.free(q)
             for q in reach.approach[::2]
-            if np.linalg.norm(here.kinematics.forward(q)[0] - reach.grasp.position) > _SET_DOWN
+            if np.linalg.norm(here.robot.kinematics.forward(q)[0] - reach.grasp.position) > _SET_DOWN
         )
 
 
-def go_to_grasp(here: Surroundings, reach: Reach, *, speed: float = 1.0) -> Steps:
+def go_to_grasp(here: Workspace, reach: Reach, *, speed: float = 1.0) -> Steps:
     """Drive to the stance, move to the pre-grasp and approach."""
     yield from drive_to(here, reach.base)
     yield from go_carefully(here, reach.way, speed)
     yield from here.mover.play(reach.approach)
 
 
-def let_go(here: Surroundings, geoms: Sequence[int], opening: float) -> Steps:
+def let_go(here: Workspace, geoms: Sequence[int], opening: float) -> Steps:
     """Open the fingers to ``opening`` (m each) and go straight back from a handle, whose ``geoms`` they may touch."""
-    robot, planner = here.robot, here.planner
+    robot, planner = here.robot, here.clear.planner
     yield from here.mover.fingers(opening, 6)
     here.begin(geoms)
     away = planner.hand(robot.q).back(BACK)

@@ -8,15 +8,19 @@ from remac_env.backends.physics.controllers.base import Command, in_room, seen_f
 from remac_env.backends.physics.pose import Pose
 from remac_env.backends.physics.sensing import Senses
 from remac_env.backends.physics.simulation import RobotHandle
+from remac_env.kitchen.fixtures import FixtureReading
 from remac_env.kitchen.frame import WORLD, Frame
+from remac_env.robots.body import Kinematics
 from remac_env.robots.rotation import Array
+
+_FALLEN = 0.4  # m; objects lower than this have fallen down
 
 
 class Robot:
     """``q`` (n,) and ``grip`` (m of each finger) are commanded by the next :attr:`command`, expressed in ``frame``."""
 
-    def __init__(self, handle: RobotHandle) -> None:
-        self._handle, self.body = handle, handle.body
+    def __init__(self, handle: RobotHandle, kinematics: Kinematics) -> None:
+        self._handle, self.body, self.kinematics = handle, handle.body, kinematics
         self.name, self.qpos, self.finger_qpos = handle.name, handle.qpos, handle.finger_qpos
         self.frame = WORLD
         self.catch_up()
@@ -90,6 +94,14 @@ class View:
     def in_room(self, body: str) -> Pose:
         """The same in the frame of the room."""
         return self.senses.pose(body)
+
+    def reading(self, fixture: str) -> FixtureReading:
+        """What a fixture's joints say now."""
+        return self.senses.reading(fixture)
+
+    def on_floor(self, body: str) -> bool:
+        """Whether an object lies on the floor, as the robot sees it."""
+        return bool(self.pose(body).position[2] < _FALLEN)
 
     def located(self, part: str, point: Array) -> Array:
         """Where a point (3,) of a fixture, robot's frame, is seen; ``part``: a name that begins with the fixture's."""

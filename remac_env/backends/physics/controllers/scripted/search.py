@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from remac_env.backends.physics.controllers.scripted.collision import Scratch
+from remac_env.backends.physics.controllers.scripted.collision import CollisionChecker
 from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure
 from remac_env.backends.physics.pose import Pose
@@ -15,7 +15,7 @@ from remac_env.robots.rotation import Array
 CHECKS = 9000
 """Collision checks, of about 80 us each, after which a search usually gives up."""
 
-_FENCED_CHECKS = 1500  # collision checks; of 62 searches that ended well within fences one took more
+_CONFINED_CHECKS = 1500  # collision checks; of 62 searches that ended well behind keep-out planes one took more
 
 
 P = TypeVar("P", bound=Pose)
@@ -25,21 +25,21 @@ T = TypeVar("T")
 class Budget:
     """How many collision checks a search may use from now on.
 
-    Within fences it gives up early: what is not found soon is found once the neighbour is done, with no fence.
+    Behind keep-out planes it gives up early: what is not found soon is found without them once the neighbour is done.
     """
 
-    def __init__(self, scratch: Scratch, checks: int) -> None:
-        self._scratch = scratch
-        self._last = scratch.checks + (min(checks, _FENCED_CHECKS) if scratch.fences else checks)
+    def __init__(self, checker: CollisionChecker, checks: int) -> None:
+        self._checker = checker
+        self._last = checker.checks + (min(checks, _CONFINED_CHECKS) if checker.keep_out else checks)
 
     @property
     def spent(self) -> bool:
         """Whether the search has to end."""
-        return self._scratch.checks > self._last
+        return self._checker.checks > self._last
 
     def narrow(self, checks: int) -> None:
         """Allow at most so many more."""
-        self._last = min(self._last, self._scratch.checks + checks)
+        self._last = min(self._last, self._checker.checks + checks)
 
 
 class Reasons:
@@ -53,7 +53,7 @@ class Reasons:
         self._counts[what if why is None else f"{what}: {why}"] += 1
 
     def failure(self) -> SkillFailure:
-        """``unreachable`` where no pose could be reached, ``blocked`` where things were in the way."""
+        """``unreachable`` where no pose could be reached, ``blocked`` where objects were in the way."""
         if not self._counts:
             return SkillFailure("unreachable", "no configuration reaches it")
         return SkillFailure("blocked", "; ".join(f"{text} ({count})" for text, count in self._counts.most_common(3)))

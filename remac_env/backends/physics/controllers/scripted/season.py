@@ -8,15 +8,9 @@ from itertools import product
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, plan_reach
-from remac_env.backends.physics.controllers.scripted.skill import (
-    SkillFailure,
-    Steps,
-    Surroundings,
-    check_held,
-    go_home,
-    stances,
-)
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, check_held, go_home, stances
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.robots.rotation import Array, about_z, from_rotation_vector
 
 _HEIGHT = (0.22, 0.28, 0.34)  # m of the shaker's frame over the food
@@ -27,14 +21,14 @@ _FIRM = 30.0  # N a finger with which a shaker is held that is to be shaken
 _TURNS = (0.0, 0.5, -0.5, 1.0, -1.0, 1.6, -1.6, 2.4, -2.4, math.pi)
 
 
-def season(here: Surroundings, food: str, *, inside: str | None = None) -> Steps:
+def season(here: Workspace, food: str, *, inside: str | None = None) -> Steps:
     """Shake the held shaker over ``food``. ``inside``: the fixture it is in, where it is not on top of something."""
     body = here.hand.body
     if body is None:
         raise SkillFailure("hands_empty", "there is no shaker in the hand")
     here.begin()
-    robot, planner = here.robot, here.planner
-    over = here.simulation.pose(food).position
+    robot, planner = here.robot, here.clear.planner
+    over = here.sensed.pose(food).position
     # Behind an opening, the shaker stays in front of it; grains scatter so far.
     points = [over - [0.0, ahead, 0.0] for ahead in _AHEAD] if inside else [over]
     grasps = [grasp for point in points for grasp in _over(here, point)]
@@ -57,15 +51,15 @@ def season(here: Surroundings, food: str, *, inside: str | None = None) -> Steps
     yield from go_home(here)
 
 
-def _held(here: Surroundings) -> tuple[Array, Array]:
+def _held(here: Workspace) -> tuple[Array, Array]:
     """Offset (3,) and rotation (3, 3) of the held object in the grip frame."""
-    return here.robot.grip_pose().of(here.simulation.pose(str(here.hand.body)))
+    return here.robot.grip_pose().of(here.sensed.pose(str(here.hand.body)))
 
 
-def _over(here: Surroundings, point: Array) -> list[Grasp]:
+def _over(here: Workspace, point: Array) -> list[Grasp]:
     """Hands that hold the shaker tipped, its top over a point (3,)."""
     offset, turned = _held(here)
-    top = 2.0 * here.things[str(here.hand.body)].size[2]
+    top = 2.0 * here.kitchen.objects[str(here.hand.body)].size[2]
     found = []
     for tip, turn, height in product(_TIPS, _TURNS, _HEIGHT):
         upright = about_z(turn)

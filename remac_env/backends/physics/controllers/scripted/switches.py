@@ -1,4 +1,4 @@
-"""Turn things on and off: knobs, levers and push buttons."""
+"""Turn switches on and off: knobs, levers and push buttons."""
 
 from __future__ import annotations
 
@@ -11,21 +11,15 @@ import numpy as np
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, plan_reach
-from remac_env.backends.physics.controllers.scripted.skill import (
-    SkillFailure,
-    Steps,
-    Surroundings,
-    go_home,
-    stances,
-    tuck,
-)
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, go_home, stances, tuck
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Free, Hit, NoWay
+from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.robots.rotation import Array, about_x, about_y, about_z, grip_frame
 
 
-def work(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
+def work(here: Workspace, actuator: Actuator, *, on: bool) -> Steps:
     """Turn a knob or lever on or off, or push a button."""
     if actuator.motion == "knob":
         yield from _turn_knob(here, actuator, on=on)
@@ -50,12 +44,12 @@ class _Turn:
     closing: float
 
 
-def _turn_knob(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
+def _turn_knob(here: Workspace, actuator: Actuator, *, on: bool) -> Steps:
     """Turn a knob about its own axis."""
-    model, joint = here.simulation.model, actuator.joint
-    at = here.simulation.located(joint, np.array(model.body(joint).pos) + np.array(model.site(actuator.site).pos))
-    start, above = here.simulation.joint(joint), abs(float(model.joint(joint).axis[2])) > 0.5
-    seen = about_z(here.simulation.turned(joint))
+    model, joint = here.sensed.model, actuator.joint
+    at = here.sensed.located(joint, np.array(model.body(joint).pos) + np.array(model.site(actuator.site).pos))
+    start, above = here.sensed.joint(joint), abs(float(model.joint(joint).axis[2])) > 0.5
+    seen = about_z(here.sensed.turned(joint))
 
     def turn_by(angle: float) -> Array:
         """Rotation of the knob: clockwise as seen from the robot, or from above."""
@@ -73,13 +67,13 @@ def _turn_knob(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
     yield from _turn_hinge(here, turn, grasps, stands)
 
 
-def _swing_lever(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
+def _swing_lever(here: Workspace, actuator: Actuator, *, on: bool) -> Steps:
     """Lift or lower a lever, pinched from above and below: the hand is wide along its fingers."""
-    model, joint = here.simulation.model, actuator.joint
-    hinge = here.simulation.located(joint, np.array(model.body(joint).pos))
+    model, joint = here.sensed.model, actuator.joint
+    hinge = here.sensed.located(joint, np.array(model.body(joint).pos))
     grip = np.array(model.site(actuator.site).pos)
-    seen = about_z(here.simulation.turned(joint))
-    start = here.simulation.joint(joint)
+    seen = about_z(here.sensed.turned(joint))
+    start = here.sensed.joint(joint)
 
     def at(angle: float) -> Array:
         return hinge + seen @ about_x(-angle) @ grip
@@ -101,18 +95,18 @@ def _swing_lever(here: Surroundings, actuator: Actuator, *, on: bool) -> Steps:
     yield from _turn_hinge(here, turn, grasps, stands)
 
 
-def _push_button(here: Surroundings, actuator: Actuator) -> Steps:
+def _push_button(here: Workspace, actuator: Actuator) -> Steps:
     """Push a button in with closed fingertips and let go."""
-    simulation, robot, planner = here.simulation, here.robot, here.planner
+    sensed, robot, planner = here.sensed, here.robot, here.clear.planner
     name = actuator.joint
     here.begin()
     yield from tuck(here)
     robot.grip = 0.0
     yield from here.mover.fingers(0.0, 8)
-    here.begin(simulation.geoms(name))
-    here.scratch.fingers(0.0)
-    face = np.array(simulation.model.body(name).pos) + np.array(simulation.model.site(actuator.site).pos)
-    face, seen = simulation.located(name, face), about_z(simulation.turned(name))
+    here.begin(sensed.geoms(name))
+    here.clear.checker.fingers(0.0)
+    face = np.array(sensed.model.body(name).pos) + np.array(sensed.model.site(actuator.site).pos)
+    face, seen = sensed.located(name, face), about_z(sensed.turned(name))
     grasps = []
     for pitch in (0.5, 0.8, 0.3, 0.0):
         for yaw in (0.0, 0.4, -0.4):
@@ -130,7 +124,7 @@ def _push_button(here: Surroundings, actuator: Actuator) -> Steps:
     found = plan_reach(here, stands, grasps, after)
     yield from go_to_grasp(here, found)
     yield from here.mover.play(found.after)
-    pushed = simulation.joint(name)
+    pushed = sensed.joint(name)
     yield from here.mover.play(found.approach[::-1])
     yield from here.mover.fingers(0.04, 4)
     here.begin()
@@ -139,16 +133,16 @@ def _push_button(here: Surroundings, actuator: Actuator) -> Steps:
         raise SkillFailure("slipped", f"the {actuator.switch} button went in by only {1000 * pushed:.0f} mm")
 
 
-def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands: Sequence[Array]) -> Steps:
+def _turn_hinge(here: Workspace, turn: _Turn, grasps: Sequence[Grasp], stands: Sequence[Array]) -> Steps:
     """Grasp, go along with the hinge, let go, straight back, home."""
-    simulation, robot, planner = here.simulation, here.robot, here.planner
+    sensed, robot, planner = here.sensed, here.robot, here.clear.planner
     here.begin()
     yield from tuck(here)
-    geoms = simulation.geoms(turn.body)
+    geoms = sensed.geoms(turn.body)
     here.begin(geoms)
-    here.scratch.fingers(turn.opening)
+    here.clear.checker.fingers(turn.opening)
     robot.grip = turn.opening
-    start = simulation.joint(turn.joint)
+    start = sensed.joint(turn.joint)
     end = turn.target + turn.beyond
 
     def after(goal: Array, grasp: Grasp) -> Free | Hit | NoWay:
@@ -160,7 +154,7 @@ def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands
             )
             q = step.q
             off = step.position_error > 0.006 or step.rotation_error > 0.08
-            free = NoWay("the arm cannot follow") if off else here.scratch.free(q)
+            free = NoWay("the arm cannot follow") if off else here.clear.checker.free(q)
             if not free:
                 return NoWay(f"turning: {free}")
         away = planner.line(q, planner.hand(q).back(0.12))
@@ -175,7 +169,7 @@ def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands
         wanted = turn.turn(angle - start) @ found.grasp.rotation
         step = planner.kinematics.track(robot.q, turn.at(angle), wanted, largest=planner.step)
         yield from here.mover.step(step.q)
-        if sign * simulation.joint(turn.joint) >= sign * turn.target:
+        if sign * sensed.joint(turn.joint) >= sign * turn.target:
             break
     yield from here.mover.fingers(turn.opening, 5)
     here.begin(geoms)
@@ -184,6 +178,6 @@ def _turn_hinge(here: Surroundings, turn: _Turn, grasps: Sequence[Grasp], stands
     yield from here.mover.play(path or [])
     here.begin()
     yield from go_home(here)
-    reached = simulation.joint(turn.joint)
+    reached = sensed.joint(turn.joint)
     if abs(reached - turn.target) > 0.25:
         raise SkillFailure("slipped", f"{turn.joint} stands at {reached:.2f} rad")

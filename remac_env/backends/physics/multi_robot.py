@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from remac_env.backends.physics.controllers.scripted.motion import StuckError
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps
-from remac_env.backends.physics.drives import Errand
+from remac_env.backends.physics.drives import DriveGoal
 from remac_env.backends.physics.litter import Bumper, lying, pressed, retreat, slowed
 from remac_env.backends.physics.separation import Separation
 from remac_env.backends.physics.timetable import Timetable
@@ -15,24 +15,24 @@ from remac_env.backends.physics.ways import Driver, Moving
 from remac_env.kitchen.blocks import Block
 
 
-class Convoy:
+class MultiRobotPlanner:
     """Drives that begin together. They are planned when the first of them begins; run every robot's ``steps``.
 
-    ``rooms``: the floor that robots need which work meanwhile; drives keep off it. ``jammed``: things on the floor that
-    have stopped a drive; it grows when these drives are stopped. ``others``: convoys of which some may be under way;
-    their drives are moving obstacles, and where one of these or those fails, all of both stop.
+    ``rooms``: the floor that robots need which work meanwhile; drives keep off it. ``jammed``: objects on the floor
+    that have stopped a drive; it grows when these drives are stopped. ``others``: planners of which some may be under
+    way; their drives are moving obstacles, and where one of these or those fails, all of both stop.
     """
 
     def __init__(
-        self, separation: Separation, errands: Mapping[str, Errand], rooms: Sequence[Block],
-        jammed: frozenset[str] = frozenset(), others: Sequence[Convoy] = (),
+        self, separation: Separation, drive_goals: Mapping[str, DriveGoal], rooms: Sequence[Block],
+        jammed: frozenset[str] = frozenset(), others: Sequence[MultiRobotPlanner] = (),
     ) -> None:
-        self._separation, self._errands, self._rooms = separation, dict(errands), tuple(rooms)
+        self._separation, self._drive_goals, self._rooms = separation, dict(drive_goals), tuple(rooms)
         self.jammed, self._others = jammed, others
         self._timed: dict[str, Path] | None = None
         self._drivers: Mapping[str, Driver] = {}
         self._gone: dict[str, int] = {}
-        self._met: list[Convoy] = []
+        self._met: list[MultiRobotPlanner] = []
         self._pushing = self._failed = False
 
     def keep_off(self, rooms: Sequence[Block]) -> None:
@@ -42,7 +42,7 @@ class Convoy:
 
     def held_up(self, robot: str) -> bool:
         """Whether a robot found no way while others work or drive."""
-        others = self._rooms or self._met or (self._timed and len(self._errands) > 2)
+        others = self._rooms or self._met or (self._timed and len(self._drive_goals) > 2)
         return bool(others) and self._timed is not None and robot not in self._timed
 
     def under_way(self) -> Iterator[Moving]:
@@ -56,7 +56,7 @@ class Convoy:
         if self._timed is None:
             self._timed = self._plan()
             self._gone = dict.fromkeys(self._timed, 0)
-        here = self._errands[robot].here
+        here = self._drive_goals[robot].here
         try:
             if robot not in self._timed:
                 others = "the other robot" if len(self._separation.robots) < 3 else "the other robots"
@@ -69,16 +69,16 @@ class Convoy:
             raise
         finally:
             self._gone.pop(robot, None)
-        here.enter(self._errands[robot].goal)
+        here.enter(self._drive_goals[robot].goal)
 
     def _fail(self) -> None:
         """Stop all these drives, and those that count on them."""
-        for convoy in (self, *self._met):
-            convoy._failed = True
+        for planner in (self, *self._met):
+            planner._failed = True
 
     def _drive(self, robot: str, path: Path) -> Steps:
-        """Follow a path; where things on the floor stop it, go back a little."""
-        here = self._errands[robot].here
+        """Follow a path; where objects on the floor stop it, go back a little."""
+        here = self._drive_goals[robot].here
         bumper, travelled = Bumper(here), Path()
         try:
             for q in path:
@@ -97,24 +97,24 @@ class Convoy:
             raise
 
     def _plan(self) -> dict[str, Path]:
-        """A timed path for every robot that can go: around things on the floor, else through those not yet jammed."""
-        for errand in self._errands.values():
-            errand.here.leave()
+        """A timed path for every robot that can go: around objects on the floor, else through those not yet jammed."""
+        for drive_goal in self._drive_goals.values():
+            drive_goal.here.leave()
         for other in self._others:
             if other is not self and any(True for _ in other.under_way()):
                 self._met.append(other)
                 other._met.append(self)
         self._failed = any(other._failed for other in self._met)
         moving = [drive for other in self._met for drive in other.under_way()]
-        litter = frozenset[str]().union(*(lying(errand.here) for errand in self._errands.values()))
+        litter = frozenset[str]().union(*(lying(drive_goal.here) for drive_goal in self._drive_goals.values()))
         timed: dict[str, Path] = {}
         avoided = litter
-        # A drive that pushes things is not where it should be when, so nobody pushes while others are under way.
+        # A drive that pushes objects is not where it should be when, so nobody pushes while others are under way.
         pushing = () if moving else (self.jammed & litter, frozenset[str]())
         for avoided in dict.fromkeys((litter, *pushing)):
-            timetable = Timetable(self._separation, self._errands, self._rooms, avoided, moving)
+            timetable = Timetable(self._separation, self._drive_goals, self._rooms, avoided, moving)
             timed, self._drivers = timetable.timed(), timetable.drivers
-            if len(timed) == len(self._errands):
+            if len(timed) == len(self._drive_goals):
                 break
         self._pushing = avoided != litter
         return {name: slowed(path) for name, path in timed.items()} if self._pushing else timed

@@ -1,4 +1,4 @@
-"""The robots of an episode: their surroundings, what they know of one another when they begin, and where drives end."""
+"""The robots of an episode: their workspace, what they know of one another when they begin, and where drives end."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 
 from remac_env.backends.physics.attempts import NEIGHBOUR, Attempts, Orders
 from remac_env.backends.physics.controllers.base import MakeController
-from remac_env.backends.physics.controllers.scripted.collision import Fence, Scratch
+from remac_env.backends.physics.controllers.scripted.collision import CollisionChecker, KeepOutPlane
 from remac_env.backends.physics.controllers.scripted.motion import Mover
 from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
-from remac_env.backends.physics.controllers.scripted.skill import Hand, Surroundings
+from remac_env.backends.physics.controllers.scripted.workspace import Clear, Hand, Kitchen, Workspace
 from remac_env.backends.physics.navigate import parking
 from remac_env.backends.physics.pilot import Attempt, Pilot
 from remac_env.backends.physics.sensing import Senses
@@ -28,41 +28,40 @@ from remac_env.start import Start
 _ARRIVAL = np.array([0.02, 0.02, 0.03])  # m, m, rad: how far off a drive ends at most; known to the robot afterwards
 
 
-class Crew:
-    """All robots. ``robots`` holds each one's surroundings by name."""
+class Team:
+    """All robots. ``robots`` holds each one's workspace by name."""
 
     def __init__(
-        self, simulation: Simulation, layout: Layout, things: Mapping[str, Category], start: Start,
+        self, simulation: Simulation, layout: Layout, objects: Mapping[str, Category], start: Start,
         controllers: Mapping[str, MakeController],
     ) -> None:
         self._layout, self._start = layout, start
         self.separation = Separation(simulation)
         kinematics = simulation.body.kinematics()
-        self.robots: dict[str, Surroundings] = {}
+        self.robots: dict[str, Workspace] = {}
         self.pilots: dict[str, Pilot] = {}
         for name, handle in simulation.robots.items():
-            robot = Robot(handle)
-            view = View(Senses(simulation, handle, layout, things), robot)
-            scratch = Scratch(view, robot, kinematics)
-            planner = Planner(scratch, np.random.default_rng(0))
+            robot = Robot(handle, kinematics)
+            view = View(Senses(simulation, handle, layout, objects), robot)
+            checker = CollisionChecker(view, robot)
+            clear = Clear(checker, Planner(checker, np.random.default_rng(0)))
             x, y, yaw = (float(value) for value in robot.q[:3])
-            self.robots[name] = Surroundings(
-                view, robot, layout, things, kinematics, scratch, planner, Mover(robot, kinematics), Hand(),
-                Station(ASIDE, x, y, yaw),
+            self.robots[name] = Workspace(
+                view, Kitchen(layout, objects), clear, robot, Mover(robot), Hand(), Station(ASIDE, x, y, yaw)
             )
             own = {skill: make() for skill, make in controllers.items()}
             self.pilots[name] = Pilot(simulation, self.robots[name], start.scene, own, start.seed)
         self._attempts = Attempts(simulation, self.separation, self.pilots, layout)
 
-    def hold(self, things: Mapping[str, str | None]) -> None:
+    def hold(self, objects: Mapping[str, str | None]) -> None:
         """Tell robots what their hands hold now."""
-        for name, body in things.items():
+        for name, body in objects.items():
             self.robots[name].hand.body = body
 
     def attempts(self, now: Orders) -> dict[str, Attempt]:
         """A generator for every robot with an accepted subtask; each returns its outcome. None of them may be busy."""
         self.separation.holding({n: here.hand.body for n, here in self.robots.items() if here.hand.body is not None})
-        self._set_fences(now)
+        self._set_keep_out(now)
         self._disturb(now)
         goals = {name: self._arrival(now.number, place) for name, place in self._goals(now).items()}
         return self._attempts.begin(now, goals)
@@ -73,20 +72,20 @@ class Crew:
 
     # -- before they begin -------------------------------------------------------------------------------------------
 
-    def _set_fences(self, now: Orders) -> None:
-        """Fences between robots that work at neighbouring stations, or next to where another drives."""
+    def _set_keep_out(self, now: Orders) -> None:
+        """Keep-out planes between robots that work at neighbouring stations, or next to where another drives."""
         busy = self._attempts.under_way
         for name, here in self.robots.items():
             if name in busy:
                 continue
-            here.scratch.fences = ()
+            here.clear.checker.keep_out = ()
             if name in now.driving:
                 continue
             for other in sorted((now.active | busy) - {name}):
                 there = self.robots[other].place
                 for end in (there, self._layout.stations.get(now.stations[other], there)):
                     if end.wall and 0.0 < here.place.distance(end) <= NEIGHBOUR:
-                        here.scratch.fences += (_between(here.place, end),)
+                        here.clear.checker.keep_out += (_between(here.place, end),)
 
     def _disturb(self, now: Orders) -> None:
         """Draw the errors in the poses that controllers see."""
@@ -97,8 +96,8 @@ class Crew:
         for here in (here for name, here in self.robots.items() if name not in busy):
             place = [round(float(value), 3) for value in here.robot.standing[:2]]
             chance = generator(self._start.seed, "perception", now.number, *place)
-            here.simulation.senses.look(chance, noise, here.hand.body)
-            here.scratch.look()
+            here.sensed.senses.look(chance, noise, here.hand.body)
+            here.clear.checker.look()
 
     def _goals(self, now: Orders) -> dict[str, Station]:
         """Where driving robots go; those that step aside and find no free parking place are left out."""
@@ -116,8 +115,8 @@ class Crew:
         return replace(place, x=place.x + dx, y=place.y + dy, yaw=place.yaw + turn)
 
 
-def _between(here: Station, there: Station) -> Fence:
-    """The fence half way between two stations, seen from the first."""
+def _between(here: Station, there: Station) -> KeepOutPlane:
+    """The keep-out plane half way between two stations, seen from the first."""
     way = here.distance(there)
     x, y = (there.x - here.x) / way, (there.y - here.y) / way
-    return Fence(x, y, x * here.x + y * here.y + 0.5 * way)
+    return KeepOutPlane(x, y, x * here.x + y * here.y + 0.5 * way)

@@ -14,8 +14,8 @@ _PALM = 0.025  # m along the hand from the bar's middle to the palm, with a litt
 
 
 @dataclass(frozen=True)
-class Leaf:
-    """A leaf's geometry: hinge line, handle in the leaf's frame; sign: 1 where it is hinged on the left, else -1.
+class DoorPanel:
+    """A panel's geometry: hinge line, handle in the panel's frame; sign: 1 where it is hinged on the left, else -1.
 
     half, radius: of the bar, an upright rod, m. edge, faces, ends: of the panel, how far its free edge is from the
     hinge, and y of front and back and z of bottom and top in its own frame, m.
