@@ -121,3 +121,14 @@ def test_the_packages_own_weights_are_small_whole_and_measured() -> None:
         assert (SHIPPED / file_name(skill)).stat().st_size < 1_000_000
 
 
+
+
+@pytest.mark.long
+def test_the_packages_own_skills_turn_things_on_and_off() -> None:
+    env = remac_env.parallel_env("HeatOnStove", robots=1, skills="learned")
+    for seed in range(3):
+        env.reset(seed=seed)
+        for text in ("navigate to stove", "turn on stove", "turn off stove", "navigate to faucet", "turn on faucet"):
+            *_, infos = env.step({"robot_0": env.vocabulary.encode(text)})
+            assert infos["robot_0"]["outcome"]["status"] == "success", (seed, text, infos["robot_0"]["outcome"])
+    env.close()
