@@ -4,6 +4,7 @@
 # make rl         install torch and libraries for learners apart, and run the tests and examples of learning there
 # make docs       install what builds the site apart, and build it into build/site
 # make learned    train the weights that come with the package, from nothing, and measure them
+# make inspect    install Inspect AI apart, and run the test of its example there
 # make wheel      build wheel and source archive into dist/, check them and try each in an empty environment
 # make versions   the fast tests without physics on every supported Python, and with the oldest dependencies
 # make robosuite  install robosuite apart, run the tests of our kitchens in it and print how fast they are
@@ -14,9 +15,10 @@ ROBOSUITE := .venv-robosuite
 RL := .venv-rl
 DOCS := .venv-docs
 WHEEL := .venv-wheel
+INSPECT := .venv-inspect
 REPOSITORY ?=
 
-.PHONY: demo test test-all rl learned docs wheel versions robosuite robosuite-test tables tables-check lint install clean
+.PHONY: demo test test-all rl learned docs inspect wheel versions robosuite robosuite-test tables tables-check lint install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -106,5 +108,14 @@ wheel: $(WHEEL)/.installed
 versions:
 	$(PYTHON) .ci/versions.py
 
+# A model's tool calls in Inspect AI, with its own mock model: examples/inspect.
+$(INSPECT)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(INSPECT)
+	$(INSPECT)/bin/pip install --quiet --disable-pip-version-check --editable ".[inspect]" pytest hypothesis
+	touch $@
+
+inspect: $(INSPECT)/.installed
+	$(INSPECT)/bin/python -m pytest tests/integrations/test_inspect.py
+
 clean:
-	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) $(WHEEL) dist build .cache demo_output .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) $(WHEEL) $(INSPECT) dist build .cache demo_output .pytest_cache .mypy_cache .ruff_cache
