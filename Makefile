@@ -4,6 +4,7 @@
 # make rl         install torch and libraries for learners apart, and run the tests and examples of learning there
 # make docs       install what builds the site apart, and build it into build/site
 # make learned    train the weights that come with the package, from nothing, and measure them
+# make ray        install RLlib and Tianshou apart, and run the tests of their examples there
 # make inspect    install Inspect AI apart, and run the test of its example there
 # make wheel      build wheel and source archive into dist/, check them and try each in an empty environment
 # make versions   the fast tests without physics on every supported Python, and with the oldest dependencies
@@ -16,9 +17,10 @@ RL := .venv-rl
 DOCS := .venv-docs
 WHEEL := .venv-wheel
 INSPECT := .venv-inspect
+RAY := .venv-ray
 REPOSITORY ?=
 
-.PHONY: demo test test-all rl learned docs inspect wheel versions robosuite robosuite-test tables tables-check lint install clean
+.PHONY: demo test test-all rl learned docs inspect ray wheel versions robosuite robosuite-test tables tables-check lint install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -108,6 +110,16 @@ wheel: $(WHEEL)/.installed
 versions:
 	$(PYTHON) .ci/versions.py
 
+# RLlib and Tianshou, 2.3 GB with torch: examples/rl.
+$(RAY)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(RAY)
+	$(RAY)/bin/pip install --quiet --disable-pip-version-check torch==2.13.0
+	$(RAY)/bin/pip install --quiet --disable-pip-version-check --editable ".[rllib]" pytest hypothesis
+	touch $@
+
+ray: $(RAY)/.installed
+	$(RAY)/bin/python -m pytest tests/integrations/test_other_learners.py
+
 # A model's tool calls in Inspect AI, with its own mock model: examples/inspect.
 $(INSPECT)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(INSPECT)
@@ -118,4 +130,4 @@ inspect: $(INSPECT)/.installed
 	$(INSPECT)/bin/python -m pytest tests/integrations/test_inspect.py
 
 clean:
-	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) $(WHEEL) $(INSPECT) dist build .cache demo_output .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) $(WHEEL) $(INSPECT) $(RAY) dist build .cache demo_output .pytest_cache .mypy_cache .ruff_cache

@@ -154,6 +154,8 @@ def _leaves(name: str, command: object) -> Iterator[tuple[str, object]]:
     if inner is None:
         yield name, command
         return
+    if command.invoke_without_command and " " in name:  # a group that does something by itself
+        yield name, command
     for key, below in inner.items():
         yield from _leaves(f"{name} {key}", below)
 

@@ -113,6 +113,8 @@ def resolve(line: list[str], where: str) -> tuple[Any, list[str]]:
     else:
         raise DocumentError(f"{where}: {shlex.join(line)} is neither a command of remac nor a script")
     while hasattr(command, "commands"):
+        if not rest and command.invoke_without_command:
+            break  # a group that does something by itself: remac tasks
         if not rest:
             raise NoSubcommandError(f"{where}: {shlex.join(line)}: which command?")
         if rest[0].startswith("--"):
