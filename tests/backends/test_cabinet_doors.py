@@ -9,10 +9,10 @@ import mujoco
 import numpy as np
 import physics_kit
 import pytest
+from remac_env.backends.physics.controllers.scripted.leaf import Leaf
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.scripted import arc, doors
-from remac_env.backends.physics.controllers.scripted.leaf import Leaf
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.frame import WORLD

@@ -30,6 +30,7 @@ class RobotHandle:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, name: str, body: Body) -> None:
         self.name, self.body = name, body
+        self._most = body.top_speed * CONTROL_PERIOD  # by which set-points move at most
         self.fingers = tuple(f"{name}/{part}" for part in body.fingers)
         self._data = data
         joints = [model.joint(f"{name}/{part}") for part in body.joints]
@@ -54,10 +55,10 @@ class RobotHandle:
 
     def take(self, q: Array, grip: float) -> None:
         """Take set-points for the next control period, which move no faster than the maker allows."""
-        step = q - self.commanded
-        most = self.body.top_speed * CONTROL_PERIOD
-        if (np.abs(step) > most).any():
-            q = np.where(np.abs(step) > most, self.commanded + np.clip(step, -most, most), q)
+        step, most = q - self.commanded, self._most
+        fast = np.abs(step) > most
+        if fast.any():
+            q = np.where(fast, self.commanded + np.clip(step, -most, most), q)
         self.hold(q, grip)
 
     def hold(self, q: Array, grip: float) -> None:

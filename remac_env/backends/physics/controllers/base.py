@@ -7,6 +7,7 @@ and from what happened to switches and food: a controller can only give up, with
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
@@ -172,20 +173,27 @@ def set_points(command: object, body: Body) -> tuple[Array, float]:
         raise CommandError(f"the command holds what is no number: {error}") from error
     if q.shape != body.lowest.shape:
         raise CommandError(f"the command has the shape {q.shape}; valid: {body.lowest.shape}")
-    if not (np.isfinite(q).all() and np.isfinite(opening)):
+    if not (np.isfinite(q).all() and math.isfinite(opening)):
         raise CommandError(f"the command is not finite: q {q.tolist()}, opening {opening}")
     if not isinstance(command.frame, Frame):
         raise CommandError(f"the command's frame is a {type(command.frame).__name__}; valid: Frame")
-    q = in_room(q, command.frame)
-    return np.minimum(body.highest, np.maximum(body.lowest, q)), min(max(opening, 0.0), body.finger_travel)
+    _into_room(q, command.frame)
+    np.minimum(body.highest, np.maximum(body.lowest, q, out=q), out=q)
+    return q, min(max(opening, 0.0), body.finger_travel)
 
 
 def in_room(q: Array, frame: Frame) -> Array:
     """A configuration (n,) of a frame, in that of the room."""
     told = np.array(q, float)
-    told[:2] = frame.point(told[0], told[1])
-    told[2] += frame.heading
+    _into_room(told, frame)
     return told
+
+
+def _into_room(q: Array, frame: Frame) -> None:
+    """The same in place."""
+    if frame is not WORLD:
+        q[:2] = frame.point(q[0], q[1])
+        q[2] += frame.heading
 
 
 def seen_from(q: Array, frame: Frame) -> Array:
