@@ -114,7 +114,7 @@ class PhysicsBackend:
 
     @property
     def model(self) -> mujoco.MjModel:
-        """The compiled kitchen of colliders; its qpos fits the model with looks."""
+        """The compiled kitchen of colliders; its qpos fits the model with visual geometry."""
         return self._begun().simulation.model
 
     @property

@@ -47,7 +47,7 @@ class HeldError:
 
 
 class Perception:
-    """What one robot misjudges. ``things`` and ``fixtures``: errors by name; none where perception is perfect."""
+    """What one robot misjudges. ``objects`` and ``fixtures``: errors by name; none where perception is perfect."""
 
     def __init__(self) -> None:
         self.objects: dict[str, Error | HeldError] = {}

@@ -84,8 +84,8 @@ class Separation:
         """Circles (n, 3) around the parts of some robots, seen from above: x, y and radius, as last refreshed."""
         mujoco.mj_kinematics(self._model, self._data)
         bodies = [b for name in robots for b in (*self._bodies[name], *self._held_bodies(name))]
-        solid = np.isin(self._model.geom_bodyid, bodies) & (self._model.geom_group == 3)
-        return np.column_stack([self._data.geom_xpos[solid, :2], self._model.geom_rbound[solid]])
+        collision = np.isin(self._model.geom_bodyid, bodies) & (self._model.geom_group == 3)
+        return np.column_stack([self._data.geom_xpos[collision, :2], self._model.geom_rbound[collision]])
 
     def _held_bodies(self, robot: str) -> list[int]:
         return [self._model.body(self._held[robot]).id] if robot in self._held else []
