@@ -24,7 +24,7 @@ from remac_bench.recording import Recorder
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record, SpanEntry, VideoEntry
 from remac_bench.redaction import printable_values, redact
 from remac_bench.shared import Agent
-from remac_bench.timing import StepBook, timed, timeline
+from remac_bench.timing import StepBook, shortest, timed, timeline
 from remac_bench.worlds import as_values, fallen
 from remac_env.errors import ActionError
 from remac_env.oracle import Certificate, certify, problem_id
@@ -85,6 +85,7 @@ class Course:
     certificate: Certificate | None = None
     problem: str | None = None
     joined: bool = False
+    shortest: dict[str, Any] = field(default_factory=dict)
     book: StepBook = field(default_factory=StepBook)
     timeline: list[SpanEntry] = field(default_factory=list)
     skills: Mapping[str, str] = field(default_factory=dict)
@@ -167,7 +168,9 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, 
     course.progress = env.progress
     course.worlds.append(as_values(env.world))
     course.problem = problem_id(env.start.scene, env.world, env.goal)
-    if optimum:
+    if optimum and job.options.clock == "events":
+        course.shortest = shortest(env)
+    elif optimum:
         course.certificate = certify(env.start.scene, env.world, env.goal)
     with blaming("agent"):
         agent.reset(observations, course.infos)
@@ -249,6 +252,7 @@ def make_record(
         problem=course.problem,
         littered=fallen(course.worlds),
         **_proven(course.certificate),
+        **course.shortest,
         video=video,
         error=None if fault is None else fault.entry(),
         options=printable_values(job.facts),

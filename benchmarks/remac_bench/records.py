@@ -171,6 +171,8 @@ class Record(Model):
         planner_errors: replies of the planner that were no plans.
         optimum_rounds: length of the shortest plan, where it was asked for and is known; `optimum_proof` says how it
             is known, and `optimum_lower` how long it is at least (`remac_env.oracle.Certificate`).
+        optimum_seconds: the shortest makespan under the event clock, s, where it was asked for and is known;
+            `optimum_seconds_lower`: no plan takes less.
         problem: digest of the start without looks and names; None for older records.
         littered: things that were let fall and lie on the floor at the end.
         options: {"kitchen": ..., "agent": ...}: everything that the job was made with; "access": how language models
@@ -233,6 +235,8 @@ class Record(Model):
     optimum_rounds: int | None = None
     optimum_lower: int | None = None
     optimum_proof: str | None = None
+    optimum_seconds: float | None = None
+    optimum_seconds_lower: float | None = None
     littered: int = 0
     problem: str | None = None
     video: VideoEntry | None = None

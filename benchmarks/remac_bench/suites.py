@@ -239,8 +239,9 @@ def _block(file: str, where: str, data: Any, methods: Any) -> Block:
         Options(**kitchen)
     except RemacError as error:
         raise UsageError(f"{file}: {where}.kitchen: {error}") from error
+    known = [*remac_env.tasks(kitchen.get("clock", "rounds")), GENERATED.name]
     return Block(
-        tasks=_check_names(file, f"{where}.tasks", tasks, [*remac_env.tasks(), GENERATED.name]),
+        tasks=_check_names(file, f"{where}.tasks", tasks, known),
         seeds=_seeds(file, f"{where}.seeds", data["seeds"]),
         methods=_check_names(file, f"{where}.methods", data.get("methods", methods), agents.methods()),
         kitchen=kitchen,

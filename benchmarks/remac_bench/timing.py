@@ -9,6 +9,9 @@ from remac_bench.records import OrderEntry, OutcomeEntry, SpanEntry
 from remac_env.errors import UnknownNameError
 from remac_env.thinking import NO_THOUGHT, Thought
 
+MOST_MOMENTS = 3000
+"""Moments that a search for the shortest makespan looks at: some ten seconds for two robots."""
+
 Infos = Mapping[str, Mapping[str, Any]]
 
 
@@ -54,6 +57,14 @@ def replayed(env: Any, orders: Mapping[str, OrderEntry], infos: Infos) -> tuple[
 def timeline(env: Any) -> list[SpanEntry]:
     """What lasted how long in the episode; nothing with rounds, whose outcomes say it."""
     return [SpanEntry(**span.as_values) for span in getattr(env, "timeline", ())]
+
+
+def shortest(env: Any) -> dict[str, Any]:
+    """The fields of a record that say how soon the episode could be done, by the skill table's seconds."""
+    from remac_env.events.makespan import makespan
+
+    found = makespan(env.start, env.goal, deadline=env.max_seconds, max_states=MOST_MOMENTS)
+    return {"optimum_seconds": found.optimum, "optimum_seconds_lower": found.lower}
 
 
 def timed(infos: Infos) -> bool:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from remac_bench.errors import UsageError
 from remac_bench.jobs import Job
 from remac_bench.judging.episodes import idle_share, setting, share_of
+from remac_bench.judging.times import time_sheets
 from remac_bench.proof.again import check_job, check_rounds
 from remac_bench.records import Record
+from remac_bench.suites import load
 from remac_bench.worker import Work, play_job
 
 from remac_env.options import Options
@@ -76,3 +79,32 @@ def test_round_based_methods_take_as_long_as_with_rounds() -> None:
 def test_records_lie_beside_each_other(tmp_path: Path) -> None:
     one, other = play(), play(clock="rounds")
     assert one.job != other.job and setting(one) != setting(other)
+
+
+def test_the_table_of_times_says_what_becomes_of_it() -> None:
+    played = [play("REACT", think="fixed:2"), play("BASE"), play("BASE", clock="rounds")]
+    (sheet,) = time_sheets(played, folder="x")
+    rows = {(row["agent"].text, row["setting"].text.count("think")): row for row in sheet.rows}
+    thoughtful, base = rows["REACT", 1], rows["BASE (robots=2)", 0]
+    assert thoughtful["asks"].text == "when ready" and base["asks"].text == "in step"
+    assert thoughtful["thinking"].value > 0.0 and base["thinking"].value == 0.0
+    assert base["idle"].value == idle_share(played[1]) and "met" not in base
+    assert time_sheets(played[2:], folder="x") == []
+
+
+def test_a_makespan_stands_beside_the_shortest() -> None:
+    options = Options(backend="symbolic", clock="events", robots=1, layout="one_wall_large")
+    job = Job(method="CC", task="OpenMicrowavePnP", seed=1, options=options)
+    (record,) = play_job(Work(job=job, folder="", video="none", optimum=True))
+    assert record.optimum_seconds == 44.0 == record.optimum_seconds_lower and record.optimum_rounds is None
+    (sheet,) = time_sheets([record], folder="x")
+    assert sheet.rows[0]["best"].value == pytest.approx(record.sim_seconds / 44.0)
+
+
+def test_a_suite_by_the_event_clock_has_its_tasks(tmp_path: Path) -> None:
+    suite = load("timed")
+    assert {task for block in suite.blocks for task in block.tasks} > {"FallingDoor", "HeatOnStove"}
+    text = 'name = "x"\nversion = 1\nmethods = ["BASE"]\n[[jobs]]\ntasks = ["FallingDoor"]\nseeds = "0:1"\n'
+    (tmp_path / "x.toml").write_text(text, "utf-8")
+    with pytest.raises(UsageError, match="FallingDoor"):
+        load(str(tmp_path / "x.toml"))

@@ -16,6 +16,7 @@ from remac_bench.judging.published import paper_sheets, phase_sheets
 from remac_bench.judging.ranking import ranking_sheets
 from remac_bench.judging.readers import given_of, with_readers
 from remac_bench.judging.results import results_sheets
+from remac_bench.judging.times import time_sheets
 from remac_bench.metrics import overall, summarise
 from remac_bench.records import Record
 
@@ -30,6 +31,7 @@ def assemble(records: Iterable[Record], *, blames: Sequence[Blame], title: str, 
         *ranking_sheets(known, folder=folder),
         *paper_sheets(rows, over_all, folder=folder),
         *phase_sheets(known, folder=folder),
+        *time_sheets(known, folder=folder),
         *evolution_sheets(known, folder=folder),
         *audit_sheets(known, folder=folder),
         *blame_sheets(blames, folder=folder),

@@ -114,7 +114,8 @@ def check_job(
     yield from _check_key(rows[0], job)
     if cassette is not None:
         job = replace(job, access=replace(job.access, cassette=cassette, providers=providers, replay=True))
-    work = Work(job=job, folder="", video="none", optimum=any(row.optimum_proof is not None for row in rows))
+    searched = any(row.optimum_proof is not None or row.optimum_seconds_lower is not None for row in rows)
+    work = Work(job=job, folder="", video="none", optimum=searched)
     again = {record.iteration: record for record in play_job(work, shared)}
     if set(again) != {row.iteration for row in rows}:
         yield f"iterations: recorded {sorted(row.iteration for row in rows)}, played again {sorted(again)}"
