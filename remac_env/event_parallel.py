@@ -18,6 +18,7 @@ from remac_env.events.clock import EventClock, Order, Span
 from remac_env.events.observation import TimeFacts
 from remac_env.parallel import KitchenParallelEnv, Seen, Told
 from remac_env.rules.knowledge import held_back
+from remac_env.rules.subtasks import Subtask
 from remac_env.thinking import NO_THOUGHT, Thought, thinking_seconds
 from remac_env.vocabulary import Vocabulary
 
@@ -99,8 +100,9 @@ class KitchenEventEnv(KitchenParallelEnv):
         mask[self._continue] = 1
         return mask
 
-    def _cost(self, thought: Thought) -> float:
-        return thinking_seconds(self.options.think, thought)
+    def _cost(self, subtask: Subtask, thought: Thought) -> float:
+        """What a command costs, s; to go on waiting without a thought costs nothing."""
+        return 0.0 if subtask.row.still and thought == NO_THOUGHT else thinking_seconds(self.options.think, thought)
 
     def _words(self) -> Vocabulary:
         return self.worlds.vocabulary.with_words((CONTINUE,))

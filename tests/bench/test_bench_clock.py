@@ -76,6 +76,14 @@ def test_round_based_methods_take_as_long_as_with_rounds() -> None:
         assert timed.final_plan == rounds.final_plan and timed.subtasks_done == rounds.subtasks_done
 
 
+@pytest.mark.parametrize("think", ["fixed:1", "fixed:7"])
+def test_a_method_in_step_does_not_get_out_of_step_by_thinking(think: str) -> None:
+    timed, free = play("CC", think=think, max_seconds=600.0), play("CC")
+    assert timed.success and timed.final_plan == free.final_plan
+    thoughts = [span for span in timed.timeline if span.kind == "thought"]
+    assert thoughts and all(span.ended - span.began == float(think[6:]) for span in thoughts)
+
+
 def test_records_lie_beside_each_other(tmp_path: Path) -> None:
     one, other = play(), play(clock="rounds")
     assert one.job != other.job and setting(one) != setting(other)
