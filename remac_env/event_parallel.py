@@ -61,7 +61,7 @@ class KitchenEventEnv(KitchenParallelEnv):
         subtasks, refused = held_back(subtasks, episode.unseen, invalid)
         thoughts, self._thoughts = self._thoughts, {}
         orders = {
-            robot: Order(subtask, self._cost(thoughts.get(robot, NO_THOUGHT)), refused.get(robot))
+            robot: Order(subtask, self._cost(subtask, thoughts.get(robot, NO_THOUGHT)), refused.get(robot))
             for robot, subtask in subtasks.items()
         }
         episode.decided()
