@@ -12,11 +12,12 @@ from math import pi
 
 from remac_env.errors import KitchenFileError
 from remac_env.kitchen.floor_plan import Layout, Station
-from remac_env.kitchen.layout_checks import BASE_RADIUS, FREE_FRONT, check_team
+from remac_env.kitchen.layout_checks import BASE_RADIUS, FREE_FRONT, check_team, floor
 
 LEAST_APART, MOST_APART = 1.1, 1.4
 """Between the axes of two robots in a row, m."""
 
+_CLEAR = 1.1  # m from the axis of a robot in a row to fixtures: it turns and drives off past its neighbours
 _OFF = 0.13  # m by which robots may stand off their places
 _STEP = 0.1  # m between rows that are looked at
 
@@ -52,9 +53,9 @@ def _rows(layout: Layout, robots: int) -> Iterator[tuple[Station, ...]]:
     if apart < LEAST_APART:
         return
     first = 0.5 * (left + right - apart * (robots - 1))
+    clear = floor(layout, _CLEAR)
     for number in range(int(FREE_FRONT / _STEP)):
-        y = front - number * _STEP
-        yield tuple(
-            Station(f"aside_{index}", round(first + index * apart, 3), round(y, 3), 0.5 * pi)
-            for index in range(robots)
-        )
+        y = round(front - number * _STEP, 3)
+        row = tuple(Station(f"aside_{i}", round(first + i * apart, 3), y, 0.5 * pi) for i in range(robots))
+        if all(clear.holds(clear.free, (place.x, y)) for place in row):
+            yield row
