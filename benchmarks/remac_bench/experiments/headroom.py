@@ -11,6 +11,7 @@ from rich.table import Table
 
 from remac_bench.job_lists import make_jobs
 from remac_bench.jobs import Job
+from remac_bench.judging.statistics import cluster_bootstrap
 from remac_bench.records import Record
 
 EXPLORING = {"planner": "literal,explores=true"}
@@ -114,14 +115,33 @@ def tables(records: Sequence[Record]) -> Iterator[Table]:
 def _curve(by: Mapping[str, Sequence[Record]]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, title="Success by iteration")
     iterations = sorted({record.iteration for found in by.values() for record in found})
-    for title in ("Agent", "Quirks", "Jobs", *(f"iteration {number}" for number in iterations)):
+    for title in ("Agent", "Quirks", "Jobs", *(f"iteration {number}" for number in iterations), "gain, points (95%)"):
         table.add_column(title, justify="left" if title == "Agent" else "right")
     for name in sorted(by, key=_order):
         for quirks in QUIRKS:
             kept = [[r for r in by[name] if r.iteration == number] for number in iterations]
             shares = [share(found, quirks=quirks) for found in kept]
-            table.add_row(name, str(quirks), str(shares[0].episodes), *(each.told for each in shares))
+            gained = gain(by[name], quirks) if kept else "-"
+            table.add_row(name, str(quirks), str(shares[0].episodes), *(each.told for each in shares), gained)
     return table
+
+
+def gain(records: Sequence[Record], quirks: int) -> str:
+    """The points of success that the last iteration has more than the first, job by job, whole problems drawn."""
+    kept = [record for record in records if record.options["kitchen"].get("quirks") == quirks]
+    last = max((record.iteration for record in kept), default=0)
+    won = {(record.job, record.iteration): record.success for record in kept}
+    by: dict[str | None, list[int]] = {}
+    for record in kept:
+        if record.iteration == 0 and (record.job, last) in won:
+            by.setdefault(record.problem, []).append(int(won[record.job, last]) - int(record.success))
+    counts = [len(found) for found in by.values()]
+    if not counts:
+        return "-"
+    sums = [float(sum(found)) for found in by.values()]
+    interval = cluster_bootstrap(sums, counts, name="gain of headroom")
+    told = "" if interval is None else f" ({100 * interval[0]:+.0f} to {100 * interval[1]:+.0f})"
+    return f"{100 * sum(sums) / sum(counts):+.0f}{told}"
 
 
 def _order(name: str) -> tuple[int, str]:
