@@ -84,8 +84,8 @@ $(DOCS)/.installed: pyproject.toml
 docs: $(DOCS)/.installed
 	$(DOCS)/bin/python docs/make_site.py
 
-# The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. Half an hour of two cores.
-LEARNED := TurnOn,TurnOff
+# The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. An hour of two cores.
+LEARNED := CloseDoor,TurnOn,TurnOff
 SHIPPED := remac_env/backends/physics/controllers/learned/shipped
 $(RL)/.installed-learn: $(RL)/.installed
 	$(RL)/bin/pip install --quiet --disable-pip-version-check --editable ".[learn]"
@@ -93,9 +93,9 @@ $(RL)/.installed-learn: $(RL)/.installed
 
 learned: $(RL)/.installed-learn
 	$(RL)/bin/remac learn record --skills $(LEARNED) --episodes 160 --out demos --processes 2
-	$(RL)/bin/remac learn record --skills $(LEARNED) --target stove --style scandinavian --episodes 30 --first-seed 3000 \
+	$(RL)/bin/remac learn record --skills TurnOn,TurnOff --target stove --style scandinavian --episodes 30 --first-seed 3000 \
 		--out demos --processes 2
-	$(RL)/bin/remac learn train --skills $(LEARNED) --demos demos --weights $(SHIPPED) --epochs 50
+	$(RL)/bin/remac learn train --skills $(LEARNED) --demos demos --weights $(SHIPPED)
 	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials 300 --note --processes 2
 
 # REPOSITORY is the address that README's links and the project's URLs shall lead to: docs/package_readme.py.
