@@ -248,3 +248,12 @@ def test_a_hundred_thousand_random_calls() -> None:
             env.step({robot: int(chance.integers(-2, len(env.vocabulary) + 2)) for robot in env.agents})
             steps += 1
     assert episodes > 10
+
+
+@pytest.mark.long
+def test_physics_keeps_the_clock_s_contract() -> None:
+    def in_physics() -> Any:
+        return make(backend="physics", layout="one_wall_large", style="modern_1", think="fixed:0.5", max_seconds=60.0)
+
+    testing.check_events(in_physics, seeds=(1,), steps=12)
+    testing.check_determinism(in_physics, seeds=(1,), rounds=8)
