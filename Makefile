@@ -85,7 +85,7 @@ docs: $(DOCS)/.installed
 	$(DOCS)/bin/python docs/make_site.py
 
 # The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. An hour of two cores.
-LEARNED := CloseDoor,TurnOn,TurnOff
+LEARNED := OpenDoor,CloseDoor,TurnOn,TurnOff
 SHIPPED := remac_env/backends/physics/controllers/learned/shipped
 $(RL)/.installed-learn: $(RL)/.installed
 	$(RL)/bin/pip install --quiet --disable-pip-version-check --editable ".[learn]"
@@ -95,6 +95,8 @@ learned: $(RL)/.installed-learn
 	$(RL)/bin/remac learn record --skills $(LEARNED) --episodes 160 --out demos --processes 2
 	$(RL)/bin/remac learn record --skills TurnOn,TurnOff --target stove --style scandinavian --episodes 30 --first-seed 3000 \
 		--out demos --processes 2
+	$(RL)/bin/remac learn record --skills OpenDoor --target microwave --style industrial --episodes 30 --first-seed 3000 \
+		--out demos
 	$(RL)/bin/remac learn train --skills $(LEARNED) --demos demos --weights $(SHIPPED)
 	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials 300 --note --processes 2
 
