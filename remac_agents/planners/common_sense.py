@@ -31,7 +31,7 @@ def places() -> dict[str, tuple[str, tuple[str, ...]]]:
 
 
 def members(words: str, facts: PublicScene) -> tuple[str, ...]:
-    """The objects of this kitchen that words such as "every mug" or "two of the plates" mean; of "two" the first two.
+    """The objects of this kitchen that words such as "every spoon" or "two of the forks" mean; of "two" the first two.
 
     Empty for any other words, and where the kitchen has none.
     """

@@ -7,7 +7,7 @@
     turn on | off X, leave X off              go to X, turn it on or off
     season O (with S)                         fetch S, go to O, season it
     <goal verb> O in | on X                   place it there, then the commands that the verb implies
-Instead of one object there may be several: "every mug", "two plates". Of "the pantry or chest" the first is taken.
+Instead of one object there may be several: "every spoon", "two forks". Of "the pantry or chest" the first is taken.
 Clauses that read otherwise give nothing.
 """
 

@@ -9,6 +9,7 @@ from importlib import resources
 
 from remac_env.errors import check_choice
 from remac_env.rules.facts import FixtureFacts, SlotFacts
+from remac_env.rules.skills import SKILLS
 from remac_env.state import FrozenMap
 from remac_env.vocabulary import Noun
 
@@ -56,6 +57,5 @@ def nouns() -> tuple[Noun, ...]:
 
 
 def _uses(facts: FixtureFacts) -> tuple[str, ...]:
-    uses = ["place to"] if facts.slots else []
-    uses += ["open door", "close door"] if facts.door else []
-    return (*uses, *(["turn on", "turn off"] if facts.switches else []))
+    has = {"surface": bool(facts.slots), "door": facts.door, "switch": bool(facts.switches)}
+    return tuple(name for name, skill in SKILLS.items() if has.get(skill.target, False))

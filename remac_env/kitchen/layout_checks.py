@@ -292,8 +292,7 @@ def _inside(span: tuple[float, float], around: tuple[float, float]) -> bool:
 
 
 def _shown(span: Iterable[float]) -> str:
-    low, high = span
-    return f"[{low:.3f}, {high:.3f}]"
+    return "[{:.3f}, {:.3f}]".format(*span)
 
 
 def _shown_block(block: Block) -> str:

@@ -21,6 +21,7 @@ from remac_env.rules.rounds import at_rest
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
 from remac_env.state import FrozenMap, ObjectState, Place, RobotState, WorldState, base_place
+from remac_env.tasks.goals import Goal
 from remac_env.tasks.spec import Role, TaskSpec
 
 CLOSED_AT_RESET = 0.02
@@ -89,15 +90,7 @@ def sample(
     for needed in spec.fixtures:
         check_choice(f"fixture (in layout {layout.name}, for {spec.name})", needed, scene.fixtures)
     goal = spec.goal.bind(names)
-    for _ in range(_ATTEMPTS):
-        draft = Draft(scene, _place(spec, layout, scene, names, rng))
-        draft.doors = {n: float(rng.uniform(0, CLOSED_AT_RESET)) for n, f in scene.fixtures.items() if f.door}
-        if starts == "mixed":
-            vary(draft, goal, names[spec.roles[0].name], rng)
-        if not goal.holds(scene, draft.world):
-            break
-    else:
-        raise SamplingError(f"{spec.name} in {layout.name}: no start was found in which the goal is still open")
+    draft = _drawn(spec, layout, scene, goal, names, rng, varied=starts == "mixed")
     start = Start(
         scene=scene,
         world=at_rest(scene, draft.world),
@@ -112,6 +105,21 @@ def sample(
         body=body,
     )
     return start, names
+
+
+def _drawn(
+    spec: TaskSpec, layout: Layout, scene: Rules, goal: Goal, names: Mapping[str, str], rng: np.random.Generator,
+    *, varied: bool,
+) -> Draft:  # fmt: skip
+    """Where everything is at first, in a kitchen whose goal is still open; raises SamplingError."""
+    for _ in range(_ATTEMPTS):
+        draft = Draft(scene, _place(spec, layout, scene, names, rng))
+        draft.doors = {n: float(rng.uniform(0, CLOSED_AT_RESET)) for n, f in scene.fixtures.items() if f.door}
+        if varied:
+            vary(draft, goal, names[spec.roles[0].name], rng)
+        if not goal.holds(scene, draft.world):
+            return draft
+    raise SamplingError(f"{spec.name} in {layout.name}: no start was found in which the goal is still open")
 
 
 def _choose_things(

@@ -63,10 +63,11 @@ class TaskWorlds(Worlds):
     @cached_property
     def vocabulary(self) -> Vocabulary:
         """The built-in vocabulary, with the task's own nouns appended, and those of its layouts."""
-        own = {noun.name: noun for noun in self.spec.nouns}
+        own = list(self.spec.nouns)
         for layout in (*self.spec.layouts, *([self._asked] if self._asked else [])):
-            own |= {noun.name: noun for noun in layouts.nouns(layout) if noun.name not in own}
-        return built_in().extended(own.values()) if own else built_in()
+            said = {noun.name for noun in own}
+            own += [noun for noun in layouts.nouns(layout) if noun.name not in said]
+        return built_in().extended(own) if own else built_in()
 
     @cached_property
     def categories(self) -> Mapping[str, Category]:

@@ -78,7 +78,7 @@ def test_tasks_lists_them() -> None:
     ("arguments", "named"),
     [
         (("oracle", "--task", "Nope"), "HeatOnStove"),
-        (("oracle", "--task", "HeatOnStove", "--robots", "3"), "1, 2"),
+        (("oracle", "--task", "HeatOnStove", "--robots", "5"), "1, 2, 3, 4"),
         (("oracle", "--task", "HeatOnStove", "--style", "x"), "modern_1"),
         (("oracle", "--task", "HeatOnStove", "--import", "no_such_module"), "no_such_module"),
         (("bench", "run", "--out", "x", "--tasks", "Nope"), "OpenCabinetPnP"),
@@ -93,7 +93,7 @@ def test_tasks_lists_them() -> None:
         (("bench", "run", "--out", "x", "--iterations", "-1"), "0 or more"),
         (("bench", "run", "--out", "x", "--jobs", "-1"), "0 (in this process) or more"),
         (("bench", "run", "--out", "x", "--video", "nope", "--backend", "symbolic"), "failed"),
-        (("bench", "run", "--out", "x", "--suite", "dev"), "smoke, or a FILE.toml"),
+        (("bench", "run", "--out", "x", "--suite", "dev"), "timed, or a FILE.toml"),
         (("bench", "run", "--tasks", "HeatOnStove"), "--out is missing"),
         (("bench", "run", "--suite", "smoke", "--seeds", "0:3"), "--seeds does not go with suite"),
         (("bench", "run", "--suite", "smoke", "--wording", "1"), "--wording does not go with suite"),

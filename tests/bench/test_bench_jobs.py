@@ -53,11 +53,18 @@ def changes() -> list[dict]:
         "masks": "feasible",
         "obs_format": "flat",
         "failure_rate": 0.5,
+        "grade": 2,
+        "template": "washed fruit",
+        "quirks": 1,
+        "knowledge": "seen",
+        "body": "short",
     }
     timed = {"clock": "events"}, {"clock": "events", "think": "fixed:5"}, {"clock": "events", "max_seconds": 60.0}
-    untold = {field.name for field in fields(Options)} - set(values) - {"naming", "render_mode"} - set().union(*timed)
+    learned = ({"backend": "physics", "skills": "learned"},)
+    told = set(values).union(*timed, *learned)
+    untold = {field.name for field in fields(Options)} - told - {"naming", "render_mode"}
     assert not untold, f"no other value is given here for {untold}"
-    return [*({name: value} for name, value in values.items()), *timed]
+    return [*({name: value} for name, value in values.items()), *timed, *learned]
 
 
 def test_looking_at_an_episode_does_not_change_the_key() -> None:

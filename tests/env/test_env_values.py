@@ -29,9 +29,15 @@ GIVEN: dict[str, Any] = {
     "obs": "state+images", "text": "states", "feedback": "reason", "wording": 2, "naming": "category",
     "perception_noise": 0.1, "image_size": 32, "render_mode": "rgb_array", "max_rounds": 7, "reward": "progress",
     "failure_rate": 0.3, "masks": "feasible", "obs_format": "dict", "clock": "events", "max_seconds": 64.0,
-    "think": "fixed:2",
+    "think": "fixed:2", "body": "panda", "skills": "scripted", "grade": 2, "template": "washed fruit", "quirks": 0,
+    "knowledge": "seen",
 }  # fmt: skip
 """A value of every keyword of `parallel_env`."""
+
+DRAWN = ("grade", "template", "quirks")
+"""Those that are for generated tasks alone."""
+
+STATED = {name: value for name, value in GIVEN.items() if name not in DRAWN}
 
 
 def forms(value: object) -> list[Any]:
@@ -54,7 +60,10 @@ def test_every_option_of_a_kitchen(name: str) -> None:
         made = Options(**GIVEN | {name: form})
         assert made == right and type(getattr(made, name)) is type(GIVEN[name]), form
         assert json.dumps(asdict(made)) == json.dumps(asdict(right)), form
-        remac_env.parallel_env(np.str_("HeatOnStove"), **GIVEN | {name: form}).close()
+        if name in DRAWN:
+            remac_env.parallel_env("Generated", **{"backend": "symbolic", "grade": 2, name: form}).close()
+        else:
+            remac_env.parallel_env(np.str_("HeatOnStove"), **STATED | {name: form}).close()
 
 
 @pytest.mark.parametrize("flag", [True, np.True_, np.array(True)])
@@ -76,7 +85,7 @@ def test_booleans_are_no_numbers(name: str, flag: object) -> None:
 )
 def test_what_is_wrong_is_told_in_plain_words(name: str, wrong: object, told: str) -> None:
     with pytest.raises(RemacError, match=told) as caught:
-        remac_env.parallel_env("HeatOnStove", **GIVEN | {name: wrong})
+        remac_env.parallel_env("HeatOnStove", **STATED | {name: wrong})
     assert "np." not in str(caught.value)
 
 
