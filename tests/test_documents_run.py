@@ -22,12 +22,13 @@ ONLY_PARSED = {
     "remac bench board": "wants an accepted entry",
     "remac bench run --planner policy:": "wants a policy that was learnt; tests/agents plays one",
     "remac learn": "wants torch and h5py, and takes long; tests/bench records and trains a little",
+    "remac play": "serves until somebody has played; tests/bench plays in a browser",
     "remac demo": "plays sixteen jobs; tests/bench plays it smaller",
     "python server.py": "is started where it is written down",
 }
 """Beginnings of commands that are parsed and not run, and why."""
 
-LONG = ("docs/experiments.md",)
+LONG = ("docs/experiments.md", "docs/headroom.md")
 """Pages whose commands take more than a few seconds even when they are made smaller."""
 
 APART = {"docs/robosuite.md": "robosuite", "docs/learning.md": "supersuit"}
