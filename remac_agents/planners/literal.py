@@ -29,6 +29,8 @@ class LiteralPlanner:
     """
 
     needs_truth = False
+    needs_rules = False  # these two also for planners made from this one that set up nothing
+    _explores = False
 
     def __init__(self, *, mends: bool = False, explores: bool = False) -> None:
         self.needs_rules, self._explores = mends, explores

@@ -94,9 +94,8 @@ class _Needs:
         after = self._closing(atom.container)
         if atom.name in self._to_wash and WASHED not in world.objects[atom.name].marks:
             return self._washing(world, atom.name) + self._from_basin(world, atom.container) + after
-        place = world.objects[atom.name].place
-        if place.relation == "held":
-            stands = world.robots[place.where].station in stations_of(self._scene, world, atom.container)
+        if (robot := self._bearer(world, atom.name)) is not None:
+            stands = world.robots[robot].station in stations_of(self._scene, world, atom.container)
             return (1 if stands else 2) + after
         taken = self._taking(world, atom.name)
         return taken + self._way(world, atom.name, atom.container) + 1 + after
@@ -105,8 +104,7 @@ class _Needs:
         """Rounds until somebody holds an object that lies somewhere."""
         around = supports(self._scene, world, name)
         if not around or around[-1] not in self._scene.fixtures:
-            held = any(world.robots[robot].holding in around for robot in self._scene.robots)
-            return 2 if held else IMPOSSIBLE  # the vessel in hand is put down first; what lies on the floor stays
+            return IMPOSSIBLE  # what lies on the floor stays there
         door = world.fixtures[around[-1]].door
         stations = stations_of(self._scene, world, name)
         return self._approach(world, stations) + (door not in (None, "open")) + bool(contents(world, name)) + 1
@@ -115,12 +113,16 @@ class _Needs:
         """Rounds until water has run on an object."""
         if any(inside(self._scene, world, name, basin) for basin in self._basins):
             return 1
-        place = world.objects[name].place
-        if place.relation == "held":
-            at = world.robots[place.where].station
+        if (robot := self._bearer(world, name)) is not None:
+            at = world.robots[robot].station
             return 1 if any(at in stations_of(self._scene, world, basin) for basin in self._basins) else 2
         ways = (self._way(world, name, basin) for basin in self._basins)
         return self._taking(world, name) + min(ways, default=IMPOSSIBLE) + 1
+
+    def _bearer(self, world: WorldState, name: str) -> str | None:
+        """Who has an object in hand, or the vessel that it is in, which may be put down with it."""
+        carried = (name, *supports(self._scene, world, name))
+        return next((robot for robot in self._scene.robots if world.robots[robot].holding in carried), None)
 
     def _from_basin(self, world: WorldState, container: str) -> int:
         """Rounds from the basin into a container, which may be the basin or stand in it."""
@@ -165,10 +167,13 @@ class _Needs:
         """The steps of all parts that are missing, each step counted once, over the number of robots."""
         steps = 0
         doors: set[str] = set()
+        bearers: set[str] = set()
         for name, container in self._to_move(world, missing).items():
-            held = world.objects[name].place.relation == "held"
-            steps += 1 if held else 2 + self._way(world, name, container)
-            around = [] if held else supports(self._scene, world, name)
+            bearer = self._bearer(world, name)
+            # What is in a vessel in hand goes with it, all at once.
+            steps += 2 + self._way(world, name, container) if bearer is None else bearer not in bearers
+            bearers.update(() if bearer is None else (bearer,))
+            around = supports(self._scene, world, name) if bearer is None else []
             doors.update(other for other in (*around, container) if other in self._scene.fixtures)
         steps += sum(world.fixtures[name].door not in (None, "open") for name in doors)
         for atom in missing:

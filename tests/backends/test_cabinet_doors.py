@@ -9,10 +9,10 @@ import mujoco
 import numpy as np
 import physics_kit
 import pytest
-from remac_env.backends.physics.controllers.scripted.leaf import Leaf
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.scripted import arc, doors
+from remac_env.backends.physics.controllers.scripted.panel import DoorPanel
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.frame import WORLD
@@ -150,7 +150,7 @@ def test_a_panel_whose_handle_no_hand_reaches_is_pushed_shut() -> None:
 @pytest.mark.parametrize("closing", [False, True])
 def test_fingers_that_push_meet_the_panel(closing: bool) -> None:
     """A microwave's door ends shortly above and below its handle: there is no room beside that in front of it."""
-    tall = Leaf(
+    tall = DoorPanel(
         "door", WORLD, np.zeros(3), np.array([0.35, -0.07, 1.05]), half=0.09, radius=0.009, edge=0.4,
         faces=(-0.025, 0.0), ends=(0.6, 1.8), sign=1.0, address=0, geoms=(), seen=0.0,
     )  # fmt: skip

@@ -188,6 +188,13 @@ def test_drawn_problems_have_the_optimum_of_a_search_over_all_commands() -> None
     assert _check_drawn(range(16), states=25) >= 2
 
 
+def test_what_is_in_a_vessel_in_hand_goes_with_it() -> None:
+    """The salt is in the pan that a robot holds: both are put into the microwave at once."""
+    drawn = draw(1028)
+    found = certify(drawn.scene, drawn.world, drawn.goal, max_rounds=MOST)
+    assert found.optimum == 4 and found.proof == "search"
+
+
 @pytest.mark.long
 def test_two_hundred_drawn_problems_have_the_optimum_of_a_search_over_all_commands() -> None:
     assert _check_drawn(range(1000, 1300), states=1500) >= 200
