@@ -113,9 +113,9 @@ def entered(play: Callable[[], object]) -> list[str]:
     found: dict[str, None] = {}
 
     def note(frame: FrameType, event: str, _: object) -> None:
-        path = frame.f_code.co_filename
-        if event == "call" and path.startswith(f"{ROOT}/remac_"):
-            found.setdefault(path.removeprefix(f"{ROOT}/"))
+        module = str(frame.f_globals.get("__name__"))
+        if event == "call" and module.startswith(("remac_env", "remac_agents")):
+            found.setdefault(f"{module.replace('.', '/')}.py")
 
     before = sys.getprofile()
     sys.setprofile(note)
@@ -132,6 +132,7 @@ def in_this_order(told: Sequence[str], real: Sequence[str]) -> bool:
     return len(told) > 5 and all(file in rest for file in told)
 
 
+@pytest.mark.long
 def test_a_token_goes_the_way_that_the_page_tells() -> None:
     env = remac_env.parallel_env("OpenMicrowavePnP", backend="symbolic")
     agent = remac_agents.make("CC")
@@ -143,6 +144,7 @@ def test_a_token_goes_the_way_that_the_page_tells() -> None:
     assert not in_this_order(way("The way of a token")[::-1], real)
 
 
+@pytest.mark.long
 def test_a_chat_request_goes_the_way_that_the_page_tells() -> None:
     answer = says("Plan: [navigate to microwave]")
     with ChaosServer([answer]) as server:
