@@ -1,7 +1,9 @@
 """How often the shortest plan works in physics: `python benchmarks/oracle_physics.py --seeds 0:50`.
 
 Each episode runs the oracle's plan; after a failed round the oracle plans again from where objects are, at most
-`--replans` times. "first try" counts episodes without a failed subtask.
+`--replans` times. "first try" counts episodes without a failed subtask. With `--grades 1,2` the tasks are generated
+ones, with `--template`, `--quirks` and `--knowledge`, and their plans are those that they come with. `--by task` groups
+those by grade, `--by template` by template.
 """
 
 from __future__ import annotations
@@ -21,7 +23,10 @@ from remac_bench.job_lists import parse_names, parse_seeds
 from rich.table import Table
 
 import remac_env
-from remac_env.oracle import solve
+from remac_env.generator import make
+from remac_env.oracle import OraclePlan, solve
+from remac_env.oracle.witness import witness
+from remac_env.parallel import KitchenParallelEnv
 
 
 @dataclass(frozen=True)
@@ -40,15 +45,33 @@ class Played:
     cpu: float
     contacts: int
     near_misses: int
+    template: str = ""
 
 
-def play(task: str, robots: int, seed: int, *, layout: str | None, starts: str, replans: int) -> Played:
+@dataclass(frozen=True)
+class Job:
+    """One episode to play. `grade`: of a generated task, which `template`, `quirks` and `knowledge` are about."""
+
+    task: str
+    robots: int
+    seed: int
+    layout: str | None
+    starts: str
+    replans: int
+    grade: int | None = None
+    template: str | None = None
+    quirks: int = 0
+    knowledge: str = "full"
+
+
+def play(job: Job) -> Played:
     """Run the oracle's plan of one seed."""
-    env = remac_env.parallel_env(task, robots=robots, starts=starts, layout=layout)
+    env, plan = _made(job)
+    robots, seed = job.robots, job.seed
     _, infos = env.reset(seed=seed)
     start = env.start
-    began, failures, left = process_time(), [], replans
-    plan = solve(env.start.scene, env.world, env.goal)
+    began, failures, left = process_time(), [], job.replans
+    plan = _planned(job, env) if plan is None else plan
     rounds = [] if plan is None else list(plan.rounds)
     while env.agents and rounds:
         joint = rounds.pop(0)
@@ -58,46 +81,67 @@ def play(task: str, robots: int, seed: int, *, layout: str | None, starts: str, 
         failures += failed
         if failed:
             left -= 1
-            plan = solve(env.start.scene, env.world, env.goal) if left >= 0 else None
+            plan = _planned(job, env) if left >= 0 else None
             rounds = [] if plan is None else list(plan.rounds)
     info = next(iter(infos.values()))
     env.close()
     return Played(
-        task, robots, seed, start.layout, start.style, info["end"], tuple(failures), info["round"], info["seconds"],
+        job.task, robots, seed, start.layout, start.style, info["end"], tuple(failures), info["round"], info["seconds"],
         process_time() - began, info["robot_contacts"], info["near_misses"],
+        str(env.worlds.spec.generated.get("template", "")),
     )  # fmt: skip
 
 
+def _made(job: Job) -> tuple[KitchenParallelEnv, OraclePlan | None]:
+    """The kitchen, and the plan that a generated task comes with."""
+    if job.grade is None:
+        return remac_env.parallel_env(job.task, robots=job.robots, starts=job.starts, layout=job.layout), None
+    task = make(
+        grade=job.grade, seed=job.seed, template=job.template, quirks=job.quirks, knowledge=job.knowledge,
+        robots=job.robots,
+    )  # fmt: skip
+    return remac_env.parallel_env(task.spec, robots=job.robots), task.plan
+
+
+def _planned(job: Job, env: KitchenParallelEnv) -> OraclePlan | None:
+    return (solve if job.grade is None else witness)(env.start.scene, env.world, env.goal)
+
+
 @takes(
-    *("script.seeds", "script.tasks", "oracle_physics.layouts", "oracle_physics.by"),
-    *("starts", "oracle_physics.replans", "script.processes"),
+    *("script.seeds", "script.tasks", "oracle_physics.layouts", "oracle_physics.by", "oracle_physics.grades"),
+    *("oracle_physics.robots", "template", "quirks", "knowledge", "starts", "oracle_physics.replans"),
+    "script.processes",
 )
 def main(
-    *, seeds: str, tasks: str | None, layouts: str | None, by: str, starts: str, replans: int, processes: int
-) -> None:
+    *, seeds: str, tasks: str | None, layouts: str | None, by: str, grades: str, robots: str, template: str | None,
+    quirks: int, knowledge: str, starts: str, replans: int, processes: int,
+) -> None:  # fmt: skip
     """Print a table a task and number of robots, and every failed subtask."""
     names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
     places = [None] if layouts is None else parse_names(layouts, "layouts")
-    cells = list(product(names, (1, 2), parse_seeds(seeds), places))
+    counts = [int(number) for number in parse_names(robots, "robots")]
+    if grades:
+        jobs = [
+            Job(f"grade {grade}", n, seed, None, starts, replans, int(grade), template or "physics", quirks, knowledge)
+            for grade, n, seed in product(parse_names(grades, "grades"), counts, parse_seeds(seeds))
+        ]
+    else:
+        jobs = [Job(*cell, starts, replans) for cell in product(names, counts, parse_seeds(seeds), places)]
     console = make_console()
     groups: dict[tuple[str, int], list[Played]] = defaultdict(list)
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for played in pool.map(_job, [(*cell, starts, replans) for cell in cells]):
+        for played in pool.map(play, jobs):
             groups[getattr(played, by), played.robots].append(played)
             for failure in played.failures:
                 where = f"{played.task} {played.robots} seed {played.seed} {played.layout} {played.style}"
                 console.print(f"{where} {played.end}: {failure}", markup=False, soft_wrap=True)
     columns = (by, "robots", "n", "success", "first try", "rounds", "sim s", "CPU s", "contacts", "near misses")
     where = layouts or "layouts of the seeds"
-    table = Table(*columns, title=f"The oracle's plans in physics, {where}, {starts} starts, seeds {seeds}")
+    kind = f"{quirks} quirks, knowledge {knowledge}" if grades else f"{where}, {starts} starts"
+    table = Table(*columns, title=f"The oracle's plans in physics, {kind}, seeds {seeds}")
     for (name, robots), group in sorted(groups.items()):
         table.add_row(name, str(robots), *_row(group))
     console.print(table)
-
-
-def _job(job: tuple[str, int, int, str | None, str, int]) -> Played:
-    task, robots, seed, layout, starts, replans = job
-    return play(task, robots, seed, layout=layout, starts=starts, replans=replans)
 
 
 def _row(group: list[Played]) -> Iterator[str]:

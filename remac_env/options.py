@@ -53,7 +53,8 @@ class Options:
         Whole(min(GRADES), max(GRADES)),
     )  # fmt: skip
     template: str | None = option(
-        None, "Template of generated tasks, or from which the seed picks: held out, or teams; by default all others."
+        None, "Template of generated tasks, or from which the seed picks: held out, teams, physics (what physics can "
+        "have too) or physics teams; by default all others."
     )
     quirks: int = option(
         0, "How many facts about its kitchen a generated task has that nobody is told.", Whole(0, MOST_QUIRKS)

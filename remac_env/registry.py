@@ -58,7 +58,7 @@ def generate(
     knowledge: str = "full",
     robots: int = 1,
 ) -> TaskSpec:
-    """A task that was made for these values, with a plan that is known to reach its goal; for the symbolic backend.
+    """A task that was made for these values, with a plan that is known to reach its goal.
 
     `spec.generated` says what it was made from, the bounds of its shortest plan, how that is proven ("search": the
     upper bound is the optimum; "witness": it is that of a plan that works), how many facts no sentence tells, and its
@@ -67,7 +67,8 @@ def generate(
     Args:
         grade: 1 to 5: shortest known plans of at most 6, 12, 20, 40 and 80 rounds, quirks aside.
         seed: whole number from 0.
-        template: the name of one; "held out" or "teams" draw from those; None from all others.
+        template: the name of one; "held out", "teams", "physics" and "physics teams" draw from those; None from all
+            others. Only those of the last two can be played in physics.
         quirks: how many facts about its kitchen nobody is told.
         knowledge: full or seen.
         robots: for how many it is certified.

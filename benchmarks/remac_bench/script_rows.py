@@ -51,6 +51,10 @@ ROWS: dict[str, Row] = {
     "offline_tables.seeds": Row(help="Starts per task; 50, for outsiders 20.", values=_COUNT),
     "oracle_physics.layouts": Row(help="Comma-separated names, each with every seed; by default drawn at random."),
     "oracle_physics.by": Row(help="A row for each task, layout or style, and number of robots.", default="task"),
+    "oracle_physics.grades": Row(
+        help="Comma-separated grades of generated tasks, to be played in place of the suite's.", default=""
+    ),
+    "oracle_physics.robots": Row(help="How many robots, separated by commas.", default="1,2"),
     "oracle_physics.replans": Row(
         help="Maximum number of replans after failed rounds.", default=2, values=Whole()
     ),

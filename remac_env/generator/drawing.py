@@ -37,7 +37,8 @@ def draw(template: Template, grade: int, rng: np.random.Generator) -> TaskSpec:
     Raises:
         SamplingError: naming what has no room, or that a pool has too few objects.
     """
-    style, name = str(rng.choice(styles.names())), str(rng.choice(layouts.names()))
+    families = (template.family,) if template.family else ()
+    style, name = str(rng.choice(styles.names())), str(rng.choice(layouts.names(*families)))
     size = int(rng.integers(template.sizes[grade][0], template.sizes[grade][1] + 1))
     members = {group.kind: _members(template, group, size, rng) for group in template.groups}
     objects = {noun: pools.load()[kind][noun] for kind, nouns in members.items() for noun in nouns}

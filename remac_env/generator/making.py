@@ -27,9 +27,11 @@ EXACT_STATES = {1: 800, 2: 800}
 more robots fewer: each costs more."""
 
 POOLS: dict[str | None, Callable[[Template], bool]] = {
-    None: lambda row: not row.held_out and row.team is None,
-    "held out": lambda row: row.held_out,
-    "teams": lambda row: row.team is not None,
+    None: lambda row: not (row.held_out or row.team or row.family),
+    "held out": lambda row: row.held_out and not row.family,
+    "teams": lambda row: row.team is not None and not row.family,
+    "physics": lambda row: bool(row.family) and not (row.held_out or row.team),
+    "physics teams": lambda row: bool(row.family) and row.team is not None,
 }
 """What stands for several templates -> which they are."""
 

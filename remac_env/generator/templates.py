@@ -11,6 +11,7 @@ from typing import Any
 
 from remac_env.errors import KitchenFileError, check_choice
 from remac_env.kitchen import annexes
+from remac_env.kitchen import layout as layouts
 from remac_env.rules.facts import Quirk
 from remac_env.state import Door
 from remac_env.tasks.compound import EACH, AnyOf, Before, Count, ForAll, Not
@@ -45,6 +46,7 @@ class Template:
     groups: tuple[Group, ...]
     goal: tuple[Clause, ...]
     annexes: tuple[str, ...] = ()
+    family: str = ""
     doors: Mapping[str, Door] = field(default_factory=dict)
     on: tuple[str, ...] = ()
     held_out: bool = False
@@ -135,6 +137,7 @@ def parse(row: Mapping[str, Any]) -> Template:
         team = Quirk(**row["team"]) if "team" in row else None
         rest = {key: row[key] for key in row if key not in ("sizes", "groups", "team", *lists)}
         template = Template(sizes=sizes, groups=groups, team=team, **lists, **rest)
+        check_choice("family", template.family, layouts.FAMILIES)
         template.goal_of({group.kind: ("one",) for group in groups})
         if missing := (template.named & annexes.load().keys()) - set(template.annexes):
             raise ValueError(f"annexes lacks {', '.join(sorted(missing))}")

@@ -6,7 +6,8 @@ from functools import cached_property
 
 from remac_env.errors import OptionError
 from remac_env.generator import pools
-from remac_env.generator.making import make
+from remac_env.generator.making import candidates, make
+from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import Options
 from remac_env.rules.marks import COOLED, DRIED, HEATED
@@ -29,8 +30,13 @@ class GeneratedWorlds(TaskWorlds):
 
     @cached_property
     def vocabulary(self) -> Vocabulary:
-        """The built-in vocabulary, with the words of all generated tasks appended."""
-        return built_in().extended(pools.nouns())
+        """The built-in vocabulary, with the words of all generated tasks appended, and those of their floor plans."""
+        options = self._options
+        rows = candidates(options.grade or DEFAULT_GRADE, options.template, options.robots)
+        plans = {name: None for row in rows if row.family for name in layouts.names(row.family)}
+        own = {noun.name: noun for noun in pools.nouns()}
+        further = {noun.name: noun for name in plans for noun in layouts.nouns(name) if noun.name not in own}
+        return built_in().extended((*own.values(), *further.values()))
 
     @property
     def marks(self) -> tuple[str, ...]:
@@ -77,5 +83,5 @@ def _checked(worlds: TaskWorlds, options: Options) -> TaskWorlds:
 def check_backend(spec: TaskSpec, options: Options) -> None:
     """Raise OptionError for a kitchen with something in it that only the skill table knows."""
     if spec.symbolic_only and options.backend != "symbolic":
-        known = "which only the skill table knows; valid: backend='symbolic'"
+        known = "which only the skill table knows; valid: backend='symbolic', or template='physics'"
         raise OptionError(f"task {spec.name} has {spec.symbolic_only}, {known}")

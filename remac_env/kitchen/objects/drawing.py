@@ -12,6 +12,7 @@ from remac_env.kitchen.mesh import add_mesh
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.grains import SEASONED_GEOM, finish, grains
 from remac_env.kitchen.objects.shapes import shape
+from remac_env.kitchen.objects.tints import tint_of, tinted
 from remac_env.kitchen.style import Finish
 
 DRAWN_GROUP = 1
@@ -23,7 +24,9 @@ def draw(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Categor
     if not category.look:
         _draw_colliders(spec, body, noun, category)
         return
-    for number, part in enumerate(shape(category.look)):
+    tint = tint_of(noun, category.name)
+    parts = shape(category.look) if tint is None else tinted(shape(category.look), tint)
+    for number, part in enumerate(parts):
         name = f"{noun}/{number}"
         add_mesh(spec, name, part.mesh)
         add_material(spec, name, part.finish, part.picture)
