@@ -86,7 +86,13 @@ class Backend(Protocol):
         """
 
     def happen(self, process: Process, name: str) -> None:
-        """Let what comes of a process come true of the object or fixture that it is about; time stands still."""
+        """Let what comes of a process come true of the object or fixture that it is about; time stands still.
+
+        What moves by itself while a process goes on, see `go_on`, has moved by then, or something is in its way.
+        """
+
+    def go_on(self, processes: Mapping[tuple[Process, str], float]) -> None:
+        """Take note of what takes its time by itself from now on, where that moves anything, and since when, s."""
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """Every robot runs its subtask at the same time, until each has ended and the kitchen is at rest.

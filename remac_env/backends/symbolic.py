@@ -99,6 +99,9 @@ class SymbolicBackend:
         self._world = outcome_of(world, process, name)
         self._came_to_rest(start)
 
+    def go_on(self, processes: Mapping[tuple[Process, str], float]) -> None:
+        """Nothing moves: it comes true when it happens."""
+
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """One round by the table; seconds are the table's nominal ones."""
         start, world = self._begun("run_round")

@@ -14,6 +14,7 @@ from remac_env.backends.base import Backend
 from remac_env.events.processes import DIGITS, Key, ProcessQueue
 from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome
+from remac_env.rules.processes import came_true
 from remac_env.rules.subtasks import DONE, WAIT, Subtask
 
 IDLE = 5.0
@@ -87,7 +88,7 @@ class EventClock:
     def __init__(self, backend: Backend, rules: Rules, *, deadline: float) -> None:
         self._backend, self._robots, self._deadline = backend, rules.robots, deadline
         self._processes = ProcessQueue(rules)
-        self._processes.look(backend.world, backend.clock)
+        self._look()
         self._doing: dict[str, Doing] = {}
         self.done: frozenset[str] = frozenset()
         self._spans: list[Span] = []
@@ -162,14 +163,21 @@ class EventClock:
     def _happen(self) -> bool:
         """Let processes begin and end as the world is now; whether one has come to its end."""
         now, any_yet = self.now, False
-        self._processes.look(self._backend.world, now)
+        self._look()
         while ended := self._processes.over(now):
             any_yet = True
             for process, name, since in ended:
                 self._backend.happen(process, name)
-                self._spans.append(Span(name, "process", process.name, since, now))
-            self._processes.look(self._backend.world, now)
+                how = () if came_true(self._backend.world, process, name) else ("failure", "blocked")
+                self._spans.append(Span(name, "process", process.name, since, now, *how))
+            self._look()
         return any_yet
+
+    def _look(self) -> None:
+        """What goes on as the world is now."""
+        self._processes.look(self._backend.world, self.now)
+        if self._processes.moves:
+            self._backend.go_on(self.processes)
 
     def _take_effect(self) -> bool:
         """Let orders begin whose thinking is over; whether a thought has arrived that took its time."""

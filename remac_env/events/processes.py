@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from remac_env.rules.facts import Process, Rules
-from remac_env.rules.processes import going_on
+from remac_env.rules.processes import came_true, going_on
 from remac_env.state import WorldState
 
 DIGITS = 6
@@ -16,16 +16,24 @@ Key = tuple[Process, str]
 
 
 class ProcessQueue:
-    """The processes of one episode. What ceases to be so ends its process without an outcome."""
+    """The processes of one episode. What ceases to be so ends its process without an outcome.
+
+    A door that has fallen shut before its time has come to its end then.
+    """
 
     def __init__(self, rules: Rules) -> None:
         self._rules = rules
         self._since: dict[Key, float] = {}
+        self._shut: frozenset[Key] = frozenset()
+        self.moves = any(process.does == "shut" for process in rules.processes)
 
     def look(self, world: WorldState, now: float) -> None:
         """Begin what can go on in this world, and forget what cannot any more."""
         if self._rules.processes:
-            self._since = {key: self._since.get(key, now) for key in going_on(self._rules, world)}
+            before, self._since = self._since, {key: self._since.get(key, now) for key in going_on(self._rules, world)}
+            shut = {key for key in before if key[0].does == "shut" and came_true(world, *key)} if self.moves else ()
+            self._shut = frozenset(shut)
+            self._since |= {key: before[key] for key in before if key in self._shut}
 
     @property
     def next(self) -> float:
@@ -34,7 +42,7 @@ class ProcessQueue:
 
     def over(self, now: float) -> list[tuple[Process, str, float]]:
         """The processes that have come to their end, with when they began; they are forgotten."""
-        ended = [(*key, since) for key, since in self._since.items() if self._ends(key) <= now]
+        ended = [(*key, since) for key, since in self._since.items() if self._ends(key) <= now or key in self._shut]
         for process, name, _ in ended:
             del self._since[process, name]
         return ended
@@ -46,7 +54,7 @@ class ProcessQueue:
 
     def put_back(self, running: dict[Key, float]) -> None:
         """Go on from what `running` said."""
-        self._since = dict(running)
+        self._since, self._shut = dict(running), frozenset()
 
     def _ends(self, key: Key) -> float:
         return round(self._since[key] + key[0].seconds, DIGITS)

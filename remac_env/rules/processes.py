@@ -179,6 +179,13 @@ def outcome_of(world: WorldState, process: Process, name: str) -> WorldState:
     return world.with_fixture(name, on=frozenset())
 
 
+def came_true(world: WorldState, process: Process, name: str) -> bool:
+    """Whether it is so in this world what a process comes to."""
+    if process.does == "mark":
+        return process.mark in world.objects[name].marks
+    return world.fixtures[name].door == "closed" if process.does == "shut" else not world.fixtures[name].on
+
+
 def spoilt(rules: Rules, world: WorldState, names: Iterable[str]) -> bool:
     """Whether any of these objects is lost."""
     marks = {process.mark for process in rules.processes if process.spoils}

@@ -25,6 +25,8 @@ from remac_env.start import Start
 from remac_env.state import WorldState
 
 Event = tuple[Process, str]
+Call = tuple[str, dict[str, Any]]
+"""A method that was called, and with what."""
 
 
 class PhysicsBackend:
@@ -45,7 +47,7 @@ class PhysicsBackend:
         self.probe: Callable[[], None] | None = None
         self.pictures: Draw | None = None
         self._timeline: Timeline | None = None
-        self._played: list[tuple[str, dict[str, Subtask], float, Event | None]] = []
+        self._played: list[Call] = []
 
     def __getstate__(self) -> dict[str, Any]:
         """What a copy is made from: the start and what was played. `watch`, `probe` and `pictures` stay behind."""
@@ -59,13 +61,8 @@ class PhysicsBackend:
         self.__init__(state["worlds"], controllers=state["controllers"])  # type: ignore[misc]
         if state["start"] is not None:
             self.reset(state["start"])
-            for call, subtasks, until, about in state["played"]:
-                if call == "advance":
-                    self.advance(until=until)
-                elif about is not None:
-                    self.happen(*about)
-                else:
-                    (self.begin if call == "begin" else self.run_round)(subtasks)
+            for call, values in state["played"]:
+                getattr(self, call)(**values)
 
     def reset(self, start: Start) -> WorldState:
         """Put the kitchen into this start; what follows depends on nothing that went before."""
@@ -77,26 +74,32 @@ class PhysicsBackend:
         """Start subtasks of idle robots; the outcomes of those that are refused."""
         timeline = self._begun()
         check_idle(subtasks, timeline.start.scene.robots, timeline.busy)
-        with self._playing("begin", subtasks):
+        with self._playing("begin", subtasks=dict(subtasks)):
             return timeline.begin(subtasks)
 
     def advance(self, *, until: float = math.inf) -> dict[str, Outcome]:
         """Run until the next subtask ends; the outcomes of all that end then."""
         timeline = self._begun()
-        with self._playing("advance", {}, until):
+        with self._playing("advance", until=until):
             return timeline.advance(self.watch, until)
 
     def happen(self, process: Process, name: str) -> None:
-        """Let what comes of a process come true: a mark, or switches that go off. Doors do not fall here."""
+        """Let what comes of a process come true: a mark, or switches that go off. A door has fallen by itself."""
         timeline = self._begun()
-        with self._playing("happen", {}, about=(process, name)):
+        with self._playing("happen", process=process, name=name):
             timeline.happen(process, name)
+
+    def go_on(self, processes: Mapping[Event, float]) -> None:
+        """Let springs pull at the doors that are falling shut, and at no others."""
+        timeline = self._begun()
+        with self._playing("go_on", processes=dict(processes)):
+            timeline.closers.go_on(processes)
 
     def run_round(self, subtasks: Mapping[str, Subtask]) -> RoundResult:
         """Every robot runs its subtask at the same time, until each has ended and the kitchen is at rest."""
         timeline = self._begun()
         check_all_idle(timeline.busy)
-        with self._playing("round", subtasks):
+        with self._playing("run_round", subtasks=dict(subtasks)):
             return timeline.run_round(subtasks, self.watch)
 
     def positions(self) -> NDArray[np.float64]:
@@ -150,9 +153,7 @@ class PhysicsBackend:
         return self._begun().counters
 
     @contextmanager
-    def _playing(
-        self, call: str, subtasks: Mapping[str, Subtask], until: float = math.inf, about: Event | None = None
-    ) -> Iterator[None]:
+    def _playing(self, call: str, **values: Any) -> Iterator[None]:
         """Remember a call that comes to its end; one that is broken off leaves no robot busy."""
         timeline = self._begun()
         timeline.simulation.probe, timeline.simulation.pictures = self.probe, self.pictures
@@ -161,7 +162,7 @@ class PhysicsBackend:
         except BaseException:
             timeline.abandon()
             raise
-        self._played.append((call, dict(subtasks), until, about))
+        self._played.append((call, values))
 
     def _begun(self) -> Timeline:
         if self._timeline is None:

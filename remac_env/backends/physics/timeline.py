@@ -11,6 +11,7 @@ import mujoco
 
 from remac_env.backends.base import Counters, RoundResult
 from remac_env.backends.physics.attempts import Orders
+from remac_env.backends.physics.closers import Closers
 from remac_env.backends.physics.controllers.base import MakeController, check_controllers
 from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.pilot import Attempt, Pilot
@@ -66,6 +67,7 @@ class Timeline:
         model = _model(self._layout, robots, tuple(self._objects.items()), start.body)
         self.simulation = Simulation(model, robots, before, bodies.get(start.body))
         self._truth = Truth(self.simulation, start, self._layout, self._objects)
+        self.closers = Closers(self.simulation, self._layout)
         self._batches = self._contacts = self._misses = 0
         self._tasks: dict[str, _Task] = {}
         self._attempts: dict[str, Attempt] = {}
@@ -188,12 +190,14 @@ class Timeline:
     def _settle(self, least: int = _REST_LEAST) -> None:
         """Let the kitchen come to rest, within bounds."""
         for count in range(_REST_MOST):
-            if count >= least and self.simulation.moving() < _REST_SPEED:
+            if count >= least and (self.closers.at_work or self.simulation.moving() < _REST_SPEED):
                 return
             self.tick()
 
     def tick(self) -> None:
         """One control period under the robots' present commands."""
+        if self.closers.armed:
+            self.closers.pull(self.clock)
         self.simulation.tick()
         self._truth.update()
 

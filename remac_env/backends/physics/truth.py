@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from remac_env.backends.physics.bodies import Bodies
 from remac_env.backends.physics.happened import Happened
 from remac_env.backends.physics.snapshot import read_world
-from remac_env.errors import LifecycleError
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rules.facts import Process
@@ -36,15 +35,12 @@ class Truth:
     def happen(self, process: Process, name: str) -> None:
         """Note what came of a process: a mark of the object, or that the fixture's switches went off.
 
-        Raises:
-            LifecycleError: for one that would have to move something.
+        A door has fallen by itself by then, see `closers`, or something is in its way.
         """
         if process.does == "mark":
             self._marks[name] = self._marks[name] | {process.mark}
         elif process.does == "off":
             self.happened.running -= set(self._scene.fixtures[name].switches)
-        else:
-            raise LifecycleError(f"{process.name} moves the {name}, which physics alone may do; valid: symbolic")
 
     def seen(self) -> WorldState:
         """What geometry shows now, with what happened; nothing is kept of it."""
