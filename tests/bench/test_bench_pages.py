@@ -14,9 +14,10 @@ from remac_bench.blame.sheet import blame_sheets, write_blames
 from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.cli import app
 from remac_bench.pages import write_pages
-from remac_bench.pages.episode_page import PAGE_MAX, changes, page, page_name, round_spans
+from remac_bench.pages.episode_page import PAGE_MAX, page, page_name
 from remac_bench.pages.pictures import lay_out, paint
 from remac_bench.pages.plots import scatter
+from remac_bench.pages.rounds import changes, round_spans
 from remac_bench.pages.text import visible
 from remac_bench.records import ExchangeEntry, OutcomeEntry, UsageEntry, VideoEntry
 from remac_bench.report import read_board, read_records

@@ -90,6 +90,13 @@ def share_of(record: Record, kind: str) -> float | None:
     return spent / whole if record.clock == "events" and whole else None
 
 
+def by_events(method: str) -> bool:
+    """Whether a method of this name is made for the event clock: asked robot by robot, when each is ready."""
+    from remac_agents.methods import METHODS
+
+    return method in METHODS and METHODS[method].by_events
+
+
 def cell(record: Record) -> tuple[str, str, str]:
     """Task, style and layout."""
     return (record.task, record.style or "", record.layout or "")

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from remac_bench.board import Column, Sheet
 from remac_bench.judging.cells import Cells, count, number, only_known, percent, rate, word
-from remac_bench.judging.episodes import setting, share_of, shared_key
+from remac_bench.judging.episodes import by_events, setting, share_of, shared_key
 from remac_bench.judging.statistics import mean
 from remac_bench.records import Record
 from remac_env.tasks import get, timed
@@ -66,7 +66,7 @@ def _row(key: tuple[str, str, str], group: Sequence[Record], rounds: Iterable[Re
             "setting": word(where),
             "task": word(task),
             "agent": word(agent),
-            "asks": word("when ready" if _by_events(group[-1].method) else "in step"),
+            "asks": word("when ready" if by_events(group[-1].method) else "in step"),
             "n": count(len(group)),
             "tsr": rate(len(won), len(group)),
             "seconds": number(mean(record.sim_seconds for record in won)),
@@ -84,9 +84,3 @@ def _can_be_late(task: str) -> bool:
 
     spec = get(task)
     return spec.deadline is not None or any(known()[name].does != "off" for name, _ in spec.processes)
-
-
-def _by_events(method: str) -> bool:
-    from remac_agents.methods import METHODS
-
-    return method in METHODS and METHODS[method].by_events

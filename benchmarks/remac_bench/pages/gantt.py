@@ -30,7 +30,8 @@ TICKS = 10
 class Bar:
     """A robot's subtask in a round, `round` from 0; `title` counts from 1.
 
-    `label`: as much of the subtask as the bar holds, in at most two lines.
+    `label`: as much of the subtask as the bar holds, in at most two lines. `kind`: subtask, thought or process;
+    `begins`, `ends`: s, where bars begin and end within rounds.
     """
 
     round: int
@@ -41,15 +42,19 @@ class Bar:
     label: tuple[str, ...]
     title: str
     status: str
+    kind: str = "subtask"
+    begins: float | None = None
+    ends: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Gantt:
     """A drawing in a box of `width` x `height`. `starts`: simulated seconds at which rounds begin, and the last ends.
 
-    `video`: for each of them the second of the video, where the record has them.
+    `video`: for each of them the second of the video, where the record has them. `what`: what is drawn, in words.
     """
 
+    what: str
     width: float
     height: float
     left: float
@@ -88,6 +93,7 @@ def draw(record: Record, spans: Sequence[tuple[float, float]], *, alarms: Mappin
         if robot in lanes
     )
     return Gantt(
+        what="Subtasks of the robots over simulated time",
         width=WIDTH,
         height=TOP + LANE * max(1, len(robots)) + 4,
         left=LEFT,
@@ -97,7 +103,7 @@ def draw(record: Record, spans: Sequence[tuple[float, float]], *, alarms: Mappin
         bars=bars,
         marks=marks,
         grid=tuple((at(span[0]), number) for number, span in enumerate(spans)),
-        ticks=tuple((at(second), f"{second:g} s") for second in _ticks(total)),
+        ticks=tuple((at(second), f"{second:g} s") for second in ticks_of(total)),
         starts=(*(span[0] for span in spans), *(span[1] for span in spans[-1:])),
         video=tuple(record.video.rounds) if record.video else (),
     )
@@ -122,13 +128,13 @@ def _bar(number: int, robot: str, record: Record, *, x: float, y: float, scale: 
         y=y,
         width=width,
         height=BAR,
-        label=_label(text, int((width - 6) / LETTER)),
+        label=label_of(text, int((width - 6) / LETTER)),
         title=f"round {number + 1}, {robot}: {text[:200]}: {outcome.status}{why}, {outcome.seconds:.1f} s",
         status="ok" if outcome.status == "success" else "bad",
     )
 
 
-def _label(text: str, room: int) -> tuple[str, ...]:
+def label_of(text: str, room: int) -> tuple[str, ...]:
     """The text in one or two lines of at most `room` letters; words that are longer are cut, so that more are seen."""
     if room < 4:
         return ()
@@ -136,6 +142,6 @@ def _label(text: str, room: int) -> tuple[str, ...]:
     return tuple(textwrap.wrap(" ".join(words), room, max_lines=2, placeholder="\u2026"))
 
 
-def _ticks(total: float) -> list[float]:
+def ticks_of(total: float) -> list[float]:
     step = next((each for each in (1, 2, 5, 10, 20, 50, 100, 200, 500) if total / each <= TICKS), total / TICKS)
     return [number * step for number in range(int(total / step) + 1)]

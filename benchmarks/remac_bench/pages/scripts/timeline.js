@@ -26,8 +26,15 @@
   const anchor = (number) => `round-${number + 1}`;
   const mark = (number) => {
     for (const each of all(".round.now, .bar.now")) each.classList.remove("now");
-    for (const each of all(`.bar[data-round="${number}"]`)) each.classList.add("now");
+    for (const each of bars) if (!("begins" in each.dataset) && each.dataset.round === String(number)) each.classList.add("now");
     document.getElementById(anchor(number))?.classList.add("now");
+  };
+  // By the event clock bars begin and end when they do, not with the decision point that is shown.
+  const bars = all(".bar");
+  const during = (second) => {
+    for (const { dataset, classList } of bars) {
+      if ("begins" in dataset) classList.toggle("now", Number(dataset.begins) <= second + 1e-6 && second + 1e-6 < Number(dataset.ends));
+    }
   };
   const playhead = gantt.querySelector(".playhead");
   const put = (second) => {
@@ -37,13 +44,15 @@
     gantt.classList.add("synced");
     const round = starts.slice(0, -1).findLastIndex((each) => each <= second + 1e-6);
     mark(Math.max(round, 0));
+    during(second);
   };
   const asked = () => Number((/^#round-(\d+)$/.exec(location.hash) || [])[1] ?? NaN) - 1;
-  const seek = (number) => {
+  const seek = (number, second = starts[number]) => {
     if (!(number >= 0 && number < starts.length - 1)) return;
-    if (video && video.readyState > 0) video.currentTime = Math.min(times()[number] + 1e-3, video.duration);
-    put(starts[number]);
+    if (video && video.readyState > 0) video.currentTime = Math.min(mapped(second, starts, times()) + 1e-3, video.duration);
+    put(second);
     mark(number);
+    during(second);
   };
   if (video) {
     const follow = () => { if (video.duration) put(mapped(video.currentTime, times(), starts)); };
@@ -57,11 +66,11 @@
     video.addEventListener("timeupdate", () => { if (!video.paused) follow(); });
     video.addEventListener("ended", follow);
     if (video.readyState > 0) begin(); else video.addEventListener("loadedmetadata", begin);
-    for (const bar of all(".bar")) {
+    for (const bar of bars) {
       bar.addEventListener("click", (event) => {
         event.preventDefault();
         history.replaceState(null, "", `#${anchor(Number(bar.dataset.round))}`);
-        seek(Number(bar.dataset.round));
+        seek(Number(bar.dataset.round), bar.dataset.begins && Number(bar.dataset.begins));
       });
     }
   }
