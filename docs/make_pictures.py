@@ -1,12 +1,13 @@
 """Makes the pictures of README and docs: all, or those named. Needs OpenGL for shadows; draws rays without.
 
-    python docs/make_pictures.py [kitchen.png styles.jpg layouts.jpg inside.jpg objects.png] [--to FOLDER]
+    python docs/make_pictures.py [kitchen.png styles.jpg layouts.jpg inside.jpg objects.png slow.jpg] [--to FOLDER]
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
 
@@ -33,8 +34,48 @@ INSIDE = ("cabinet", "microwave")
 CHECKER_SIZE = 512
 """Side of the pictures that checkers look at, pixels."""
 INSIDE_TILE = (240, 240)
+SLOW_TILE = (192, 192)
 OBJECT_TILE = (128, 128)
 """The size at which every object must be recognisable, pixels."""
+
+
+@dataclass(frozen=True)
+class Slow:
+    """Something that takes its time: where things are for it, what is on, and what is seen: marks, and shares."""
+
+    task: str
+    about: str
+    station: str
+    places: Mapping[str, tuple[str, str]]
+    on: Mapping[str, str]
+    steps: Sequence[tuple[tuple[str, ...], Mapping[str, float]]]
+
+
+SLOW = (
+    Slow(
+        "HeatAndShelve", "vegetable", "stove", {"pan": ("slot", "stove.0"), "vegetable": ("vessel", "pan")},
+        {"stove": "stove.0"},
+        [((), {"heating": 0.1}), ((), {"heating": 0.9}), (("heated",), {"burning": 0.5}), (("heated", "burnt"), {})],
+    ),
+    Slow(
+        "FillAndShelve", "bowl", "sink", {"bowl": ("slot", "sink.0")}, {"faucet": "faucet"},
+        [((), {"filling": 0.1}), ((), {"filling": 0.9}), (("filled",), {"overflowing": 0.5}),
+         (("filled", "overflowed"), {})],
+    ),
+    Slow(
+        "FrozenInTime", "fish", "counter_right", {}, {},
+        [((), {}), ((), {"melting": 0.3}), ((), {"melting": 0.7}), (("melted",), {})],
+    ),
+    Slow(
+        "RinseAndStow", "vegetable", "sink", {"vegetable": ("slot", "sink.0")}, {"faucet": "faucet"},
+        [((), {"rinsing": 0.1}), (("washed",), {})],
+    ),
+    Slow(
+        "MicrowaveAndFill", "microwave", "microwave", {}, {"microwave": "microwave"},
+        [((), {"timer": 0.0}), ((), {"timer": 0.8})],
+    ),
+)  # fmt: skip
+"""What the sheet of slow things shows."""
 
 
 def main() -> None:
@@ -149,6 +190,32 @@ def thing(category: str, size: tuple[int, int] = OBJECT_TILE) -> NDArray[np.uint
         return renderer.render(data, "eye")
 
 
+def slow() -> NDArray[np.uint8]:
+    """What is seen of things that take their time, by which share of it is over, and what comes of them."""
+    views = {}
+    for scene in SLOW:
+        env = remac_env.parallel_env(scene.task, robots=1, backend="symbolic", clock="events", layout=LAYOUT)
+        env.reset(seed=1)
+        stage = Stage(env.start, env.worlds.layout_of(env.start), env.worlds.categories)
+        rows = {process.name: process for process in env.start.scene.processes}
+        for marks, share in scene.steps:
+            world = env.world
+            for name, place in scene.places.items():
+                world = world.with_object(name, place=Place(*place))
+            for name, switch in scene.on.items():
+                world = world.with_fixture(name, on=frozenset([switch]))
+            if marks:
+                world = world.with_object(scene.about, marks=frozenset(marks))
+            stage.show_world(env.start, world, {(rows[name], scene.about): over for name, over in share.items()})
+            said = [*marks, *(f"{name} {over:.0%}" for name, over in share.items())]
+            there = world.with_robot("robot_0", station=scene.station)
+            title = f"{scene.about}: {', '.join(said) or 'frozen'}"
+            views[title] = stage.observe("robot_0", there, size=CHECKER_SIZE)["side"]
+        stage.close()
+        env.close()
+    return sheet(views, columns=4, tile=SLOW_TILE, letters=0.36)
+
+
 def sheet(
     pictures: Mapping[str, NDArray[np.uint8]],
     *,
@@ -179,6 +246,7 @@ PICTURES: Mapping[str, Callable[[], NDArray[np.uint8]]] = {
     "layouts.jpg": all_layouts,
     "inside.jpg": all_insides,
     "objects.png": objects,
+    "slow.jpg": slow,
 }
 """The pictures and what draws them."""
 

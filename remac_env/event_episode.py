@@ -79,6 +79,12 @@ class EventEpisode(Episode):
         }
 
     @property
+    def shares(self) -> dict[Key, float]:
+        """What takes its time by itself, and which share of it is over, 0..1."""
+        now = self.clock.now
+        return {key: min(1.0, (now - since) / key[0].seconds) for key, since in self._slow.items()}
+
+    @property
     def _slow(self) -> dict[Key, float]:
         return self.clock.processes
 

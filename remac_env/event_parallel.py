@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +18,7 @@ from remac_env.event_episode import EventEpisode
 from remac_env.events.clock import EventClock, Order, Span
 from remac_env.events.observation import TimeFacts
 from remac_env.parallel import KitchenParallelEnv, Seen, Told
+from remac_env.pictures import Moment
 from remac_env.rules.knowledge import held_back
 from remac_env.rules.subtasks import Subtask
 from remac_env.thinking import NO_THOUGHT, Thought, thinking_seconds
@@ -115,6 +117,9 @@ class KitchenEventEnv(KitchenParallelEnv):
         world = backend.reset(terms.start)
         clock = EventClock(backend, terms.scene, deadline=terms.max_seconds)
         return EventEpisode(terms, world, clock=clock, continues=self._continue)
+
+    def _moment(self) -> Moment:
+        return replace(super()._moment(), slow=self._timed().shares)
 
     def _timed(self) -> EventEpisode:
         episode = self._running()

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from remac_env.errors import LifecycleError
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rendering.video import MAX_FRAMES, Sampler, prepare, spread
+from remac_env.rules.facts import Process
 from remac_env.simulator import load_mujoco, load_opencv
 from remac_env.start import Start
 from remac_env.state import WorldState
@@ -28,13 +29,14 @@ Picture = NDArray[np.uint8]
 class Moment:
     """What there is to see: the joint positions of physics (None: posed by the world) and the world as last known.
 
-    `round`: how many rounds are over.
+    `round`: how many rounds are over; `slow`: what takes its time by itself, and which share of it is over, 0..1.
     """
 
     start: Start
     world: WorldState
     positions: NDArray[np.float64] | None
     round: int = 0
+    slow: Mapping[tuple[Process, str], float] = field(default_factory=dict)
 
 
 class Pictures:
@@ -136,16 +138,16 @@ class Pictures:
         if self._posed is not None and _looks_alike(self._posed, moment):
             return self._shown
         if moment.positions is None:
-            self._shown.show_world(start, moment.world)
+            self._shown.show_world(start, moment.world, moment.slow)
         else:
-            self._shown.show_positions(moment.positions, moment.world)
+            self._shown.show_positions(moment.positions, moment.world, moment.slow)
         self._posed = moment
         return self._shown
 
 
 def _looks_alike(one: Moment, other: Moment) -> bool:
     """Whether two moments of one kitchen are posed alike for certain, as when several robots look at one."""
-    if one.start is not other.start or one.world != other.world:
+    if one.start is not other.start or one.world != other.world or one.slow != other.slow:
         return False
     if one.positions is None or other.positions is None:
         return one.positions is other.positions

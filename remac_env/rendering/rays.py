@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.kitchen.lights import BACKDROP
+from remac_env.rendering.signs import SIGN
 
 Floats = NDArray[np.float64]
 
@@ -16,18 +17,21 @@ _NO_COLOR = np.array([0.5, 0.5, 0.5, 1.0], dtype=np.float32)  # MuJoCo's default
 _HIDDEN_GROUP = mujoco.mjNGROUP - 1
 _OPAQUE = 0.99
 _PASSES = 3  # an opaque object behind two panes of glass or water is still seen
+_PASSES_OF_SIGNS = 8  # the same behind steam, where things take their time
 _AMBIENT, _FACING = 0.42, 0.20
 _LIGHTS = (((-0.35, -0.75, 0.56), 0.42), ((0.70, -0.50, 0.45), 0.12))  # direction towards the light, strength
 
 
 class RayPainter:
-    """Casts rays into a model. Its colours are read at each picture, so that geoms may be recoloured or hidden."""
+    """Casts rays into a model. Its colours are read at each picture, so that what it draws may be recoloured or hidden."""
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int, *, groups: Sequence[int]) -> None:
         """groups: the geom groups that are drawn."""
         self._model, self._width, self._height = model, width, height
         self._groups = np.array([group in groups for group in range(mujoco.mjNGROUP)], dtype=np.uint8)
-        self._materials = _mean_colors(model)
+        self._textures = _mean_textures(model)
+        signs = any(SIGN in model.geom(geom).name for geom in range(model.ngeom))
+        self._passes = _PASSES_OF_SIGNS if signs else _PASSES
 
     def render(self, data: mujoco.MjData, camera: int) -> NDArray[np.uint8]:
         """The picture of a camera, (height, width, 3)."""
@@ -36,7 +40,7 @@ class RayPainter:
         count = len(directions)
         picture, to_come = np.zeros((count, 3)), np.ones(count)
         hidden = colors[:, 3] <= 0
-        for _ in range(_PASSES):
+        for _ in range(self._passes):
             geoms, normals = self._cast(data, origin, directions, hidden)
             hit = geoms >= 0
             shade = np.maximum(_brightness(normals, directions), emission[geoms])
@@ -85,7 +89,9 @@ class RayPainter:
         colors, emission = model.geom_rgba.astype(float), np.zeros(model.ngeom)
         dressed = model.geom_matid >= 0
         plain = dressed & np.all(model.geom_rgba == _NO_COLOR, axis=1)
-        colors[plain] = self._materials[model.geom_matid[plain]]
+        materials = model.mat_rgba.astype(float)
+        materials[:, :3] *= self._textures
+        colors[plain] = materials[model.geom_matid[plain]]
         emission[dressed] = model.mat_emission[model.geom_matid[dressed]]
         return colors, emission
 
@@ -100,9 +106,9 @@ def _brightness(normals: Floats, directions: Floats) -> Floats:
     return total
 
 
-def _mean_colors(model: mujoco.MjModel) -> Floats:
-    """Colour and opacity of each material, (n, 4), its texture averaged."""
-    colors = model.mat_rgba.astype(float)
+def _mean_textures(model: mujoco.MjModel) -> Floats:
+    """The mean colour of each material's texture, (n, 3); 1 where it has none."""
+    colors = np.ones((model.nmat, 3))
     role = int(mujoco.mjtTextureRole.mjTEXROLE_RGB)
     for material in range(model.nmat):
         texture = model.mat_texid[material, role]
@@ -110,5 +116,5 @@ def _mean_colors(model: mujoco.MjModel) -> Floats:
             channels, start = model.tex_nchannel[texture], model.tex_adr[texture]
             size = model.tex_width[texture] * model.tex_height[texture] * channels
             texels = model.tex_data[start : start + size].reshape(-1, channels)[:, :3]
-            colors[material, :3] *= texels.mean(axis=0) / 255
+            colors[material] = texels.mean(axis=0) / 255
     return colors

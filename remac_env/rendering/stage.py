@@ -18,6 +18,7 @@ from remac_env.rendering.cameras import FRONT, HELD, SIDE, WIDE, WRIST, add_came
 from remac_env.rendering.following import follow
 from remac_env.rendering.posing import pose
 from remac_env.rendering.renderer import BEAUTY, CLOSE, OBSERVATION, Quality, Renderer
+from remac_env.rendering.signs import NOTHING, Signs, Slow
 from remac_env.rendering.window import Window
 from remac_env.robots import bodies
 from remac_env.rules.facts import ASIDE
@@ -54,25 +55,30 @@ class Stage:
             body=bodies.get(start.body),
         )
         add_cameras(spec, layout, start.scene.robots)
+        self._signs = Signs(start.scene, layout, {noun: categories[name] for noun, name in start.categories.items()})
+        self._signs.add_to(spec)
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)
         self._renderers: dict[tuple[int, int, Quality], Renderer] = {}
         self._drawn: dict[Shot, Picture] = {}  # of the present pose: robots share the view of the whole kitchen
 
-    def show_positions(self, positions: NDArray[np.float64], world: WorldState) -> None:
-        """Take over joint positions, qpos of the physics model; switches as `world` says."""
+    def show_positions(self, positions: NDArray[np.float64], world: WorldState, slow: Slow = NOTHING) -> None:
+        """Take over joint positions, qpos of the physics model; switches as `world` says.
+
+        `slow`: what takes its time by itself, and which share of it is over.
+        """
         self._drawn.clear()
         self._data.qpos[:] = positions
-        self._show_state(world)
+        self._show_state(world, slow)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
         follow(self._model, self._data, self._layout, world)
 
-    def show_world(self, start: Start, world: WorldState) -> None:
-        """Pose the kitchen by what is true in it."""
+    def show_world(self, start: Start, world: WorldState, slow: Slow = NOTHING) -> None:
+        """Pose the kitchen by what is true in it; `slow` as above."""
         self._drawn.clear()
+        self._show_state(world, slow)
         pose(self._model, self._data, self._layout, self._categories, start, world)
-        self._show_state(world)
         follow(self._model, self._data, self._layout, world)
 
     def picture(self, *, quality: Quality = BEAUTY, size: tuple[int, int] = RENDER_SIZE) -> Picture:
@@ -113,12 +119,14 @@ class Stage:
             self._drawn[shot] = self._renderers[key].render(self._data, camera).copy()
         return self._drawn[shot].copy()
 
-    def _show_state(self, world: WorldState) -> None:
-        """Water, flames and lamps of what is on, and grains on what has been seasoned."""
+    def _show_state(self, world: WorldState, slow: Slow) -> None:
+        """Water, flames and lamps of what is on, grains on what has been seasoned, and what takes its time."""
         show_switches(self._model, frozenset().union(*(state.on for state in world.fixtures.values())))
         show_seasoned(self._model, {noun for noun, item in world.objects.items() if SEASONED in item.marks})
+        self._signs.show(self._model, world, slow)
 
 
 def stage_key(start: Start) -> Any:
     """What a stage is made for; episodes with the same key share one."""
-    return start.layout, start.style, tuple(start.categories.items()), start.scene.robots, start.body
+    slow = start.scene.processes
+    return start.layout, start.style, tuple(start.categories.items()), start.scene.robots, start.body, slow

@@ -79,7 +79,8 @@ class Quirk:
 class Process:
     """Something that takes its time by itself: a row of `remac_env/rules/processes.toml`, which says what each means.
 
-    `during`: while what is so; `about`: the objects or fixtures that it is about, all where empty.
+    `during`: while what is so; `about`: the objects or fixtures that it is about, all where empty; `shows`: what
+    pictures show of it.
     """
 
     name: str
@@ -89,6 +90,7 @@ class Process:
     mark: str = ""
     needs: frozenset[str] = frozenset()
     spoils: bool = False
+    shows: str = ""
     text: str = ""
     told: str = ""
     about: tuple[str, ...] = ()

@@ -13,6 +13,7 @@ from remac_env.state import WorldState, supports
 
 FILE = "processes.toml"
 DOES = ("mark", "shut", "off")
+SHOWS = ("", "steam", "smoke", "film", "level", "spill", "ice", "digits")
 
 Holds = Callable[[Rules, WorldState, str], bool]
 
@@ -118,8 +119,8 @@ def make_process(name: str, row: Mapping[str, object]) -> Process:
     lacks = [key for key in ("while", "does", "seconds", "source", "text", "told") if not row.get(key)]
     if lacks:
         raise KitchenFileError(FILE, name, f"it lacks {', '.join(lacks)}")
-    for key, choices in (("while", tuple(WHILE)), ("does", DOES)):
-        if row[key] not in choices:
+    for key, choices in (("while", tuple(WHILE)), ("does", DOES), ("shows", SHOWS)):
+        if row.get(key, "") not in choices:
             raise KitchenFileError(FILE, f"{name}, {key}", f"got {row[key]!r}", choices)
     seconds = row["seconds"]
     if not isinstance(seconds, int | float) or not seconds > 0:
@@ -135,6 +136,7 @@ def make_process(name: str, row: Mapping[str, object]) -> Process:
         mark=str(row.get("mark", "")),
         needs=frozenset(needs if isinstance(needs, list) else ()),
         spoils=bool(row.get("spoils", False)),
+        shows=str(row.get("shows", "")),
         text=str(row["text"]),
         told=str(row["told"]).format(seconds=f"{float(seconds):g}"),
     )

@@ -145,6 +145,7 @@ def test_each_row_says_how_long_and_why() -> None:
         ({"does": "explode"}, "explode.*mark"),
         ({"seconds": -1}, "-1, which is no time"),
         ({"seconds": "long"}, "'long', which is no time"),
+        ({"shows": "fireworks"}, "fireworks.*steam"),
         ({"mark": ""}, "there is one if it does mark"),
     ],
 )
