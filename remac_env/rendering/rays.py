@@ -23,7 +23,7 @@ _LIGHTS = (((-0.35, -0.75, 0.56), 0.42), ((0.70, -0.50, 0.45), 0.12))  # directi
 
 
 class RayPainter:
-    """Casts rays into a model. Its colours are read at each picture, so that what it draws may be recoloured or hidden."""
+    """Casts rays into a model. Its colours are read at each picture, so that they may be changed."""
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int, *, groups: Sequence[int]) -> None:
         """groups: the geom groups that are drawn."""
