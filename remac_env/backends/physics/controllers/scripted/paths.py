@@ -20,6 +20,8 @@ from remac_env.robots.rotation import Array, from_rotation_vector, rotation_vect
 
 Path = list[Array]
 
+_DENSE = 0.0125  # rad between looks at a tight way: usually the hand moves by more between two than it keeps clear
+
 _TREE_ROUNDS = 300
 _TREE_STEP = 0.35
 _TREE_CHECKS = 6000
@@ -56,7 +58,14 @@ class Planner:
         """
         with self.checker.clearance(TRANSIT_MARGIN):
             found = self.checker.free(a) and self.checker.free(b) and self._path(a, b, via, tree)
-        return found or self._path(a, b, via, tree)
+        if found:
+            return found
+        tight = self._path(a, b, via, tree)
+        for one, other in pairwise([a, *tight] if tight else ()):
+            free = self.edge(one, other, _DENSE)
+            if not free:
+                return free
+        return tight
 
     def _path(self, a: Array, b: Array, via: bool, tree: bool) -> Path | Hit:
         end = self.checker.free(b)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from itertools import product
 
 from remac_env.backends.physics.controllers.scripted.collision import TARGET
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.paths import Path
-from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, reach_in_slot
+from remac_env.backends.physics.controllers.scripted.reach import After, Reach, go_to_grasp, reach_in_slot
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, check_held, go_home, lowest
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
 from remac_env.backends.physics.controllers.scripted.workspace import Workspace
@@ -25,6 +26,8 @@ _LEVEL_TURNS = (0.0, 0.2, -0.2, 0.4, -0.4, 0.6, -0.6, 0.8, -0.8, 1.0, -1.0, 1.4,
 # would meet the basin's front edge.
 _BASIN_SHIFTS = ((-0.03, 0.065), (-0.05, 0.06), (-0.12, 0.06), (0.03, 0.065), (0.05, 0.06), (0.12, 0.06), (0.0, 0.08))
 _BASIN_TURNS = (1.4, -1.4, 1.0, -1.0, 0.8, -0.8, 1.8, -1.8, 0.2, -0.2, 0.0)
+# m beside a slot's middle, where a neighbour that stands off its own slot leaves no room there.
+_ASIDE = tuple((dx, dy) for dy in (0.0, 0.05, -0.05) for dx in (0.04, -0.04, 0.08, -0.08))
 _DROOPS = (0.0, 0.5, 1.0)  # shares of its droop in the hand with which a vessel may be set down
 _OVER_RIM = 0.26  # m above a basin's floor
 _FROM_ABOVE = 0.10  # m above its place from where the hand comes straight; over the rim into a basin
@@ -43,7 +46,6 @@ def place_on(here: Workspace, point: Array, *, kind: str, vessel: str | None = N
     if not here.clear.checker.free(robot.q):
         here.begin(here.sensed.geoms(vessel) if vessel else (), held_meets=False)
     grip, pose = robot.grip_pose(), here.sensed.pose(body)
-    grasps = upright_poses(here, point, kind)
 
     # Out of a basin the arm is folded more easily from over its rim.
     backs = (0.12,) if kind != "basin" else (_OVER_RIM,) if obj.vessel else (_OVER_RIM, 0.12)
@@ -58,13 +60,27 @@ def place_on(here: Workspace, point: Array, *, kind: str, vessel: str | None = N
         here.clear.checker.hold(body, grip, pose)
         return out
 
-    found = reach_in_slot(here, kind, point, grasps, after, carry=robot.q.copy())
+    found = _way_down(here, kind, point, after, shifted=vessel is None)
     yield from go_to_grasp(here, found, speed=0.7)
     check_held(here)
     yield from release(here)
     yield from here.mover.play(found.after)
     here.begin(here.sensed.geoms(body))
     yield from go_home(here)
+
+
+def _way_down(here: Workspace, kind: str, point: Array, after: After, *, shifted: bool) -> Reach:
+    """A way to set the held object down on ``point`` or, on a worktop where it does not fit, a little beside it."""
+    carry = here.robot.q.copy()
+    try:
+        return reach_in_slot(here, kind, point, upright_poses(here, point, kind), after, carry=carry)
+    except SkillFailure as failure:
+        if kind != "surface" or not shifted or failure.reason != "blocked":
+            raise
+        beside = [pose for aside in _ASIDE for pose in upright_poses(here, point + [*aside, 0.0], kind)]
+        with suppress(SkillFailure):
+            return reach_in_slot(here, kind, point, beside, after, carry=carry)
+        raise
 
 
 def release(here: Workspace, periods: int = 6) -> Steps:
