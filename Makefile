@@ -5,6 +5,7 @@
 # make docs       install what builds the site apart, and build it into build/site
 # make learned    train the weights that come with the package, from nothing, and measure them
 # make ray        install RLlib and Tianshou apart, and run the tests of their examples there
+# make pddl       install a temporal and a classical planner apart, and run the tests that let them play
 # make inspect    install Inspect AI apart, and run the test of its example there
 # make wheel      build wheel and source archive into dist/, check them and try each in an empty environment
 # make versions   the fast tests without physics on every supported Python, and with the oldest dependencies
@@ -18,9 +19,10 @@ DOCS := .venv-docs
 WHEEL := .venv-wheel
 INSPECT := .venv-inspect
 RAY := .venv-ray
+PDDL := .venv-pddl
 REPOSITORY ?=
 
-.PHONY: demo test test-all rl learned docs inspect ray wheel versions robosuite robosuite-test tables tables-check lint install clean
+.PHONY: demo test test-all rl learned docs inspect pddl ray wheel versions robosuite robosuite-test tables tables-check lint install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -122,6 +124,15 @@ $(RAY)/.installed: pyproject.toml
 ray: $(RAY)/.installed
 	$(RAY)/bin/python -m pytest tests/integrations/test_other_learners.py
 
+# Programs that plan from PDDL: docs/planners.md. pyperplan is GPL, and is only started.
+$(PDDL)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(PDDL)
+	$(PDDL)/bin/pip install --quiet --disable-pip-version-check --editable ".[pddl]" pyperplan==2.1 pytest hypothesis
+	touch $@
+
+pddl: $(PDDL)/.installed
+	$(PDDL)/bin/python -m pytest tests/agents/planners/test_agent_pddl.py tests/symbolic/test_symbolic_pddl.py
+
 # A model's tool calls in Inspect AI, with its own mock model: examples/inspect.
 $(INSPECT)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(INSPECT)
@@ -132,4 +143,4 @@ inspect: $(INSPECT)/.installed
 	$(INSPECT)/bin/python -m pytest tests/integrations/test_inspect.py
 
 clean:
-	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) $(WHEEL) $(INSPECT) $(RAY) dist build .cache demo_output .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) $(WHEEL) $(INSPECT) $(RAY) $(PDDL) dist build .cache demo_output .pytest_cache .mypy_cache .ruff_cache

@@ -23,7 +23,7 @@ from remac_bench.job_lists import parse_names, parse_seeds
 import remac_env
 from remac_env.errors import OptionError
 from remac_env.events.makespan import makespan
-from remac_env.pddl import play_plan, read_plan, write_domain, write_problem
+from remac_env.pddl import play_plan, printed_plan, read_plan, write_domain, write_problem
 from remac_env.pddl.playing import NEAR
 
 PATIENCE = 120.0
@@ -73,9 +73,7 @@ def _planned(env: Any, by: str) -> str | None:
             done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
         except (OSError, subprocess.TimeoutExpired) as error:
             raise OptionError(f"by {by!r} does not run: {error}; valid: a planner's command line") from error
-    plans = done.stdout.split("; better plan")
-    last = plans[-1].partition("\n")[2] if len(plans) > 1 else plans[0]
-    return last if "(" in last else None
+    return printed_plan(done.stdout, env.start.scene) or None
 
 
 if __name__ == "__main__":

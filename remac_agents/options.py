@@ -82,8 +82,8 @@ class AgentOptions(ModelOptions):
 
     planner: Any = option(
         None,
-        "A name, package.module:Name, path/file.py:Name, http://HOST:PORT/PATH, answers:FILE.json or "
-        "policy:FILE.npz; options as name,option=value.",
+        "A name, package.module:Name, path/file.py:Name, http://HOST:PORT/PATH, answers:FILE.json, policy:FILE.npz "
+        "or pddl:COMMAND; options as name,option=value.",
         group="role",
     )
     conditions: Any = option(None, "Says what should be true before and after a subtask.", group="role")

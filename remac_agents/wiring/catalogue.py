@@ -6,6 +6,7 @@
     http://127.0.0.1:8000/plan   a planner that is sent the request as JSON
     answers:FILE.json            a planner whose answers lie in a file
     policy:FILE.npz              a planner that is a trained policy, as numbers
+    pddl:COMMAND                 a planner that is another program, which reads PDDL
     provider:model               a language model (docs/models.md), or a name of the paper's models, such as "o3"
 Options stand behind a name: name,option=value (text/options.py). A class is made with the options that are given; a
 function is called in place of the role's only verb.
@@ -81,7 +82,7 @@ VERBS = {
 
 FORMS = ("package.module:Name", "path/file.py:Name")
 MODEL_FORMS = ("provider:model",)
-PLANNER_FORMS = ("http://HOST:PORT/PATH", "answers:FILE.json", "policy:FILE.npz")
+PLANNER_FORMS = ("http://HOST:PORT/PATH", "answers:FILE.json", "policy:FILE.npz", "pddl:COMMAND")
 """What may stand in place of a name: for every role, for those of MODEL_ROLES, and for planners alone."""
 
 PLANNERS_AT = {
@@ -89,6 +90,7 @@ PLANNERS_AT = {
     "https://": ("remac_agents.planners.http:HttpPlanner", "url"),
     "answers:": ("remac_agents.planners.answers:AnswersPlanner", "path"),
     "policy:": ("remac_agents.planners.policy:PolicyPlanner", "path"),
+    "pddl:": ("remac_agents.planners.pddl:PddlPlanner", "command"),
 }
 """Beginning of a planner's text -> its class, and the argument that says where it is: a URL is the whole text."""
 
@@ -158,7 +160,8 @@ def looks_at_pictures(role: str, given: object, *, providers: Path | str | None 
 
 
 def is_plugin(role: str, given: object, *, providers: Path | str | None = None) -> bool:
-    """Whether a text names code from outside: no name of ours, no model, no address, no file of answers."""
+    """Whether a text names code from outside that is imported: no name of ours, no model, no address, no file of
+    answers, and no program, which has processes of its own."""
     name = given.get("name", "") if isinstance(given, Mapping) else given
     if not isinstance(name, str) or name.partition(",")[0].strip() in ROLES[role]:
         return False

@@ -1,8 +1,8 @@
 """Episodes as PDDL: a domain and a problem that any classical or temporal planner reads, and its plans as commands."""
 
 from remac_env.pddl.actions import LEVELS
-from remac_env.pddl.plans import Step, read_plan
+from remac_env.pddl.plans import Step, printed_plan, read_plan
 from remac_env.pddl.playing import Played, play_plan
 from remac_env.pddl.writing import write_domain, write_problem
 
-__all__ = ["LEVELS", "Played", "Step", "play_plan", "read_plan", "write_domain", "write_problem"]
+__all__ = ["LEVELS", "Played", "Step", "play_plan", "printed_plan", "read_plan", "write_domain", "write_problem"]

@@ -85,13 +85,13 @@ def _picking() -> Iterator[Action]:
     common: Facts = ("empty ?r", *_AT_WORK, "fits ?o ?f", "load ?o n0")
     taken: Facts = ("empty ?r", "inside ?o ?f", "neatly ?o ?f", "loose ?o")
     yield Action(
-        name="pick-up", variables=(*_ROBOT, ("o", "object"), *_THERE), before=(*common, "in ?o ?l"),
+        name="pick-up", variables=(*_ROBOT, ("o", "item"), *_THERE), before=(*common, "in ?o ?l"),
         after=("holds ?r ?o", "vacant ?l"), gone=(*taken, "in ?o ?l", "over-fire ?o"),
         seconds=_seconds("pick up"), skill="pick up",
     )  # fmt: skip
     yield Action(
         name="pick-up-from-vessel",
-        variables=(*_ROBOT, ("o", "object"), ("v", "object"), *_THERE, ("n", "number"), ("m", "number")),
+        variables=(*_ROBOT, ("o", "item"), ("v", "item"), *_THERE, ("n", "number"), ("m", "number")),
         before=(*common, *_IN_VESSEL, "load ?v ?m", "next ?n ?m", "hand-in ?v ?f"),
         after=("holds ?r ?o", "load ?v ?n"), gone=(*taken, "on ?o ?v", "load ?v ?m"),
         seconds=_seconds("pick up"), skill="pick up",
@@ -103,7 +103,7 @@ def _placing() -> Iterator[Action]:
     left: Facts = ("empty ?r", "inside ?o ?f", "loose ?o")
     for name, lit, more in (("place", "unlit ?l", ()), ("place-on-fire", "lit ?l", ("over-fire ?o",))):
         yield Action(
-            name=name, variables=(*_ROBOT, ("o", "object"), *_THERE), before=(*common, "vacant ?l", lit),
+            name=name, variables=(*_ROBOT, ("o", "item"), *_THERE), before=(*common, "vacant ?l", lit),
             after=(*left, "in ?o ?l", "neatly ?o ?f", *more), gone=("holds ?r ?o", "vacant ?l"),
             seconds=_seconds("place to"), skill="place to",
         )  # fmt: skip
@@ -111,18 +111,18 @@ def _placing() -> Iterator[Action]:
     for name, neat, more in (("place-into-vessel", (), ()), ("place-neatly", ("neat ?v",), ("neatly ?o ?f",))):
         yield Action(
             name=name, before=(*common, *room, *neat), after=(*left, "on ?o ?v", "load ?v ?m", *more),
-            variables=(*_ROBOT, ("o", "object"), ("v", "object"), *_THERE, ("n", "number"), ("m", "number")),
+            variables=(*_ROBOT, ("o", "item"), ("v", "item"), *_THERE, ("n", "number"), ("m", "number")),
             gone=("holds ?r ?o", "load ?v ?n"), seconds=_seconds("place to"), skill="place to",
         )  # fmt: skip
 
 
 def _seasoning() -> Iterator[Action]:
     common: Facts = ("holds ?r ?t", "shaker ?t", *_AT_WORK)
-    tool: Variables = (("t", "object"), ("o", "object"))
+    tool: Variables = (("t", "item"), ("o", "item"))
     mark: Facts = (f"{SEASONED} ?o",)
     yield Action(name="season", variables=(*_ROBOT, *tool, *_THERE), before=(*common, "in ?o ?l"),
                  after=mark, seconds=_seconds("season"), skill="season")  # fmt: skip
-    yield Action(name="season-in-vessel", variables=(*_ROBOT, *tool, ("v", "object"), *_THERE),
+    yield Action(name="season-in-vessel", variables=(*_ROBOT, *tool, ("v", "item"), *_THERE),
                  before=(*common, *_IN_VESSEL), after=mark, seconds=_seconds("season"), skill="season")  # fmt: skip
 
 
@@ -156,7 +156,7 @@ def _switches(rules: Rules, facts: FixtureFacts) -> Iterator[Action]:
     if slots:
         vessels = [name_of(each) for each, kind in rules.objects.items() if kind.holds]
         yield Action(
-            name=f"turn-on-{name}", variables=(*_ROBOT, ("v", "object"), ("l", "slot")),
+            name=f"turn-on-{name}", variables=(*_ROBOT, ("v", "item"), ("l", "slot")),
             before=(*there, *shut, "vessel ?v", "in ?v ?l", f"slot-of ?l {name}", "unlit ?l"),
             after=(*turned, "lit ?l", "over-fire ?v"), gone=(f"off {name}", "unlit ?l"),
             seconds=_seconds("turn on"), skill="turn on",
@@ -212,9 +212,9 @@ def _by_itself(
 ) -> Iterator[Action]:
     if bare:
         held: Facts = (*during, "in ?o ?l")
-        yield Action(name=name, variables=(("o", "object"), ("l", "slot")), before=held, held=held,
+        yield Action(name=name, variables=(("o", "item"), ("l", "slot")), before=held, held=held,
                      after=(f"{mark} ?o",), seconds=seconds)  # fmt: skip
     if vessel:
         held = (*during, *_IN_VESSEL)
-        yield Action(name=f"{name}-in-vessel", variables=(("o", "object"), ("v", "object"), ("l", "slot")),
+        yield Action(name=f"{name}-in-vessel", variables=(("o", "item"), ("v", "item"), ("l", "slot")),
                      before=held, held=held, after=(f"{mark} ?o",), seconds=seconds)  # fmt: skip

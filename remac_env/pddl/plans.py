@@ -54,6 +54,23 @@ def read_plan(text: str, rules: Rules) -> list[Step]:
     return sorted((step for step in found if step.robot), key=lambda step: step.at)
 
 
+def printed_plan(text: str, rules: Rules) -> str:
+    """The last plan among all that a planner prints: the last lines in a row that are actions of the domain.
+
+    Planners that go on to better plans print those behind it; what they say of their search is left out.
+    """
+    known = {action.name for action in actions(rules)}
+    found: list[str] = []
+    before = False
+    for line in text.splitlines():
+        match = _LINE.fullmatch(line.partition(";")[0].strip())
+        step = match is not None and match["what"].split()[0].lower() in known
+        if step:
+            found = [*found, line] if before else [line]
+        before = step or (before and not line.strip())
+    return "\n".join(found)
+
+
 def _step(line: str, number: int, known: Mapping[str, Action], rules: Rules) -> Step:
     match = _LINE.fullmatch(line)
     name, *arguments = match["what"].lower().split() if match else [""]

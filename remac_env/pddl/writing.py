@@ -34,7 +34,7 @@ def write_domain(rules: Rules, *, level: str) -> str:
         "; Written from the skill table by `remac pddl`. Seconds are those of the table.",
         "(define (domain remac-kitchen)",
         f"  (:requirements {needs})",
-        "  (:types robot station slot fixture object number)",
+        "  (:types robot station slot fixture item number)",
         f"  (:constants {_typed(_constants(rules))})",
         "  (:predicates",
         *(f"    ({text})" for text in _predicates(rules, found, level)),
@@ -89,7 +89,7 @@ def _constants(rules: Rules) -> dict[str, list[str]]:
         "station": [station_name(name) for name in (*rules.stations, ASIDE)],
         "slot": [slot_name(name) for name in rules.slots],
         "fixture": [name_of(name) for name in rules.fixtures],
-        "object": [name_of(name) for name in rules.objects],
+        "item": [name_of(name) for name in rules.objects],
         "number": [f"n{number}" for number in range(most + 1)],
     }
 
