@@ -143,5 +143,6 @@ def label_of(text: str, room: int) -> tuple[str, ...]:
 
 
 def ticks_of(total: float) -> list[float]:
+    """Where the axis of so many rounds or seconds has its marks: at multiples of a round number, `TICKS` at most."""
     step = next((each for each in (1, 2, 5, 10, 20, 50, 100, 200, 500) if total / each <= TICKS), total / TICKS)
     return [number * step for number in range(int(total / step) + 1)]
