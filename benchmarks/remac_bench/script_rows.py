@@ -59,6 +59,8 @@ ROWS: dict[str, Row] = {
         help="Maximum number of replans after failed rounds.", default=2, values=Whole()
     ),
     "planted_failures.seeds": Row(help="How many seeds.", default=20, values=_COUNT),
+    "quirk_sheet.only": _ONLY,
+    "quirk_sheet.picture": Row(help="Write the contact sheet to this file, a PNG or JPEG.", values=File()),
     "skills.trials": Row(help="Runs of each chain.", default=100, values=_COUNT),
     "skills.perception_noise": Row(
         help="m, of the poses that controllers perceive; several separated by commas.", default="0"

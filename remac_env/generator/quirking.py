@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from remac_env.oracle.witness import witness
 from remac_env.rules.facts import Quirk, Rules
 from remac_env.rules.quirks import QUIRKS
 from remac_env.rules.rounds import transition
-from remac_env.state import WorldState
+from remac_env.state import WorldState, base_place
 from remac_env.tasks.goals import Goal
 from remac_env.tasks.spec import TaskSpec
 
@@ -27,7 +27,8 @@ def with_quirks(
 ) -> tuple[TaskSpec, OraclePlan] | None:
     """The task with so many quirks, each of which makes the plan fail that knows of none, and a plan that works."""
     scene, world = scene_of(spec, robots, knowledge)
-    near = _candidates(scene, world, spec.goal, rng)
+    full = () if spec.symbolic_only else in_stores(scene, world)
+    near = _candidates(scene, world, spec.goal, full, rng)
     mattering = [quirk for quirk in near if _spoils(scene, world, spec.goal, plan, quirk)]
     for first in range(min(len(mattering), 4)):
         chosen = _distinct([*mattering[first:], *mattering[:first]])[:wanted]
@@ -41,8 +42,10 @@ def with_quirks(
     return None
 
 
-def _candidates(scene: Rules, world: WorldState, goal: Goal, rng: np.random.Generator) -> Iterator[Quirk]:
-    """Quirks about what can matter for the goal, in a drawn order."""
+def _candidates(
+    scene: Rules, world: WorldState, goal: Goal, occupied: Collection[str], rng: np.random.Generator
+) -> Iterator[Quirk]:
+    """Quirks about what can matter for the goal, in a drawn order; nothing fills what is `occupied`."""
     objects, fixtures = relevant_nouns(scene, world, goal)
     near = {*objects, *fixtures, *(slot for name in fixtures for slot in scene.fixtures[name].slots)}
     found = [
@@ -50,12 +53,18 @@ def _candidates(scene: Rules, world: WorldState, goal: Goal, rng: np.random.Gene
         for kind in QUIRKS.values()
         if not kind.team
         for about, other in kind.draws(scene)
-        if about in near
+        if about in near and not (kind.fills and about in occupied)
     ]
     kinds = list(dict.fromkeys(quirk.kind for quirk in found))
     for kind in rng.permutation(kinds) if kinds else ():
         of_kind = [quirk for quirk in found if quirk.kind == kind]
         yield from (of_kind[at] for at in rng.permutation(len(of_kind))[:TRIES_OF_A_KIND])
+
+
+def in_stores(scene: Rules, world: WorldState) -> frozenset[str]:
+    """The fixtures in which an object is at the start; there is no room there for what would fill them."""
+    places = (base_place(world, name) for name in world.objects)
+    return frozenset(scene.slots[place.where].fixture for place in places if place.relation == "slot")
 
 
 def _spoils(scene: Rules, world: WorldState, goal: Goal, plan: OraclePlan, quirk: Quirk) -> bool:

@@ -11,6 +11,7 @@ from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import Options
 from remac_env.rules.marks import COOLED, DRIED, HEATED
+from remac_env.rules.quirks import QUIRKS
 from remac_env.tasks.generated import SPEC
 from remac_env.tasks.spec import TaskSpec
 from remac_env.vocabulary import Vocabulary, built_in
@@ -81,7 +82,13 @@ def _checked(worlds: TaskWorlds, options: Options) -> TaskWorlds:
 
 
 def check_backend(spec: TaskSpec, options: Options) -> None:
-    """Raise OptionError for a kitchen with something in it that only the skill table knows."""
+    """Raise OptionError for a kitchen with something in it that only the skill table knows, or that has no room."""
     if spec.symbolic_only and options.backend != "symbolic":
         known = "which only the skill table knows; valid: backend='symbolic', or template='physics'"
         raise OptionError(f"task {spec.name} has {spec.symbolic_only}, {known}")
+    if spec.setup is not None and options.backend != "symbolic":
+        slots = {place.where: noun for noun, place in spec.setup.places.items() if place.relation == "slot"}
+        for quirk in (quirk for quirk in spec.quirks if QUIRKS[quirk.kind].fills):
+            if held := [noun for where, noun in slots.items() if where.partition(".")[0] == quirk.about]:
+                said = f"the {held[0]} is in the {quirk.about}, which is to be full ({quirk.kind}) from the start"
+                raise OptionError(f"task {spec.name}: {said}; valid: an empty one, or backend='symbolic'")

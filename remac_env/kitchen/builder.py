@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 import mujoco
 
 from remac_env.kitchen.canvas import SWITCHED, Canvas
+from remac_env.kitchen.fixtures.filling import fill
 from remac_env.kitchen.fixtures.room import Face
 from remac_env.kitchen.floor_plan import Layout, Wall
 from remac_env.kitchen.style import Style, load
 from remac_env.robots import bodies
 from remac_env.robots.body import Body
+from remac_env.rules.facts import Quirk
+from remac_env.rules.quirks import QUIRKS
 from remac_env.sights import ACCENTS, accents
 
 if TYPE_CHECKING:
@@ -32,14 +35,18 @@ def build_model(
     style: Style | None = None,
     looks: bool = False,
     body: Body | None = None,
+    quirks: Sequence[Quirk] = (),
 ) -> mujoco.MjModel:
     """Return the compiled kitchen.
 
     robots: their names, such as "robot_0"; body: theirs, the standard one where None. objects: noun -> category of the
-    catalogue. style: materials, used only with `looks`; the default style where None. Bodies, joints and actuators are
-    the same and in the same order with `looks` and without, so that a qpos copies over.
+    catalogue. style: materials, used only with `looks`; the default style where None. quirks: those that show
+    from the start are built in. Bodies, joints and actuators are the same and in the same order with `looks` and
+    without, so that a qpos copies over.
     """
-    return build_spec(layout, robots=robots, objects=objects, style=style, looks=looks, body=body).compile()
+    return build_spec(
+        layout, robots=robots, objects=objects, style=style, looks=looks, body=body, quirks=quirks
+    ).compile()
 
 
 def build_spec(
@@ -50,6 +57,7 @@ def build_spec(
     style: Style | None = None,
     looks: bool = False,
     body: Body | None = None,
+    quirks: Sequence[Quirk] = (),
 ) -> mujoco.MjSpec:
     """Return the description that `build_model` compiles, for callers that add cameras."""
     spec = mujoco.MjSpec()
@@ -60,17 +68,21 @@ def build_spec(
     if looks:
         _set_looks(spec, style, ceiling=layout.room.ceiling)
     canvas = Canvas(spec, looks=looks, make=(style.panel, style.pull))
+    filled = {quirk.about for quirk in quirks if QUIRKS[quirk.kind].fills}
+    stained = {quirk.about for quirk in quirks if QUIRKS[quirk.kind].stains}
     layout.room.build(canvas, {wall.side: _face(layout, wall) for wall in layout.walls.values() if wall.side})
     for wall in layout.walls.values():
         canvas.stand(f"wall/{wall.name}", wall.frame)
         for fixture in layout.at_wall(wall.name):
             fixture.build(canvas)
+            if fixture.name in filled:
+                fill(canvas, fixture)
     canvas.finish()
     if objects:
         from remac_env.kitchen.objects import add_object
 
         for noun, category in objects.items():
-            add_object(spec, spec.worldbody, noun, category, looks=looks)
+            add_object(spec, spec.worldbody, noun, category, looks=looks, stained=noun in stained)
     if robots:
         for name, color in accents(robots).items():
             (body or bodies.get()).add_to(spec, name, accent=ACCENTS[color], looks=looks)

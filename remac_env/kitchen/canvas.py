@@ -70,6 +70,10 @@ class Canvas:
         self._bodies[name] = self._ground.add_body(name=name, pos=list(position), gravcomp=float(balanced))
         return Part(self, name, self._bodies[name], meets=FURNITURE_CONTYPE if swings else FURNITURE_CONAFFINITY)
 
+    def part(self, name: str) -> Part:
+        """A body that was added before, to be added to."""
+        return Part(self, name, self._bodies[name], meets=FURNITURE_CONAFFINITY)
+
     def light(self, name: str, position: Vector, direction: Vector, color: Vector, *, cutoff: float) -> None:
         """Add a spot light without shadow, cutoff in degrees; nothing without looks."""
         if self.looks:

@@ -13,7 +13,7 @@ from remac_env.kitchen import style as styles
 from remac_env.kitchen.builder import build_spec, show_switches
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.kitchen.objects.drawing import show_seasoned
+from remac_env.kitchen.objects.drawing import show_seasoned, show_stains
 from remac_env.rendering.cameras import FRONT, HELD, SIDE, WIDE, WRIST, add_cameras
 from remac_env.rendering.following import follow
 from remac_env.rendering.posing import pose
@@ -22,7 +22,7 @@ from remac_env.rendering.signs import NOTHING, Signs, Slow
 from remac_env.rendering.window import Window
 from remac_env.robots import bodies
 from remac_env.rules.facts import ASIDE
-from remac_env.rules.marks import SEASONED
+from remac_env.rules.marks import SEASONED, WASHED
 from remac_env.start import Start
 from remac_env.state import WorldState
 
@@ -53,6 +53,7 @@ class Stage:
             style=styles.load(start.style),
             looks=True,
             body=bodies.get(start.body),
+            quirks=start.scene.quirks,
         )
         add_cameras(spec, layout, start.scene.robots)
         self._signs = Signs(start.scene, layout, {noun: categories[name] for noun, name in start.categories.items()})
@@ -84,6 +85,10 @@ class Stage:
     def picture(self, *, quality: Quality = BEAUTY, size: tuple[int, int] = RENDER_SIZE) -> Picture:
         """The whole kitchen, uint8 (height, width, 3)."""
         return self._render(WIDE, size, quality)
+
+    def look(self, camera: str, *, size: int, quality: Quality = CLOSE) -> Picture:
+        """What one of its cameras sees, uint8 (size, size, 3)."""
+        return self._render(camera, (size, size), quality)
 
     def show_in(self, window: Window) -> None:
         """Show the kitchen in a window that can be looked around in."""
@@ -120,13 +125,14 @@ class Stage:
         return self._drawn[shot].copy()
 
     def _show_state(self, world: WorldState, slow: Slow) -> None:
-        """Water, flames and lamps of what is on, grains on what has been seasoned, and what takes its time."""
+        """Water, flames and lamps of what is on, grains and stains, and what takes its time."""
         show_switches(self._model, frozenset().union(*(state.on for state in world.fixtures.values())))
         show_seasoned(self._model, {noun for noun, item in world.objects.items() if SEASONED in item.marks})
+        show_stains(self._model, {noun for noun, item in world.objects.items() if WASHED in item.marks})
         self._signs.show(self._model, world, slow)
 
 
 def stage_key(start: Start) -> Any:
     """What a stage is made for; episodes with the same key share one."""
-    slow = start.scene.processes
-    return start.layout, start.style, tuple(start.categories.items()), start.scene.robots, start.body, slow
+    facts = start.scene.processes, start.scene.quirks
+    return start.layout, start.style, tuple(start.categories.items()), start.scene.robots, start.body, facts

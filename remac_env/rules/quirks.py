@@ -50,6 +50,8 @@ class QuirkKind:
         hinders, spoils, changes, drifts: what it does; None for nothing. `spoils` is how the world changes where it
             hinders, `changes` where the subtask succeeds.
         team: no robot alone can do anything about it.
+        marks_alone: it takes marks from objects and does nothing else; in physics too it is these rules that do it.
+        fills, stains: how what it is about looks from the start: full up to the front, or with stains in it.
     """
 
     name: str
@@ -63,6 +65,9 @@ class QuirkKind:
     changes: Changes | None = None
     drifts: Drifts | None = None
     team: bool = False
+    marks_alone: bool = False
+    fills: bool = False
+    stains: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a row that shows in no condition."""
@@ -238,12 +243,14 @@ QUIRKS: dict[str, QuirkKind] = by_name("quirk", "sentence", (
     QuirkKind(name="swinging door", sentence="the {0} door comes open when nobody stands there", shows="door_closed",
               looks="the door stands ajar", remedy="shut it last, and stay there", draws=_doors, drifts=_swings_open),
     QuirkKind(name="full shelf", sentence="the {0} is full up to the front", shows="inside",
-              looks="things close behind the door", remedy="use another place", draws=_stores, hinders=_is_full),
+              looks="things close behind the door", remedy="use another place", draws=_stores, hinders=_is_full,
+              fills=True),
     QuirkKind(name="hot vessel", sentence="what stands on the {0} cannot be held while it is on", shows="holding",
               looks="it is still where it was, over a flame", remedy="turn it off first", draws=_ranges,
               hinders=_is_hot),
     QuirkKind(name="dirty vessel", sentence="the {0} is dirty: what is washed does not stay so in it", shows="marked",
-              looks="stains in it", remedy="wash it too, or use another vessel", draws=_vessels, drifts=_soils),
+              looks="stains in it", remedy="wash it too, or use another vessel", draws=_vessels, drifts=_soils,
+              marks_alone=True, stains=True),
     QuirkKind(name="two hands", sentence="the {0} only comes on while another robot stands at the {1}",
               shows="switched_on", looks="no light, no flame", remedy="let another robot stand there",
               draws=_distant_switches, hinders=_other_is_left, team=True),
@@ -262,11 +269,11 @@ def hindered(rules: Rules, world: WorldState, robot: str, subtask: Subtask) -> t
         row = QUIRKS[quirk.kind]
         if row.hinders is not None and row.hinders(quirk, rules, world, robot, subtask):
             after = world if row.spoils is None else row.spoils(quirk, rules, world, subtask)
-            return _HINDERED, after
+            return HINDERED, after
     return None
 
 
-_HINDERED = failure("blocked", "it was tried, and did not come about")
+HINDERED = failure("blocked", "it was tried, and did not come about")
 """What robots are told: not why."""
 
 

@@ -60,7 +60,7 @@ class TaskSpec:
         categories: further object categories, in the form of the catalogue's tables.
         layout_files: layout name -> path of a TOML file, for kitchens from outside.
         annexes: further fixtures, of kitchen/annexes.toml; symbolic only.
-        quirks: facts about this kitchen that nobody is told (`remac_env.rules.quirks`); symbolic only.
+        quirks: facts about this kitchen that nobody is told (`remac_env.rules.quirks`).
         gives: the marks that fixtures of this kitchen give (heated, cooled, dried), beside washed.
         orders: pairs of marks, (first, then), whose order a goal speaks of (`Before`).
         setup: the start, where it is stated and not drawn.
@@ -97,10 +97,7 @@ class TaskSpec:
     @property
     def symbolic_only(self) -> str:
         """Why physics cannot have it, "" where it can."""
-        said = [f"{kind} ({', '.join(names)})" for kind, names in (
-            ("annexes", self.annexes), ("quirks", tuple(quirk.kind for quirk in self.quirks)),
-        ) if names]  # fmt: skip
-        return " and ".join(said)
+        return f"annexes ({', '.join(self.annexes)})" if self.annexes else ""
 
     def __post_init__(self) -> None:
         """Take values of NumPy as Python's."""

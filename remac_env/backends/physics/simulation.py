@@ -25,7 +25,7 @@ class RobotHandle:
     """One robot of the model: where its joints are, and the set-points of its servos. All in the frame of the room.
 
     ``commanded``: set-points (n,) in force, see `remac_env.robots.body`; ``grip``: of each finger, m. They stay as they
-    are until others are taken.
+    are until others are taken. ``let_go``: whether its hand opens, whatever it was told.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, name: str, body: Body) -> None:
@@ -44,6 +44,7 @@ class RobotHandle:
         self._site = model.site(f"{name}/grip").id
         self.commanded = body.tuck(0.0, 0.0, 0.0)
         self.grip = body.finger_travel
+        self.let_go = False
 
     def put(self, q: Array, grip: float | None = None) -> None:
         """Pose the robot at once (at reset only); with its hand open where ``grip`` is None."""
@@ -71,7 +72,7 @@ class RobotHandle:
             raise PhysicsError(f"{self.name}: command is not finite: {self.commanded}")
         ctrl = self._data.ctrl
         ctrl[self._controls] = (self.commanded - self._data.act[self._activations]) / CONTROL_PERIOD
-        ctrl[self._finger_controls] = self.grip
+        ctrl[self._finger_controls] = self.body.finger_travel if self.let_go else self.grip
 
     @property
     def q(self) -> Array:
@@ -104,8 +105,8 @@ class Simulation(Bodies):
     """Model, data and clock, with the robots called ``robots``.
 
     ``before``: a simulation that has ended; its data are used again where it was of the same model. ``probe`` is called
-    after every step of 5 ms, for measuring; motion is the same with it and without. ``pictures``: what the cameras of a
-    robot show now.
+    after every step of 5 ms, for measuring; motion is the same with it and without. ``forces`` is called before every
+    step, to apply what is neither a robot's nor the kitchen's own. ``pictures``: what the cameras of a robot show now.
     """
 
     def __init__(
@@ -118,6 +119,7 @@ class Simulation(Bodies):
         self.robots: dict[str, RobotHandle] = {name: RobotHandle(model, data, name, self.body) for name in robots}
         self.ticks = 0
         self.probe: Callable[[], None] | None = None
+        self.forces: Callable[[], None] | None = None
         self.pictures: Callable[[str], Mapping[str, NDArray[np.uint8]]] | None = None
 
     def clear(self) -> None:
@@ -129,12 +131,15 @@ class Simulation(Bodies):
         """One control period under the robots' present commands."""
         for robot in self.robots.values():
             robot.apply()
-        if self.probe is None:
+        if self.probe is None and self.forces is None:
             mujoco.mj_step(self.model, self.data, nstep=SUBSTEPS)
         else:
             for _ in range(SUBSTEPS):
+                if self.forces is not None:
+                    self.forces()
                 mujoco.mj_step(self.model, self.data)
-                self.probe()
+                if self.probe is not None:
+                    self.probe()
         self.ticks += 1
         if self.data.warning.number.any():
             raise PhysicsError(f"MuJoCo warned after {self.ticks} control steps: {', '.join(self.warnings())}")

@@ -15,6 +15,8 @@ from remac_env.backends.physics.closers import Closers
 from remac_env.backends.physics.controllers.base import MakeController, check_controllers
 from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.pilot import Attempt, Pilot
+from remac_env.backends.physics.quirks import Oddities
+from remac_env.backends.physics.quirks.mechanisms import Surroundings
 from remac_env.backends.physics.separation import NEAR_MISS
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, SUBSTEPS, Simulation
 from remac_env.backends.physics.stage import pose_start
@@ -26,8 +28,9 @@ from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import Worlds
 from remac_env.robots import bodies
 from remac_env.rules.claims import Claim, settle_claims
-from remac_env.rules.facts import Process
+from remac_env.rules.facts import Process, Quirk
 from remac_env.rules.outcomes import Outcome
+from remac_env.rules.quirks import HINDERED, QUIRKS
 from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
 from remac_env.state import WorldState
@@ -64,7 +67,8 @@ class Timeline:
         self._layout: Layout = worlds.layout_of(start)
         self._objects: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
         robots = tuple(start.scene.robots)
-        model = _model(self._layout, robots, tuple(self._objects.items()), start.body)
+        built_in = tuple(quirk for quirk in start.scene.quirks if QUIRKS[quirk.kind].fills)
+        model = _model(self._layout, robots, tuple(self._objects.items()), start.body, built_in)
         self.simulation = Simulation(model, robots, before, bodies.get(start.body))
         self._truth = Truth(self.simulation, start, self._layout, self._objects)
         self.closers = Closers(self.simulation, self._layout)
@@ -74,9 +78,16 @@ class Timeline:
         self._stepped: set[str] = set()
         self._fell: dict[str, str] = {}
         pose_start(self.simulation, self._layout, self._objects, start)
+        self._oddities = self._made_odd() if start.scene.quirks else None
         self._settle(_START_LEAST)
         self._zero = self.simulation.ticks
         self.world = self._truth.read()
+
+    def _made_odd(self) -> Oddities:
+        """What the kitchen's quirks are in physics."""
+        scene, happened = self.start.scene, self._truth.happened
+        around = Surroundings(self.simulation, scene, self._layout, self._objects, happened)
+        return Oddities(around, self._truth)
 
     @cached_property
     def _team(self) -> Team:
@@ -104,6 +115,8 @@ class Timeline:
         accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
         for robot, subtask in accepted.items():
             self._tasks[robot] = _Task(subtask, now, world, Claim.of(world, robot, subtask, stations[robot]))
+            if self._oddities is not None:
+                self._oddities.began(subtask)
         self._attempts |= self._team.attempts(Orders(self._batches, world, accepted, stations, self._achieved))
         self._batches += 1
         return {robot: self._timed(outcome, now) for robot, outcome in refused.items()}
@@ -200,6 +213,8 @@ class Timeline:
             self.closers.pull(self.clock)
         self.simulation.tick()
         self._truth.update()
+        if self._oddities is not None:
+            self._oddities.watch()
 
     def _achieved(self, robot: str, subtask: Subtask) -> bool:
         """Whether a subtask has done by now what it says."""
@@ -215,6 +230,13 @@ class Timeline:
             for robot in robots:
                 self._fell.setdefault(robot, name)
         judged = {robot: self._judged(robot, tasks.get(robot), outcome) for robot, outcome in ended.items()}
+        if self._oddities is not None:
+            odd = self._oddities
+            judged |= {
+                robot: replace(outcome, reason=HINDERED.reason, detail=HINDERED.detail)
+                for robot, outcome in judged.items()
+                if not outcome.success and robot in tasks and odd.hindered(tasks[robot].subtask)
+            }
         for robot, outcome in judged.items():
             if robot in self._fell and outcome.success:
                 fell = f"the {self._fell[robot]} fell"
@@ -235,7 +257,10 @@ class Timeline:
 
 @lru_cache(maxsize=8)
 def _model(
-    layout: Layout, robots: tuple[str, ...], objects: tuple[tuple[str, Category], ...], body: str
+    layout: Layout, robots: tuple[str, ...], objects: tuple[tuple[str, Category], ...], body: str,
+    quirks: tuple[Quirk, ...],
 ) -> mujoco.MjModel:
     """Compiled colliders; a model is never written to, so episodes share it."""
-    return build_model(layout, robots=robots, objects=dict(objects), looks=False, body=bodies.get(body))
+    return build_model(
+        layout, robots=robots, objects=dict(objects), looks=False, body=bodies.get(body), quirks=quirks
+    )

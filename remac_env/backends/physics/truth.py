@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from remac_env.backends.physics.bodies import Bodies
 from remac_env.backends.physics.happened import Happened
@@ -11,6 +12,7 @@ from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rules.facts import Process
 from remac_env.rules.marks import SEASONED
+from remac_env.rules.quirks import QUIRKS
 from remac_env.rules.rounds import at_rest
 from remac_env.start import Start
 from remac_env.state import WorldState
@@ -24,6 +26,7 @@ class Truth:
 
     def __init__(self, bodies: Bodies, start: Start, layout: Layout, objects: Mapping[str, Category]) -> None:
         self._bodies, self._scene, self._layout, self._objects = bodies, start.scene, layout, objects
+        self._rest = replace(start.scene, quirks=tuple(q for q in start.scene.quirks if QUIRKS[q.kind].marks_alone))
         self._marks = {name: state.marks for name, state in start.world.objects.items()}
         on = frozenset().union(*(state.on for state in start.world.fixtures.values()))
         self.happened = Happened(bodies, start.scene, layout, objects, on)
@@ -42,6 +45,14 @@ class Truth:
         elif process.does == "off":
             self.happened.running -= set(self._scene.fixtures[name].switches)
 
+    def marks_of(self, name: str) -> frozenset[str]:
+        """The marks of an object, as they were when the world was read last."""
+        return self._marks[name]
+
+    def mark(self, name: str, mark: str) -> None:
+        """Note what has happened to an object."""
+        self._marks[name] = self._marks[name] | {mark}
+
     def seen(self) -> WorldState:
         """What geometry shows now, with what happened; nothing is kept of it."""
         happened = self.happened
@@ -52,6 +63,6 @@ class Truth:
 
     def read(self) -> WorldState:
         """The world now. Marks that it shows stay from now on."""
-        world = at_rest(self._scene, self.seen())
+        world = at_rest(self._rest, self.seen())
         self._marks = {name: item.marks for name, item in world.objects.items()}
         return world

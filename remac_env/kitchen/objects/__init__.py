@@ -11,11 +11,13 @@ if TYPE_CHECKING:
 
 
 def add_object(
-    spec: mujoco.MjSpec, worldbody: mujoco.MjsBody, noun: str, category: str | Category, *, looks: bool
+    spec: mujoco.MjSpec, worldbody: mujoco.MjsBody, noun: str, category: str | Category, *, looks: bool,
+    stained: bool = False,
 ) -> mujoco.MjsBody:
     """Add an object as a body with a free joint, both named by the noun, and return the body.
 
-    Its colliders, which carry all its mass, are there with and without looks; drawn shapes only with. Raises
+    Its colliders, which carry all its mass, are there with and without looks; drawn shapes only with. stained: whether
+    there are stains on it until it is washed. Raises
     UnknownNameError for a category that is not in the catalogue.
     """
     from remac_env.kitchen.objects.colliders import add_colliders
@@ -26,5 +28,5 @@ def add_object(
     body.add_freejoint(name=noun)
     add_colliders(body, kind)
     if looks:
-        draw(spec, body, noun, kind)
+        draw(spec, body, noun, kind, stained=stained)
     return body

@@ -10,7 +10,7 @@ import mujoco
 from remac_env.kitchen.materials import add_material
 from remac_env.kitchen.mesh import add_mesh
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.kitchen.objects.grains import SEASONED_GEOM, finish, grains
+from remac_env.kitchen.objects.grains import SEASONED_GEOM, STAIN, STAINED_GEOM, finish, grains, stains
 from remac_env.kitchen.objects.shapes import shape
 from remac_env.kitchen.objects.tints import tint_of, tinted
 from remac_env.kitchen.style import Finish
@@ -19,7 +19,9 @@ DRAWN_GROUP = 1
 _DRAWN: dict[str, Any] = {"contype": 0, "conaffinity": 0, "group": DRAWN_GROUP, "mass": 0.0}
 
 
-def draw(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Category) -> None:
+def draw(
+    spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Category, *, stained: bool = False
+) -> None:
     """Draw an object on its body; meshes, textures and materials are named "<noun>/<number>"."""
     if not category.look:
         _draw_colliders(spec, body, noun, category)
@@ -32,6 +34,11 @@ def draw(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Categor
         add_material(spec, name, part.finish, part.picture)
         body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=name, **_DRAWN)
     _draw_grains(spec, body, noun, category)
+    if stained:
+        name = f"{noun}{STAINED_GEOM}"
+        add_mesh(spec, name, stains(category.name, shape(category.look)))
+        add_material(spec, name, STAIN, None)
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, name=name, meshname=name, material=name, **_DRAWN)
 
 
 def _draw_grains(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Category) -> None:
@@ -53,6 +60,14 @@ def show_seasoned(model: mujoco.MjModel, seasoned: Collection[str]) -> None:
         noun, mark, _ = model.geom(geom).name.partition(SEASONED_GEOM)
         if mark:
             model.geom_rgba[geom, 3] = float(noun in seasoned)
+
+
+def show_stains(model: mujoco.MjModel, clean: Collection[str]) -> None:
+    """Make the stains on these objects invisible in a model with looks, and those on all others visible."""
+    for geom in range(model.ngeom):
+        noun, mark, _ = model.geom(geom).name.partition(STAINED_GEOM)
+        if mark:
+            model.geom_rgba[geom] = [*STAIN.color, float(noun not in clean)]
 
 
 def _draw_colliders(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Category) -> None:

@@ -1,0 +1,78 @@
+"""What each kind of quirk is in physics: a catch, a spring, glue, a hand that lets go of what is hot. A row each.
+
+A quirk acts by forces on joints and objects, or by a motor of its own; nothing is put anywhere. Those that only mark
+objects (a dirty vessel) are left to the rules, and what is full is so from the start (`kitchen.builder`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+from remac_env.backends.physics.quirks import doors, objects, switches
+from remac_env.backends.physics.quirks.mechanisms import Surroundings
+from remac_env.backends.physics.truth import Truth
+from remac_env.rules.facts import Quirk
+from remac_env.rules.subtasks import Subtask
+
+
+class Mechanism(Protocol):
+    """One quirk at work. `struck`: the targets of subtasks that it has kept from succeeding."""
+
+    struck: set[str]
+
+    @property
+    def at_work(self) -> bool:
+        """Whether `push` has anything to do."""
+
+    def watch(self) -> None:
+        """Look on, after every control period."""
+
+    def push(self) -> None:
+        """Apply forces, before every step of 5 ms."""
+
+
+class Oddities:
+    """The quirks of a kitchen."""
+
+    def __init__(self, around: Surroundings, truth: Truth) -> None:
+        self._simulation = around.simulation
+        self._all = [ROWS[q.kind](around, q, truth) for q in around.scene.quirks if q.kind in ROWS]
+
+    def watch(self) -> None:
+        """Look on, after every control period."""
+        for mechanism in self._all:
+            mechanism.watch()
+        self._simulation.forces = self._push if any(mechanism.at_work for mechanism in self._all) else None
+
+    def began(self, subtask: Subtask) -> None:
+        """Note that a subtask begins."""
+        for mechanism in self._all:
+            mechanism.struck.discard(subtask.target)
+
+    def hindered(self, subtask: Subtask) -> bool:
+        """Whether a quirk had to do with its failure."""
+        return any(subtask.target in mechanism.struck for mechanism in self._all)
+
+    def _push(self) -> None:
+        for mechanism in self._all:
+            mechanism.push()
+
+
+Make = Callable[[Surroundings, Quirk, Truth], Mechanism]
+
+ROWS: Mapping[str, Make] = {
+    "jammed door": doors.Jams,
+    "stuck object": objects.Sticks,
+    "cold burner": switches.Refuses,
+    "dead switch": switches.Refuses,
+    "enabling switch": switches.Enabled,
+    "guard door": switches.Guarded,
+    "fuse": switches.Fuse,
+    "spring switch": switches.Springs,
+    "falling door": doors.Falls,
+    "swinging door": doors.Swings,
+    "hot vessel": objects.Hot,
+    "two hands": switches.Attended,
+}
+"""Kind -> what it is in physics."""

@@ -1,0 +1,83 @@
+"""Quirks of switches: they spring back where they may not be on; what a button started stops."""
+
+from __future__ import annotations
+
+from remac_env.backends.physics.quirks.mechanisms import Surroundings, Switch
+from remac_env.backends.physics.truth import Truth
+from remac_env.rules.facts import Quirk
+
+
+class _OfSwitches:
+    """What has to do with switches: those that it looks at, and those that it turns off."""
+
+    def __init__(self, around: Surroundings, quirk: Quirk, truth: Truth) -> None:
+        self.around, self.quirk, self.struck = around, quirk, set[str]()
+        fixture = quirk.about if quirk.about in around.scene.fixtures else around.scene.slots[quirk.about].fixture
+        self.fixture = fixture
+        self.switches = [switch for switch in self._of(fixture) if quirk.about in (fixture, switch.name)]
+        self.others: list[Switch] = []
+
+    def _of(self, fixture: str) -> list[Switch]:
+        return [Switch(self.around, actuator) for actuator in self.around.layout.fixtures[fixture].actuators]
+
+    @property
+    def at_work(self) -> bool:
+        return any(switch.returning for switch in (*self.switches, *self.others))
+
+    def push(self) -> None:
+        for switch in (*self.switches, *self.others):
+            switch.push()
+
+
+class Refuses(_OfSwitches):
+    """A switch springs back where it may not come on."""
+
+    def allowed(self) -> bool:
+        return False
+
+    def watch(self) -> None:
+        for switch in self.switches:
+            if switch.came_on() and not self.allowed():
+                switch.send_back()
+                self.struck.add(self.fixture)
+
+
+class Enabled(Refuses):
+    def allowed(self) -> bool:
+        return self.around.on(self.quirk.other)
+
+
+class Guarded(Refuses):
+    def allowed(self) -> bool:
+        return self.around.shut(self.quirk.other)
+
+
+class Attended(Refuses):
+    def allowed(self) -> bool:
+        return self.around.attended(self.quirk.other)
+
+
+class Fuse(_OfSwitches):
+    """When one comes on the other springs back."""
+
+    def __init__(self, around: Surroundings, quirk: Quirk, truth: Truth) -> None:
+        super().__init__(around, quirk, truth)
+        self.others = self._of(quirk.other)
+
+    def watch(self) -> None:
+        came = [switch.came_on() for switch in self.switches]
+        for switch in self.others:
+            switch.came_on()
+            if any(came) and switch.on:
+                switch.send_back()
+
+
+class Springs(_OfSwitches):
+    """It springs back when nobody stands there."""
+
+    def watch(self) -> None:
+        left = any(switch.on for switch in self.switches) and not self.around.attended(self.fixture)
+        for switch in self.switches:
+            switch.came_on()
+            if left and switch.on:
+                switch.send_back()

@@ -1,0 +1,78 @@
+"""Quirks in physics: each in a kitchen of its own, against the table, without it, and how the mechanisms are made."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import replace
+
+import pytest
+from quirk_sheet import load, play, task_of
+
+import remac_env
+from remac_env.backends.physics import quirks
+from remac_env.errors import OptionError
+from remac_env.rules.facts import Quirk
+from remac_env.rules.quirks import QUIRKS
+from remac_env.state import Place
+from remac_env.tasks.setup import Setup
+
+TRIALS = load()
+
+
+def test_every_kind_has_a_trial_and_something_in_physics() -> None:
+    assert set(TRIALS) == set(QUIRKS)
+    for name, row in QUIRKS.items():
+        assert (name in quirks.ROWS) != (row.fills or row.marks_alone), name
+
+
+def test_mechanisms_give_forces_and_never_put_anything_anywhere() -> None:
+    modules = (quirks.doors, quirks.switches, quirks.objects, inspect.getmodule(quirks.Surroundings))
+    for module in modules:
+        source = inspect.getsource(module)  # type: ignore[arg-type]
+        for word in ("qpos[", "qvel["):
+            assert not [line for line in source.splitlines() if line.strip().startswith(f"data.{word}")]
+            assert f"{word}self._dof] =" not in source and f"{word}self._qpos] =" not in source
+        assert ".place(" not in source and ".put(" not in source and "eq_active" not in source
+
+
+@pytest.mark.parametrize("kind", TRIALS)
+def test_trials_by_the_table(kind: str) -> None:
+    shown = play(kind, TRIALS[kind], backend="symbolic")
+    assert not shown.held and shown.held_then, shown.told
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", TRIALS)
+def test_trials_in_physics_as_by_the_table(kind: str) -> None:
+    shown = play(kind, TRIALS[kind])
+    assert not shown.held and shown.held_then, shown.told
+    assert shown.told == play(kind, TRIALS[kind], backend="symbolic").told
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", [kind for kind, trial in TRIALS.items() if kind != "hot vessel" and not trial.then])
+def test_without_the_quirk_the_same_commands_do_it(kind: str) -> None:
+    assert play(kind, TRIALS[kind], quirky=False).held
+
+
+def test_a_full_shelf_with_something_in_it_is_refused() -> None:
+    spec = task_of("full shelf", TRIALS["full shelf"])
+    setup = Setup({"apple": "apple"}, {"apple": Place("slot", "cupboard.0")})
+    crowded = replace(spec, setup=setup)
+    with pytest.raises(OptionError, match="the apple is in the cupboard"):
+        remac_env.parallel_env(crowded, robots=1)
+
+
+@pytest.mark.long
+def test_a_quirk_that_has_nothing_to_do_changes_no_motion() -> None:
+    trial = TRIALS["stuck object"]
+    plain = task_of("stuck object", trial, quirky=False)
+    other = replace(plain, quirks=(Quirk("dead switch", "microwave"), Quirk("jammed door", "cupboard")))
+    ends = []
+    for spec in (plain, other):
+        env = remac_env.parallel_env(spec, robots=1)
+        env.reset(seed=1)
+        for text in trial.tries:
+            env.step({"robot_0": env.vocabulary.encode(text)})
+        ends.append(env.backend.positions().tolist())  # type: ignore[attr-defined]
+    assert ends[0] == ends[1]
