@@ -69,7 +69,10 @@ def drives(layout: Layout, chance: np.random.Generator) -> Iterator[Drive]:
         yield possible[k]
 
 
-@pytest.mark.parametrize("name", layouts.names())
+FIRST, *OTHERS = layouts.names()
+
+
+@pytest.mark.parametrize("name", [FIRST, *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)])
 def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
     env = remac_env.parallel_env("OpenCabinetPnP", layout=name, backend="symbolic")
     env.reset(seed=1)

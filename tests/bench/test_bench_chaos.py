@@ -112,6 +112,7 @@ def test_the_table_is_that_of_the_calm_run(tmp_path: Path, seeds: str, kills: in
     assert all(record.exchanges[0].reply for record in read(stormy) if record.scored)
 
 
+@pytest.mark.long
 def test_a_model_in_every_role_but_the_checker_is_an_entry_of_a_suite_and_is_replayed(tmp_path: Path) -> None:
     cassette = str(tmp_path / "cassette.jsonl")
     with ChaosServer([answer]) as server:

@@ -89,7 +89,8 @@ def test_ctrl_c_and_termination_stop_cleanly(tmp_path: Path, whole: Path, number
     assert read_rows(tmp_path) == read_rows(whole)
 
 
-@pytest.mark.parametrize("part", [pytest.param(0.0, marks=pytest.mark.long), 0.6])
+@pytest.mark.long
+@pytest.mark.parametrize("part", [0.0, 0.6])
 def test_a_full_disk_stops_a_run_and_the_same_command_goes_on(tmp_path: Path, whole: Path, part: float) -> None:
     room = int((whole / "records.jsonl").stat().st_size * part)
 

@@ -97,7 +97,7 @@ def test_shortest_plans_are_optimal_with_or_without_a_closing_done() -> None:
 @pytest.mark.parametrize("robots", [1, 2])
 @pytest.mark.parametrize("starts", ["paper", "mixed"])
 def test_the_search_is_optimal_and_its_length_is_the_certificate(robots: int, starts: str) -> None:
-    for seed in range(2):
+    for seed in range(3 - robots):
         cell = Cell(task="DefrostInBowl", robots=robots, starts=starts, seed=seed)
         env = kitchen(cell)
         env.reset(seed=seed)
