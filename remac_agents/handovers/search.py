@@ -20,7 +20,7 @@ MAX_STATES = 60_000
 """States to look at before the search gives up."""
 
 
-_Result = tuple[dict[str, tuple[str, str]], dict[str, FixtureState]]
+_Result = tuple[dict[str, tuple[str, str]], dict[str, FixtureState], dict[str, frozenset[str]]]
 
 
 class SearchHandover:
@@ -69,18 +69,21 @@ def _simulate(scene: Rules, world: WorldState, robot: str, steps: Sequence[Subta
 
 
 def _result(scene: Rules, world: WorldState) -> _Result:
-    """What counts as the same end: places, doors and switches, but not which of several like slots."""
+    """What counts as the same end: places, doors, switches and marks, but not which of several like slots."""
     places = {name: _where(scene, item.place) for name, item in world.objects.items()}
     if len(scene.robots) > 2:  # then the search takes robots for alike
         places = {name: (relation, "" if relation == "held" else where) for name, (relation, where) in places.items()}
-    return places, dict(world.fixtures)
+    return places, dict(world.fixtures), {name: item.marks for name, item in world.objects.items()}
 
 
 def _rounds_at_least(now: _Result, wanted: _Result, robots: int) -> int:
-    """A lower bound: an object out of place is still to be taken up and placed, a fixture to be worked once."""
+    """A lower bound: an object out of place is still to be taken up and placed, a fixture to be worked once.
+
+    One round may leave marks on many objects, and move what leaves them: marks alone count for one round.
+    """
     steps = [1 if place[0] == "held" else 2 for name, place in now[0].items() if place != wanted[0][name]]
     steps += [1 for name, state in now[1].items() if state != wanted[1][name]]
-    return max(max(steps, default=0), math.ceil(sum(steps) / robots))
+    return max(max(steps, default=0), math.ceil(sum(steps) / robots), int(now[2] != wanted[2]))
 
 
 def _where(scene: Rules, place: Place) -> tuple[str, str]:

@@ -15,16 +15,23 @@ from remac_env.tasks.compound import Before
 from remac_env.tasks.goals import Goal, Marked
 
 
-def relevant_commands(scene: Rules, world: WorldState, goal: Goal) -> list[Subtask]:
+def relevant_commands(scene: Rules, world: WorldState, goal: Goal, *, exact: bool = True) -> list[Subtask]:
     """The commands that can matter: about what the goal names, what is around or in its way, and where to put down.
 
-    Objects are put down on open surfaces, and in any vessel: an empty plate may be nearer than a free place.
+    Objects are put down wherever there is room, and in any vessel: an empty plate may be nearer than a free place.
+
+    Args:
+        exact: False leaves out stoves and doors that have no part in the goal as places to put down: for some plan at
+            all, not a shortest, and for generated tasks, which hang on the plan that is found.
     """
     objects, fixtures = relevant_nouns(scene, world, goal)
     if scene.hides:
         # Who goes to an object behind a shut door goes to that door: nobody may know yet that it is there.
         fixtures, objects = [*fixtures, *objects], []
     surfaces = [name for name, facts in scene.fixtures.items() if facts.slots and not facts.door and not facts.switches]
+    # Whatever has a slot may be the nearest place to put down what is in a hand: a stove, a cabinet that stands open.
+    roomy = [name for name, facts in scene.fixtures.items() if exact and facts.slots and name not in fixtures]
+    roomy = [name for name in roomy if name not in surfaces]
     vessels = [name for name, facts in scene.objects.items() if facts.holds and name not in objects]
     kitchen, tried = public_scene(scene), [skill for skill in SKILLS.values() if skill.relevant != "never"]
     working, marking = [skill for skill in tried if not skill.leaves], [skill for skill in tried if skill.leaves]
@@ -32,7 +39,7 @@ def relevant_commands(scene: Rules, world: WorldState, goal: Goal) -> list[Subta
     commands = [Subtask(skill.name) for skill in working if skill.target == "none"]
     for name in (*objects, *dict.fromkeys([*fixtures, *surfaces])):
         commands += _about(kitchen, name, working)
-    for name in vessels:
+    for name in (*roomy, *vessels):
         commands += _about(kitchen, name, spare)
     return commands + [
         Subtask(skill.name, name) for skill in marking for name in to_mark(goal, str(skill.leaves))

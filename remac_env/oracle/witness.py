@@ -94,7 +94,7 @@ def _search(
         here,
         there,
         lambda state: whole.holds(here, state),
-        commands=relevant_commands(here, there, part),
+        commands=relevant_commands(here, there, part, exact=False),
         bound=make_bound(here, part),
         max_rounds=PART_ROUNDS,
         max_states=states,

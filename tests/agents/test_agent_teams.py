@@ -20,6 +20,15 @@ def test_what_one_robot_has_mastered_is_shared_among_three(handover: str, task: 
     assert team.final_plan_length <= reports[0].final_plan_length
 
 
+@pytest.mark.parametrize("robots", [2, 3])
+def test_the_searching_hand_over_leaves_out_no_washing(robots: int) -> None:
+    """The vegetable stands in the pan as well unwashed: what has happened to it belongs to the end."""
+    env, agent = suite_kitchen("WashPnPHeat", robots=robots), remac_agents.make("REMAC", handover="search")
+    reports = [play(env, agent, seed=1) for _ in range(4)]
+    assert all(report.success for report in reports)
+    assert {(len(report.initial_plan), report.final_plan_length) for report in reports[2:]} == {(robots, 9)}
+
+
 @pytest.mark.parametrize("method", ["BASE", "CC", "RE", "REFLECT", "CAPE", "SMART-LLM"])
 def test_every_method_plays_with_four(method: str) -> None:
     report = play(suite_kitchen("OpenCabinetPnP", robots=4), remac_agents.make(method))

@@ -195,6 +195,13 @@ def test_what_is_in_a_vessel_in_hand_goes_with_it() -> None:
     assert found.optimum == 4 and found.proof == "search"
 
 
+@pytest.mark.parametrize(("number", "cost"), [(1177, 4), (2020, 5), (2594, 5), (2614, 5), (2873, 7), (3050, 4)])
+def test_what_is_in_a_hand_may_be_put_down_on_a_stove_that_the_goal_does_not_name(number: int, cost: int) -> None:
+    drawn = draw(number)
+    found = certify(drawn.scene, drawn.world, drawn.goal, max_rounds=MOST)
+    assert found.optimum == cost and found.proof == "search"
+
+
 @pytest.mark.long
 def test_two_hundred_drawn_problems_have_the_optimum_of_a_search_over_all_commands() -> None:
     assert _check_drawn(range(1000, 1300), states=1500) >= 200
