@@ -8,7 +8,7 @@ from typing import Any
 from remac_env.errors import OptionError
 from remac_env.kitchen.stated import stated_scene, stated_world
 from remac_env.kitchen.worlds import TaskWorlds
-from remac_env.oracle import OraclePlan, problem_id, relevant_commands, search
+from remac_env.oracle import OraclePlan, problem_id, shortest
 from remac_env.oracle.bounds import make_bound
 from remac_env.rules.facts import Rules
 from remac_env.rules.knowledge import in_view
@@ -48,13 +48,9 @@ def certified(spec: TaskSpec, scene: Rules, world: WorldState, plan: OraclePlan,
     """The task with a plan that works, and with a shortest one and bounds as far as a search of so many states goes."""
     lower, proof = make_bound(scene, spec.goal)(world), "witness"
     if states:
-        commands, bound = relevant_commands(scene, world, spec.goal), make_bound(scene, spec.goal)
-        found = search(
-            scene, world, lambda state: spec.goal.holds(scene, state), commands=commands, bound=bound,
-            max_rounds=plan.length, max_states=states,
-        )  # fmt: skip
+        found = shortest(scene, world, spec.goal, max_rounds=plan.length, max_states=states)
         lower = max(lower, found.lower)
-        if found.plan is not None and found.plan.cost == found.plan.length:
+        if found.plan is not None and not found.gave_up and found.plan.cost == found.plan.length:
             plan, proof = found.plan, "search"
     objects = [name for name in spec.goal.names() if name in scene.objects]
     unseen = len(set(objects) - in_view(scene, world)) if scene.hides else 0

@@ -6,6 +6,7 @@ from remac_env.oracle.distance import FARTHEST, Distances
 from remac_env.oracle.moves import LITTER_ROUNDS
 from remac_env.oracle.problems import problem_id
 from remac_env.oracle.search import Found, OraclePlan, most_states, search, search_plan
+from remac_env.oracle.shortest import shortest
 
 __all__ = [
     "FARTHEST",
@@ -20,6 +21,7 @@ __all__ = [
     "relevant_commands",
     "search",
     "search_plan",
+    "shortest",
     "solvable",
     "solve",
 ]

@@ -8,6 +8,7 @@ from typing import Literal
 from remac_env.oracle.bounds import IMPOSSIBLE, make_bound
 from remac_env.oracle.commands import relevant_commands
 from remac_env.oracle.search import OraclePlan, most_states, search
+from remac_env.oracle.shortest import shortest
 from remac_env.rules.facts import ASIDE, Rules
 from remac_env.state import FrozenMap, WorldState
 from remac_env.tasks.goals import Goal
@@ -62,23 +63,28 @@ def certify(
 
     Args:
         max_rounds: what a plan may cost at most, in rounds.
-        max_states: states to look at before giving up, `most_states` where None; a second search for any plan may look
-            at as many.
+        max_states: states to look at before giving up, `most_states` where None. It is the bound of each search: for a
+            plan, for the proof (see `shortest`), and for any plan at all.
     """
     max_states = most_states(scene) if max_states is None else max_states
-    commands, bound = relevant_commands(scene, world, goal), make_bound(scene, goal)
-
-    def reached(state: WorldState) -> bool:
-        return goal.holds(scene, state)
-
-    options = {"commands": commands, "bound": bound, "max_rounds": max_rounds, "max_states": max_states}
-    found = search(scene, world, reached, **options)  # type: ignore[arg-type]
-    if found.plan is not None:
-        return Certificate(plan=found.plan, lower=found.lower, proof="search", expanded=found.plan.expanded)
+    found = shortest(scene, world, goal, max_rounds=max_rounds, max_states=max_states)
+    some = found.plan
+    if some is not None and not found.gave_up:
+        return Certificate(plan=some, lower=found.lower, proof="search", expanded=some.expanded)
     if not found.gave_up:
         lower = None if found.lower >= IMPOSSIBLE else found.lower
         return Certificate(plan=None, lower=lower, proof="rounds" if found.too_long else "exhausted")
-    some = search(scene, world, reached, greed=GREED, **options).plan  # type: ignore[arg-type]
+    if some is None:
+        some = search(
+            scene,
+            world,
+            lambda state: goal.holds(scene, state),
+            commands=relevant_commands(scene, world, goal),
+            bound=make_bound(scene, goal),
+            max_rounds=max_rounds,
+            max_states=max_states,
+            greed=GREED,
+        ).plan
     proof: Proof = "search" if some is not None and some.cost == found.lower else "bounds"
     return Certificate(plan=some, lower=found.lower, proof=proof, expanded=max_states)
 

@@ -21,8 +21,8 @@ def relevant_commands(scene: Rules, world: WorldState, goal: Goal, *, exact: boo
     Objects are put down wherever there is room, and in any vessel: an empty plate may be nearer than a free place.
 
     Args:
-        exact: False leaves out stoves and doors that have no part in the goal as places to put down: for some plan at
-            all, not a shortest, and for generated tasks, which hang on the plan that is found.
+        exact: False leaves out stoves and what has a door as places to put down where the goal is not about them. That
+            is enough for some plan, and nearly always for a shortest one.
     """
     objects, fixtures = relevant_nouns(scene, world, goal)
     if scene.hides:
