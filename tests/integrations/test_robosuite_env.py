@@ -213,8 +213,8 @@ def test_without_a_seed_hard_resets_draw_and_soft_ones_repeat() -> None:
 
 
 def test_what_does_not_fit_is_refused() -> None:
-    with pytest.raises(OptionError, match="number of robots 3"):
-        make("OpenCabinetPnP", robots=3)
+    with pytest.raises(OptionError, match="number of robots 5"):
+        make("OpenCabinetPnP", robots=5)
     with pytest.raises(OptionError, match="seed -1"):
         make("OpenCabinetPnP", seed=-1)
     with pytest.raises(UnknownNameError, match="nowhere"):
