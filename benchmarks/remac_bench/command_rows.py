@@ -123,6 +123,19 @@ ROWS: dict[str, Row] = {
     ),
     "learn.target": Row(help="What the skill is about; by default the seed picks."),
     "learn.disturb": Row(help="How strongly servos are disturbed; 0: not.", default=1.0, values=Real(0.0, 10.0)),
+    "learn.format": Row(
+        help="hdf5 (robomimic's layout, files of 40 episodes) or lerobot (a dataset of version 3.0).", default="hdf5",
+        values=Choice(("hdf5", "lerobot")),
+    ),
+    "learn.pictures": Row(
+        help="none, images (front, side and wrist, in the files) or videos (lerobot alone).", default="none",
+        values=Choice(("none", "images", "videos")),
+    ),
+    "learn.image_size": _KITCHEN["image_size"].but(help="Pixels of a picture, square."),
+    "learn.wordless": Row(
+        help="Leave out the columns of subtask, plan and memory, which lerobot before 0.6 cannot read.", default=False,
+        values=Switch(), flag="--no-language",
+    ),
     "learn.out": Row(help="Folder for demonstrations.", default=NEEDED, values=File()),
     "learn.demos": Row(help="Folder of demonstrations.", default=NEEDED, values=File()),
     "learn.weights": Row(help="Folder of weights, SKILL.npz each.", default=NEEDED, values=File()),

@@ -14,10 +14,10 @@ from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.learned.seen import Entry, entries
 from remac_env.errors import ActionError, PhysicsError, check_choice, whole_number
 from remac_env.lowlevel.control import Control, Hand, Joints
+from remac_env.lowlevel.looks import CAMERAS, Looks, moment
 from remac_env.lowlevel.names import skill_named
 from remac_env.lowlevel.options import SkillOptions, targets
 from remac_env.lowlevel.starts import ROBOT, Ready, get_ready
-from remac_env.pictures import Moment, Pictures
 from remac_env.seeding import SEED_MAX
 
 _SEEDS = 100_000  # from which seeds of resets without one are drawn
@@ -50,8 +50,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         self.action_space = spaces.Box(-1.0, 1.0, (len(self.action_names),), np.float32)
         self.observation_space = self._space()
         self._backends: dict[str, PhysicsBackend] = {}
-        self._pictures: Pictures | None = None
-        self._drawn_for = ""
+        self._looks = Looks()
         self._ready: Ready | None = None
         self._running = False
 
@@ -116,7 +115,8 @@ class SkillEnv(gymnasium.Env[Any, Any]):
             raise ResetNeeded("render() needs an episode under way: call reset() first")
         if self.render_mode is None:
             return None
-        return self._seen().render(self._moment(), human=self.render_mode == "human")
+        now = moment(self._ready, self._manual, self._backend)
+        return self._looks.of(self._ready).render(now, human=self.render_mode == "human")
 
     def close(self) -> None:
         """Free the simulator and the renderer. May be called twice."""
@@ -124,9 +124,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         for backend in self._backends.values():
             backend.close()
         self._backends.clear()
-        if self._pictures is not None:
-            self._pictures.close()
-        self._pictures = None
+        self._looks.close()
 
     def _space(self) -> spaces.Space[Any]:
         low, high = (np.array([getattr(e, end) for e in self.observation_names], np.float32) for end in ("low", "high"))
@@ -134,7 +132,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         if self._options.obs == "state":
             return state
         size = self._options.image_size
-        pictures = {name: spaces.Box(0, 255, (size, size, 3), np.uint8) for name in ("front", "side", "wrist")}
+        pictures = {name: spaces.Box(0, 255, (size, size, 3), np.uint8) for name in CAMERAS}
         return spaces.Dict({"state": state, **pictures})
 
     def _checked(self, action: Any) -> NDArray[np.float32]:
@@ -153,8 +151,8 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         state = self._manual.observe()
         if self._options.obs == "state":
             return state
-        pictures = self._seen().observe(self._moment(), ROBOT, size=self._options.image_size)
-        return {"state": state, **pictures}
+        size = self._options.image_size
+        return {"state": state, **self._looks.observe(self._begun(), self._manual, self._backend, size=size)}
 
     def _info(self) -> dict[str, Any]:
         ready = self._begun()
@@ -173,17 +171,6 @@ class SkillEnv(gymnasium.Env[Any, Any]):
             "seed": seed, "task": ready.worlds.spec.name, "style": start.style, "layout": start.layout,
             "target": ready.subtask.target, "digest": start.digest, "before": [step.text for step in ready.before],
         }  # fmt: skip
-
-    def _moment(self) -> Moment:
-        return Moment(self._begun().start, self._manual.world, self._backend.positions())
-
-    def _seen(self) -> Pictures:
-        task = self._begun().worlds.spec.name
-        if self._pictures is None or self._drawn_for != task:
-            if self._pictures is not None:
-                self._pictures.close()
-            self._pictures, self._drawn_for = Pictures(self._begun().worlds), task
-        return self._pictures
 
     def _begun(self) -> Ready:
         if self._ready is None:

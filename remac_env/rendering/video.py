@@ -1,4 +1,4 @@
-"""Short silent videos that browsers play: WebM with VP8, written by OpenCV alone."""
+"""Silent videos by OpenCV alone: short ones that browsers play (WebM, VP8), whole ones for learners (MP4, VP9)."""
 
 from __future__ import annotations
 
@@ -95,6 +95,18 @@ def write(path: str | os.PathLike[str], frames: Iterable[Picture], *, fps: float
     return len(chosen)
 
 
+def write_whole(path: str | os.PathLike[str], frames: Iterable[Picture], *, fps: float) -> None:
+    """Write every picture, uint8 (height, width, 3) and all of one size, as MP4 with VP9, without thinning.
+
+    Raises:
+        OptionError: if there are no frames, or they differ in size or type.
+        RenderingError: if OpenCV cannot write the file.
+    """
+    pictures = list(frames)
+    _check(pictures)
+    _encode(str(path), pictures, fps, codec="vp09")
+
+
 def prepare(path: str | os.PathLike[str]) -> Path:
     """See that a video can be written there, before its pictures are drawn; its folder is made.
 
@@ -118,14 +130,14 @@ def _check(pictures: list[Picture]) -> None:
             )
 
 
-def _encode(path: str, pictures: list[Picture], fps: float) -> None:
+def _encode(path: str, pictures: list[Picture], fps: float, codec: str = "VP80") -> None:
     cv2 = load_opencv()
     height, width = pictures[0].shape[:2]
     with _quiet():
-        writer = cv2.VideoWriter(path, cv2.VideoWriter.fourcc(*"VP80"), fps, (width, height))
+        writer = cv2.VideoWriter(path, cv2.VideoWriter.fourcc(*codec), fps, (width, height))
         try:
             if not writer.isOpened():
-                raise RenderingError(f"{path}: OpenCV cannot write WebM with VP8 here; valid: a build with FFmpeg")
+                raise RenderingError(f"{path}: OpenCV cannot write {codec} here; valid: a build with FFmpeg")
             for picture in pictures:
                 writer.write(np.ascontiguousarray(picture[:, :, ::-1]))
         finally:

@@ -23,29 +23,39 @@ app = typer.Typer(no_args_is_help=True, help="Learned skills: record demonstrati
 @app.command(cls=Command)
 @takes(
     *("learn.skills", "learn.target", "style", "layout", "learn.episodes", "learn.first_seed", "learn.cells"),
-    *("learn.held_out", "learn.disturb", "learn.out", "learn.processes"),
+    *("learn.held_out", "learn.disturb", "learn.format", "learn.pictures", "learn.image_size", "learn.wordless"),
+    *("learn.out", "learn.processes"),
 )
 def record(
     *, skills: list[str] | None, target: str | None, style: str | None, layout: str | None, episodes: int,
-    first_seed: int, cells: str, held_out: list[str] | None, disturb: float, out: Path, processes: int,
+    first_seed: int, cells: str, held_out: list[str] | None, disturb: float, format: str,  # noqa: A002 - the flag
+    pictures: str, image_size: int, wordless: bool, out: Path, processes: int,
 ) -> None:
-    """Record what the scripted controllers do, with disturbed servos, as HDF5 in robomimic's layout.
+    """Record what the scripted controllers do, with disturbed servos: HDF5 in robomimic's layout, or a LeRobot dataset.
 
-    Files hold 40 episodes each, less those that failed; one that is there is not recorded again. --style, --layout and
-    --target narrow what is recorded, where something is rare.
+    Parts hold 40 episodes each, 5 with pictures, less those that failed; one that is there is not recorded again.
+    --style, --layout and --target narrow what is recorded, where something is rare.
     """
     from remac_bench.learning.cells import cells as choose
     from remac_bench.learning.demos import h5py
-    from remac_bench.learning.sessions import record_all
+    from remac_bench.learning.lerobot import Dataset
+    from remac_bench.learning.sessions import record_all, record_dataset
 
-    h5py()
+    if format == "hdf5" and pictures == "videos":
+        raise UsageError("--pictures videos: HDF5 keeps images; valid: images, or --format lerobot")
+    chosen = _skills(skills, drives=False)
     seen, _ = choose(cells, _names(held_out, "--hold-out"))
-    say = console().print
-    for line in record_all(
-        _skills(skills, drives=False), range(first_seed, first_seed + episodes), seen.narrowed(style, layout), out,
-        target=target, disturb=disturb, processes=processes,
-    ):  # fmt: skip
-        say(line)
+    where = (chosen, range(first_seed, first_seed + episodes), seen.narrowed(style, layout))
+    size = None if pictures == "none" else image_size
+    how: dict[str, Any] = {"target": target, "disturb": disturb, "processes": processes, "image_size": size}
+    if format == "hdf5":
+        h5py()
+        lines = record_all(*where, out, **how)
+    else:
+        dataset = Dataset(out, videos=pictures != "images", language=not wordless)
+        lines = record_dataset(*where, dataset, **how)
+    for line in lines:
+        console().print(line)
 
 
 @app.command(cls=Command)
@@ -55,10 +65,13 @@ def train(
 ) -> None:
     """Train a network for each skill on what was recorded, with torch, on a GPU where there is one."""
     from remac_bench.learning.demos import h5py
+    from remac_bench.learning.lerobot import is_dataset
     from remac_bench.learning.sessions import train_skill
     from remac_bench.learning.train import Recipe, check_sizes, torch
 
-    h5py(), torch()
+    torch()
+    if not is_dataset(demos):
+        h5py()
     recipe = Recipe(epochs=epochs, width=width, chunk=chunk, execute=execute)
     check_sizes(recipe)
     for skill in _skills(skills, drives=False):

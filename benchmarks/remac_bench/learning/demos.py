@@ -1,12 +1,12 @@
-"""Demonstrations as files: HDF5 in robomimic's layout, with what our own training needs beside it."""
+"""Demonstrations, and their files: HDF5 in robomimic's layout, with what our own training needs beside it."""
 
 from __future__ import annotations
 
 import hashlib
 import importlib
 import json
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,12 @@ from remac_bench.errors import UsageError
 from remac_env.backends.physics.controllers.learned.seen import VERSION
 from remac_env.files import prepare_file
 from remac_env.lowlevel.names import camel
+from remac_env.rules.subtasks import Subtask
 
 Numbers = NDArray[np.float32]
+Pictures = NDArray[np.uint8]
 _VALID = 10  # one demonstration in so many is for validation
+_IMAGE = "_image"  # how robomimic's names of pictures end
 _GYM = 2  # what robomimic calls environments that gymnasium.make makes
 
 
@@ -36,6 +39,8 @@ class Demo:
         states: (T, nq + nv), positions and velocities of the simulation.
         rewards: (T,), 1 from where the skill has succeeded.
         skill, target, task, seed, style, layout: which subtask in which kitchen.
+        before: what the robot had done there already, as commands.
+        pictures: camera -> (T + 1, height, width, 3), where pictures were recorded.
     """
 
     observations: Numbers
@@ -50,6 +55,13 @@ class Demo:
     seed: int
     style: str
     layout: str
+    before: tuple[str, ...] = ()
+    pictures: Mapping[str, Pictures] = field(default_factory=dict)
+
+    @property
+    def command(self) -> str:
+        """The subtask as text."""
+        return Subtask(self.skill, self.target).text
 
 
 _TOLD = ("skill", "target", "task", "seed", "style", "layout")
@@ -85,7 +97,8 @@ def write_shard(path: Path, demos: Sequence[Demo]) -> None:
 
 
 def _write(group: Any, demo: Demo) -> None:
-    group.attrs.update(num_samples=len(demo.actions), **{name: getattr(demo, name) for name in _TOLD})
+    told = {name: getattr(demo, name) for name in _TOLD} | {"before": json.dumps(demo.before)}
+    group.attrs.update(num_samples=len(demo.actions), **told)
     done = np.zeros(len(demo.actions), np.int64)
     done[-1] = 1
     arrays: dict[str, NDArray[Any]] = {
@@ -93,6 +106,8 @@ def _write(group: Any, demo: Demo) -> None:
         "obs/state": demo.observations[:-1], "next_obs/state": demo.observations[1:],
         "remac/commands": demo.commands, "remac/measured": demo.measured,
     }  # fmt: skip
+    for name, shown in demo.pictures.items():
+        arrays |= {f"obs/{name}{_IMAGE}": shown[:-1], f"next_obs/{name}{_IMAGE}": shown[1:]}
     for name, values in arrays.items():
         group.create_dataset(name, data=values, compression="lzf" if values.ndim > 1 else None)
 
@@ -130,10 +145,16 @@ def read_demos(files: Iterable[Path]) -> Iterator[Demo]:
 
 def _read(group: Any) -> Demo:
     told = {name: value.item() if hasattr(value := group.attrs[name], "item") else value for name in _TOLD}
-    seen = np.concatenate([group["obs/state"][:], group["next_obs/state"][-1:]])
+
+
+    def whole(name: str) -> Any:
+        return np.concatenate([group[f"obs/{name}"][:], group[f"next_obs/{name}"][-1:]])
+
+    pictures = {name.removesuffix(_IMAGE): whole(name) for name in group["obs"] if name.endswith(_IMAGE)}
     return Demo(
-        observations=seen, actions=group["actions"][:], commands=group["remac/commands"][:],
-        measured=group["remac/measured"][:], states=group["states"][:], rewards=group["rewards"][:], **told,
+        observations=whole("state"), actions=group["actions"][:], commands=group["remac/commands"][:],
+        measured=group["remac/measured"][:], states=group["states"][:], rewards=group["rewards"][:], pictures=pictures,
+        before=tuple(json.loads(group.attrs.get("before", "[]"))), **told,
     )  # fmt: skip
 
 

@@ -6,8 +6,9 @@ that demonstrations show how to come back to the way.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,8 @@ from remac_env.backends.physics.controllers.learned.aims import feels
 from remac_env.backends.physics.manual import LASTING, Manual
 from remac_env.errors import PhysicsError
 from remac_env.lowlevel.control import Joints
-from remac_env.lowlevel.starts import ROBOT, get_ready
+from remac_env.lowlevel.looks import Looks
+from remac_env.lowlevel.starts import ROBOT, Ready, get_ready
 from remac_env.rules.skills import SKILLS
 from remac_env.seeding import generator
 
@@ -32,11 +34,16 @@ _LONGEST = 1200  # control periods
 
 @dataclass
 class Recorder:
-    """Records one skill. ``disturb``: how strongly servos are disturbed, 0 not at all."""
+    """Records one skill. ``disturb``: how strongly servos are disturbed, 0 not at all. ``image_size``: of pictures, px.
+
+    Without an ``image_size`` no pictures are recorded.
+    """
 
     skill: str
     target: str | None = None
     disturb: float = 1.0
+    image_size: int | None = None
+    _looks: Looks = field(default_factory=Looks)
     _backends: dict[str, PhysicsBackend] = field(default_factory=dict)
 
     def record(self, seed: int, *, style: str | None = None, layout: str | None = None) -> Demo | None:
@@ -49,7 +56,7 @@ class Recorder:
             self._backends, SKILLS[self.skill], self.target, seed, style=style, layout=layout
         )
         manual = backend.by_hand(ROBOT, ready.subtask)
-        rows = _Rows()
+        rows = _Rows(self._camera(ready, manual, backend))
         chance = generator(seed, "disturbed", self.skill)
         strength, error = self.disturb * float(chance.uniform(0.0, _STRONGEST)), np.zeros(len(_WANDER))
         run = manual.scripted()
@@ -75,8 +82,21 @@ class Recorder:
         start = ready.start
         return rows.demo(
             skill=self.skill, target=ready.subtask.target, task=ready.worlds.spec.name, seed=seed, style=start.style,
-            layout=start.layout,
+            layout=start.layout, before=tuple(step.text for step in ready.before),
         )  # fmt: skip
+
+    def _camera(self, ready: Ready, manual: Manual, backend: PhysicsBackend) -> Callable[[], dict[str, Any]]:
+        """What takes pictures of this start; it takes none where none are wanted."""
+        if (size := self.image_size) is None:
+            return dict
+        return lambda: self._looks.observe(ready, manual, backend, size=size)
+
+    def close(self) -> None:
+        """Free the renderer and the simulators."""
+        self._looks.close()
+        for backend in self._backends.values():
+            backend.close()
+        self._backends.clear()
 
 
 def _share(manual: Manual) -> float:
@@ -89,9 +109,11 @@ def _share(manual: Manual) -> float:
 
 
 class _Rows:
-    """What is noted in each control period."""
+    """What is noted in each control period. ``camera``: what takes its pictures."""
 
-    def __init__(self) -> None:
+    def __init__(self, camera: Callable[[], dict[str, Any]]) -> None:
+        self._camera = camera
+        self.pictures: list[dict[str, Any]] = []
         self.observations: list[np.ndarray] = []
         self.actions: list[np.ndarray] = []
         self.commands: list[np.ndarray] = []
@@ -104,6 +126,7 @@ class _Rows:
         if self.observations:
             self.rewards.append(float(manual.success))
         self.observations.append(manual.observe())
+        self.pictures.append(self._camera())
 
     def note(self, manual: Manual, backend: PhysicsBackend, q: np.ndarray, opening: float) -> None:
         """What the controller wants now: ``q`` (11,) in the frame of the room."""
@@ -118,8 +141,9 @@ class _Rows:
         def array(rows: Sequence) -> np.ndarray:  # type: ignore[type-arg]
             return np.array(rows, np.float32)
 
+        shown = {name: np.array([each[name] for each in self.pictures]) for name in self.pictures[0]}
         return Demo(
             observations=array(self.observations), actions=array(self.actions), commands=array(self.commands),
-            measured=array(self.measured), states=array(self.states), rewards=array(self.rewards),
+            measured=array(self.measured), states=array(self.states), rewards=array(self.rewards), pictures=shown,
             **told,  # type: ignore[arg-type]
         )  # fmt: skip

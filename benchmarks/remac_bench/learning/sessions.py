@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -12,14 +12,15 @@ from typing import Any
 
 from remac_bench.errors import UsageError
 from remac_bench.learning.cells import Cells
-from remac_bench.learning.demos import file_digest, read_demos, shards, write_shard
+from remac_bench.learning.demos import Demo, file_digest, read_demos, shards, write_shard
 from remac_bench.learning.evaluate import Score, Trial, evaluate, score
+from remac_bench.learning.lerobot import Dataset, is_dataset, read_dataset
 from remac_bench.learning.record import Recorder
 from remac_bench.learning.train import Recipe, code_digest, frames, train
 from remac_env.backends.physics.controllers.learned.weights import About, Weights, read_weights, save_weights
 from remac_env.lowlevel.names import camel
 
-SHARD = 40
+SHARD, SHARD_WITH_PICTURES = 40, 5
 """Episodes a file: what is lost at most where recording is killed."""
 
 SCRIPTED = "scripted"
@@ -29,30 +30,72 @@ _SAMPLE = 8  # observations that weights keep, with what the network says to the
 
 def record_all(
     skills: Sequence[str], seeds: Sequence[int], cells: Cells, out: Path, *, target: str | None, disturb: float,
-    processes: int,
+    processes: int, image_size: int | None = None,
 ) -> Iterator[str]:
     """Record every skill on these seeds, a file for each SHARD of them; a line for each that is done."""
-    parts = [seeds[index : index + SHARD] for index in range(0, len(seeds), SHARD)]
-    jobs = [(skill, part, out / f"{camel(skill)}_{part[0]:06d}.hdf5") for part in parts for skill in skills]
-    fresh = [job for job in jobs if not job[2].exists()]
-    yield from (f"{path.name}: there already" for _, _, path in jobs if path.exists())
-    yield from _side_by_side(partial(_record_part, cells=cells, target=target, disturb=disturb), fresh, processes)
+    jobs = _parts_of(skills, seeds, SHARD if image_size is None else SHARD_WITH_PICTURES)
+    paths = {part: out / f"{part.name}.hdf5" for part in jobs}
+    yield from (f"{path.name}: there already" for path in paths.values() if path.exists())
+    fresh = [part for part in jobs if not paths[part].exists()]
+    work = partial(_recorded, cells=cells, target=target, disturb=disturb, image_size=image_size, out=out)
+    yield from _side_by_side(work, fresh, processes)
 
 
-def _record_part(
-    job: tuple[str, Sequence[int], Path], *, cells: Cells, target: str | None, disturb: float
-) -> str:
-    skill, seeds, path = job
-    recorder = Recorder(skill, target, disturb=disturb)
-    demos = []
-    for seed in seeds:
-        style, layout = cells.of(seed, skill)
+def record_dataset(
+    skills: Sequence[str], seeds: Sequence[int], cells: Cells, dataset: Dataset, *, target: str | None,
+    disturb: float, processes: int, image_size: int | None = None,
+) -> Iterator[str]:
+    """The same as parts of one LeRobot dataset."""
+    jobs = _parts_of(skills, seeds, SHARD if image_size is None else SHARD_WITH_PICTURES)
+    yield from (f"{part.name}: there already" for part in jobs if dataset.has(part.name))
+    fresh = [part for part in jobs if not dataset.has(part.name)]
+    work = partial(_demonstrated, cells=cells, target=target, disturb=disturb, image_size=image_size)
+    for part, demos in zip(fresh, _side_by_side(work, fresh, processes), strict=True):
+        dataset.add(part.name, demos)
+        yield _line(part, part.name, demos)
+
+
+@dataclass(frozen=True)
+class Part:
+    """Seeds of a skill that are recorded together."""
+
+    skill: str
+    seeds: tuple[int, ...]
+
+    @property
+    def name(self) -> str:
+        """What its file is called."""
+        return f"{camel(self.skill)}_{self.seeds[0]:06d}"
+
+
+def _parts_of(skills: Sequence[str], seeds: Sequence[int], size: int) -> list[Part]:
+    starts = range(0, len(seeds), size)
+    return [Part(skill, tuple(seeds[first : first + size])) for first in starts for skill in skills]
+
+
+def _recorded(part: Part, *, out: Path, **options: Any) -> str:
+    demos, path = _demonstrated(part, **options), out / f"{part.name}.hdf5"
+    write_shard(path, demos)
+    return _line(part, path.name, demos)
+
+
+def _demonstrated(
+    part: Part, *, cells: Cells, target: str | None, disturb: float, image_size: int | None
+) -> list[Demo]:
+    recorder, demos = Recorder(part.skill, target, disturb=disturb, image_size=image_size), []
+    for seed in part.seeds:
+        style, layout = cells.of(seed, part.skill)
         demo = recorder.record(seed, style=style, layout=layout)
         demos += [demo] if demo is not None else []
+    recorder.close()
     if not demos:
-        raise UsageError(f"{skill}: none of the seeds {seeds[0]}..{seeds[-1]} was carried out")
-    write_shard(path, demos)
-    return f"{path.name}: {len(demos)} of {len(seeds)} episodes, {sum(len(demo.actions) for demo in demos)} steps"
+        raise UsageError(f"{part.skill}: none of the seeds {part.seeds[0]}..{part.seeds[-1]} was carried out")
+    return demos
+
+
+def _line(part: Part, name: str, demos: Sequence[Demo]) -> str:
+    steps = sum(len(demo.actions) for demo in demos)
+    return f"{name}: {len(demos)} of {len(part.seeds)} episodes, {steps} steps"
 
 
 def train_skill(skill: str, folder: Path, out: Path, recipe: Recipe) -> Iterator[str]:
@@ -61,8 +104,13 @@ def train_skill(skill: str, folder: Path, out: Path, recipe: Recipe) -> Iterator
     Raises:
         UsageError: where nothing was recorded, or what it needs is not installed.
     """
-    files = shards(folder, skill)
-    demos = list(read_demos(files))
+    if is_dataset(folder):
+        demos, kept = list(read_dataset(folder, skill)), sorted((folder / "data").glob("*/*.parquet"))
+    else:
+        kept = shards(folder, skill)
+        demos = list(read_demos(kept))
+    if not demos:
+        raise UsageError(f"{folder} has no demonstrations of {skill!r}; record them: remac learn record")
     data = frames(demos, recipe.chunk)
     yield f"{skill}: {len(demos)} demonstrations, {len(data.seen)} frames"
     losses: list[float] = []
@@ -73,7 +121,7 @@ def train_skill(skill: str, folder: Path, out: Path, recipe: Recipe) -> Iterator
         skill=skill, targets=tuple(sorted({demo.target for demo in demos})), execute=recipe.execute,
         demonstrations=len(demos), seeds=f"{min(seeds)}:{max(seeds) + 1}",
         layouts=tuple(sorted({demo.layout for demo in demos})), styles=tuple(sorted({demo.style for demo in demos})),
-        data=file_digest(files), code=code_digest(),
+        data=file_digest(kept), code=code_digest(),
     )  # fmt: skip
     path = out / f"{camel(skill)}.npz"
     save_weights(path, Weights(about=about, network=network, sample=data.seen[::step][:_SAMPLE]))
