@@ -7,6 +7,7 @@
 # make ray        install RLlib and Tianshou apart, and run the tests of their examples there
 # make pddl       install a temporal and a classical planner apart, and run the tests that let them play
 # make inspect    install Inspect AI apart, and run the test of its example there
+# make loaders    install lerobot and robomimic apart, and read with them what `remac learn record` writes
 # make wheel      build wheel and source archive into dist/, check them and try each in an empty environment
 # make versions   the fast tests without physics on every supported Python, and with the oldest dependencies
 # make robosuite  install robosuite apart, run the tests of our kitchens in it and print how fast they are
@@ -20,9 +21,11 @@ WHEEL := .venv-wheel
 INSPECT := .venv-inspect
 RAY := .venv-ray
 PDDL := .venv-pddl
+LOADERS := .venv-loaders
 REPOSITORY ?=
 
-.PHONY: demo test test-all rl learned docs inspect pddl ray wheel versions robosuite robosuite-test tables tables-check lint install clean
+.PHONY: demo test test-all rl learned loaders docs inspect pddl ray wheel versions robosuite robosuite-test tables tables-check lint
+.PHONY: install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -102,6 +105,19 @@ learned: $(RL)/.installed-learn
 	$(RL)/bin/remac learn train --skills $(LEARNED) --demos demos --weights $(SHIPPED)
 	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials 300 --note --processes 2
 
+# Without what lerobot needs for robots and policies, and with the build of torch for the CPU; 1.8 GB.
+$(LOADERS)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(LOADERS)
+	$(LOADERS)/bin/pip install --quiet --disable-pip-version-check torch==2.13.0
+	$(LOADERS)/bin/pip install --quiet --disable-pip-version-check --editable ".[dev,learn,lerobot]" pandas "datasets>=4,<5" \
+		"av>=15,<16" einops draccus==0.10.0 deepdiff jsonlines psutil safetensors termcolor tqdm
+	$(LOADERS)/bin/pip install --quiet --disable-pip-version-check --no-deps lerobot==0.4.4 torchvision==0.28.0 accelerate==1.15.0 \
+		robomimic==0.3.0
+	touch $@
+
+loaders: $(LOADERS)/.installed
+	$(LOADERS)/bin/python -m pytest tests/bench/test_loaders.py tests/bench/test_lerobot.py tests/bench/test_learn.py
+
 # REPOSITORY is the address that README's links and the project's URLs shall lead to: docs/package_readme.py.
 $(WHEEL)/.installed:
 	$(PYTHON) -m venv $(WHEEL)
@@ -143,4 +159,4 @@ inspect: $(INSPECT)/.installed
 	$(INSPECT)/bin/python -m pytest tests/integrations/test_inspect.py
 
 clean:
-	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) $(WHEEL) $(INSPECT) $(RAY) $(PDDL) dist build .cache demo_output .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(ROBOSUITE) $(RL) $(DOCS) $(WHEEL) $(INSPECT) $(RAY) $(LOADERS) $(PDDL) dist build .cache demo_output .pytest_cache .mypy_cache .ruff_cache

@@ -3,6 +3,7 @@
     lerobot-eval --env.type=hub --env.hub_path=you/your-repository --policy.path=...
 
 LeRobot calls `make_env`, and reads observations called `agent_pos` and `pixels`. Change SKILL and OPTIONS as needed.
+With control="joints", actions are those of `remac learn record --format lerobot`.
 """
 
 from typing import Any
@@ -12,13 +13,20 @@ import gymnasium
 import remac_env  # noqa: F401 - its import registers the environments
 
 SKILL = "TurnOn"
-OPTIONS: dict[str, Any] = {"target": "faucet", "obs": "state+images", "control": "ee", "image_size": 96}
+OPTIONS: dict[str, Any] = {"target": "faucet", "obs": "state+images", "control": "joints", "image_size": 96}
 
 
-def make_env(n_envs: int = 1, use_async_envs: bool = False) -> dict[str, dict[int, gymnasium.vector.VectorEnv]]:
-    """Suite -> task -> as many environments side by side; each in a process of its own with `use_async_envs`."""
+def make_env(
+    n_envs: int = 1, use_async_envs: bool = False, cfg: Any = None
+) -> dict[str, dict[int, gymnasium.vector.VectorEnv]]:
+    """Suite -> task -> as many environments side by side; each in a process of its own with `use_async_envs`.
+
+    An episode's successor begins in the step that ends it: LeRobot reads successes from `final_info`, which Gymnasium
+    gives in this mode alone. `cfg`: what LeRobot knows of the environment; nothing of it is needed.
+    """
     vector = gymnasium.vector.AsyncVectorEnv if use_async_envs else gymnasium.vector.SyncVectorEnv
-    return {f"RemacSkill-{SKILL}": {0: vector([_one for _ in range(n_envs)])}}
+    made = vector([_one for _ in range(n_envs)], autoreset_mode=gymnasium.vector.AutoresetMode.SAME_STEP)
+    return {f"RemacSkill-{SKILL}": {0: made}}
 
 
 def _one() -> gymnasium.Env:

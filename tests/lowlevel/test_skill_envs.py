@@ -267,13 +267,16 @@ def test_pictures_come_with_the_state() -> None:
 @pytest.mark.long
 def test_the_environment_for_lerobots_hub_is_what_lerobot_reads() -> None:
     file = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "lerobot" / "env.py"))
-    file["OPTIONS"]["image_size"] = 32
-    ((_, tasks),) = file["make_env"](n_envs=2).items()
+    file["OPTIONS"] |= {"image_size": 32, "max_episode_steps": 2}
+    ((_, tasks),) = file["make_env"](n_envs=2, cfg=None).items()
     envs = tasks[0]
     observations, infos = envs.reset(seed=[1, 2])
     assert observations["agent_pos"].shape[0] == 2
     assert all(observations["pixels"][name].shape == (2, 32, 32, 3) for name in PICTURES)
     assert envs.call("task_description") == ("turn on faucet", "turn on faucet")
+    assert envs.call("_max_episode_steps") == (2, 2)
     *_, infos = envs.step(envs.action_space.sample())
-    assert not infos["is_success"].any()
+    assert not infos["is_success"].any() and "final_info" not in infos
+    *_, infos = envs.step(envs.action_space.sample())
+    assert infos["final_info"]["is_success"].tolist() == [False, False], "where LeRobot reads successes"
     envs.close()

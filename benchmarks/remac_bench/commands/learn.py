@@ -11,6 +11,7 @@ from remac_bench.command import Command, joined
 from remac_bench.console import console
 from remac_bench.errors import UsageError
 from remac_bench.flags import takes
+from remac_env.errors import check_choice
 
 if TYPE_CHECKING:
     from remac_bench.learning.evaluate import Score
@@ -41,6 +42,8 @@ def record(
     from remac_bench.learning.lerobot import Dataset
     from remac_bench.learning.sessions import record_all, record_dataset
 
+    check_choice("--format", format, ("hdf5", "lerobot"))
+    check_choice("--pictures", pictures, ("none", "images", "videos"))
     if format == "hdf5" and pictures == "videos":
         raise UsageError("--pictures videos: HDF5 keeps images; valid: images, or --format lerobot")
     chosen = _skills(skills, drives=False)
@@ -69,9 +72,9 @@ def train(
     from remac_bench.learning.sessions import train_skill
     from remac_bench.learning.train import Recipe, check_sizes, torch
 
-    torch()
     if not is_dataset(demos):
         h5py()
+    torch()
     recipe = Recipe(epochs=epochs, width=width, chunk=chunk, execute=execute)
     check_sizes(recipe)
     for skill in _skills(skills, drives=False):
