@@ -28,7 +28,7 @@ class KitchenEnv(gymnasium.Env[Any, Any]):
     environment tells that robot.
     """
 
-    metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 20}
+    metadata = {"render_modes": ["rgb_array", "work", "human"], "render_fps": 1}
 
     def __init__(self, task: str, *, robots: int = 1, **options: Any) -> None:
         self.parallel: KitchenParallelEnv = make_kitchen(get_task(task), Options(robots=robots, **options))

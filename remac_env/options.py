@@ -30,7 +30,7 @@ OBS_FORMATS = ("dict", "flat")
 CLOCKS = ("rounds", "events")
 """rounds: all robots begin and end together; events: each is asked again when what it does has ended."""
 
-RENDER_MODES = (None, "rgb_array", "human")
+RENDER_MODES = (None, "rgb_array", "work", "human")
 MAX_ROBOTS = 4
 
 _ROBOTS, _WORDING = Whole(1, MAX_ROBOTS), Whole(min(WORDINGS), max(WORDINGS))
@@ -80,7 +80,7 @@ class Options:
     image_size: int = option(
         128, "Width and height of observation images, pixels; jobs use 512 if a role looks at them.", Whole(16, 1024)
     )
-    render_mode: str | None = option(None, "human (watch the episodes) or rgb_array.", Choice(RENDER_MODES))
+    render_mode: str | None = option(None, "human (watch), rgb_array or work (from near by).", Choice(RENDER_MODES))
     max_rounds: int = option(30, "Rounds after which an episode is truncated.", Whole(1, 100_000))
     reward: str = option(
         "sparse", "sparse (1 on success), progress (newly reached parts of the goal; 1 in all) or "

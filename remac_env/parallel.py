@@ -54,7 +54,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self.vocabulary = self._words()
         self.metadata = {
             "name": f"RemacKitchen-{spec.name}-v0",
-            "render_modes": ["rgb_array", "human"], "is_parallelizable": True, "render_fps": 20,
+            "render_modes": ["rgb_array", "work", "human"], "is_parallelizable": True, "render_fps": 1,
         }
         self.render_mode, self.skills = options.render_mode, told_skills(options)
         self.possible_agents = list(options.robot_names)
@@ -174,7 +174,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         return self.action_spaces[agent]
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The kitchen now, uint8 (432, 768, 3), with render_mode="rgb_array"; None without a render mode.
+        """The kitchen now, uint8 (432, 768, 3), or as `render_work` with render_mode="work"; None without a mode.
 
         Raises:
             LifecycleError: before reset or after close.
@@ -184,7 +184,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self._running()
         if self.render_mode is None:
             return None
-        return self._pictures.render(self._moment(), human=self.render_mode == "human")
+        return self._pictures.render(self._moment(), self.render_mode)
 
     def state(self) -> NDArray[np.float32]:
         """The facts as each robot sees them, one after the other; shape (robots * n,)."""

@@ -53,11 +53,11 @@ class Pictures:
         """What a copy takes over: the moments kept. It makes renderers and a window of its own."""
         return {**self.__dict__, "_shown": None, "_posed": None, "_window": None}
 
-    def render(self, moment: Moment, *, human: bool) -> Picture | None:
-        """The whole kitchen, uint8 (height, width, 3); with `human` a window shows it instead."""
+    def render(self, moment: Moment, mode: str) -> Picture | None:
+        """The whole kitchen, uint8 (height, width, 3); "work": the robots at work; "human": a window shows it."""
         stage = self._stage(moment)
-        if not human:
-            return stage.picture()
+        if mode != "human":
+            return stage.work() if mode == "work" else stage.picture()
         from remac_env.rendering.window import Window
 
         self._window = self._window or Window()
@@ -89,17 +89,21 @@ class Pictures:
             self._tape.add(moment())
 
     def save(self, path: str | Path) -> int:
-        """Draw the kept moments as a video; returns the number of frames."""
+        """Draw the kept moments as a video of the robots at work; returns the number of frames."""
         if self._tape is None or not self._tape.frames:
             raise LifecycleError("nothing was recorded: call start_recording(), then reset()")
         prepare(path)
         load_mujoco()
         from remac_env.rendering import video
-        from remac_env.rendering.renderer import VIDEO
 
-        moments = self._tape.frames
-        chosen = spread(len(moments))
-        return video.write(path, (self._stage(moments[index]).picture(quality=VIDEO) for index in chosen))
+        chosen = [self._tape.frames[index] for index in spread(len(self._tape.frames))]
+        seen = [self._stage(moment).at_work() for moment in chosen]
+        aimed = self._stage(chosen[-1]).aimed(seen)
+        return video.write(path, (self._stage(moment).work(at) for moment, at in zip(chosen, aimed, strict=True)))
+
+    def work(self, moment: Moment, *, whole: bool) -> Picture:
+        """The robots at work, uint8 (648, 768, 3): see `rendering.stage.Stage.work`."""
+        return self._stage(moment).work(whole=whole)
 
     def begins(self, rounds: int) -> list[float]:
         """When each of this many rounds begins in the video that `save` draws, seconds from its beginning."""

@@ -5,18 +5,46 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from remac_env.episode import Episode
-from remac_env.pictures import Pictures
+from remac_env.pictures import Moment, Pictures
 
 
 class Recordings(ABC):
-    """Keeps the motion of episodes and draws it afterwards."""
+    """Draws the robots at work, now, or afterwards what was kept of their motion."""
 
     _pictures: Pictures
 
     @abstractmethod
     def _running(self) -> Episode:
         """The episode under way."""
+
+    @abstractmethod
+    def _check_open(self) -> None:
+        """Raise LifecycleError after close."""
+
+    @abstractmethod
+    def _moment(self) -> Moment:
+        """What there is to see now."""
+
+    def render_work(self, *, whole: bool = False) -> NDArray[np.uint8]:
+        """The robots at work as videos show them, uint8 (648, 768, 3), with or without a render mode.
+
+        The upper two thirds are the picture of a camera that follows the robots; below stands each robot's hand from
+        near by, in the robots' order.
+
+        Args:
+            whole: the whole kitchen stands above, as `render` shows it.
+
+        Raises:
+            LifecycleError: before reset or after close.
+            RenderingError: if no picture can be made with the settings at hand.
+        """
+        self._check_open()
+        self._running()
+        return self._pictures.work(self._moment(), whole=whole)
 
     def start_recording(self) -> None:
         """Keep the motion of the next episodes, each from its reset on, for `save_recording`. Draws nothing yet."""

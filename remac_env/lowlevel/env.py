@@ -37,7 +37,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         task_description: the present command as text.
     """
 
-    metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 20}
+    metadata = {"render_modes": ["rgb_array", "work", "human"], "render_fps": 20}
 
     def __init__(self, skill: str, **options: Any) -> None:
         self._skill, self._options = skill_named(skill), SkillOptions(**options)
@@ -110,13 +110,13 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         return self._observation(), float(reward), success, bool(broken), info
 
     def render(self) -> Any:
-        """The whole kitchen, uint8 (height, width, 3); with render_mode="human" a window shows it."""
+        """The kitchen, uint8 (432, 768, 3); "work": the robot at work (648, 768, 3); "human": a window shows it."""
         if self._ready is None:
             raise ResetNeeded("render() needs an episode under way: call reset() first")
         if self.render_mode is None:
             return None
         now = moment(self._ready, self._manual, self._backend)
-        return self._looks.of(self._ready).render(now, human=self.render_mode == "human")
+        return self._looks.of(self._ready).render(now, self.render_mode)
 
     def close(self) -> None:
         """Free the simulator and the renderer. May be called twice."""

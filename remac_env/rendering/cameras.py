@@ -36,13 +36,22 @@ WRIST = "{robot}/wrist"
 HELD = "{robot}/held"
 """What a robot holds, its hand, and what it stands at; placed by `following.follow`."""
 
+FOLLOW = "follow"
+"""The robots and what they work at, for videos; placed by `tracking.place`."""
+
+CLOSE = "{robot}/close"
+"""A robot's hand from near by, for videos; placed by `tracking.place`."""
+
 SIDE = "side/{station}"
 """A close look at what stands at a station, into cupboards and the microwave."""
 
 FIELD = 46.0
 """Vertical, degrees, of cameras with square pictures."""
+FOLLOW_FIELD = 34.0
+"""Vertical, degrees, of the camera that follows the robots."""
+
 _WIDE_FIELD = 33.0  # from further away, so that robots in the foreground do not hide the kitchen
-_FRONT_ASPECT, _WIDE_ASPECT = 1.0, 16 / 9
+_FRONT_ASPECT, WIDE_ASPECT = 1.0, 16 / 9
 
 # Position relative to what is looked at, by kind of slot: from the right, or from the left where a door opens to the
 # right; steeply down into a basin, almost level into a cupboard.
@@ -98,7 +107,7 @@ def wide_camera(layout: Layout) -> Camera:
     """
     depth = _depth(layout)
     steep = min(_STEEPEST, _LEAST_STEEP + _STEEPER * depth)
-    return _before_room(WIDE, _WIDE_FIELD, _WIDE_ASPECT, steep, _to_be_seen(layout, depth))
+    return _before_room(WIDE, _WIDE_FIELD, WIDE_ASPECT, steep, _to_be_seen(layout, depth))
 
 
 def _before_room(
@@ -214,7 +223,7 @@ def side_offset(layout: Layout, station: str) -> Point:
 
 
 def add_cameras(spec: mujoco.MjSpec, layout: Layout, robots: Sequence[str]) -> None:
-    """Add the fixed cameras and two for each robot, named by FRONT, WIDE, SIDE, WRIST and HELD."""
+    """Add the fixed cameras, three for each robot and one for all: FRONT, WIDE, SIDE, WRIST, HELD, CLOSE, FOLLOW."""
     for camera in fixed_cameras(layout):
         spec.worldbody.add_camera(
             name=camera.name,
@@ -225,6 +234,8 @@ def add_cameras(spec: mujoco.MjSpec, layout: Layout, robots: Sequence[str]) -> N
     for robot in robots:
         add_wrist_camera(spec, robot)
         spec.worldbody.add_camera(name=HELD.format(robot=robot), fovy=FIELD)
+        spec.worldbody.add_camera(name=CLOSE.format(robot=robot), fovy=FIELD)
+    spec.worldbody.add_camera(name=FOLLOW, fovy=FOLLOW_FIELD)
 
 
 def add_wrist_camera(spec: mujoco.MjSpec, robot: str) -> None:

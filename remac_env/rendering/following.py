@@ -57,7 +57,7 @@ def _keep_upright(data: mujoco.MjData, robot: str) -> None:
     """
     hand, camera = data.body(f"{robot}/hand"), data.camera(WRIST.format(robot=robot))
     turn = hand.xmat.reshape(3, 3)
-    facing = _facing(data, robot)
+    facing = facing_of(data, robot)
     outward = float((facing[:, 1] + _UP) @ turn[:, 0])
     side = _MIRRORED if outward < _TURNED_OVER else 1.0
     eye, target = (hand.xpos + turn @ (side * np.array(point)) for point in (WRIST_AT, WRIST_LOOKS_AT))
@@ -76,7 +76,7 @@ def _frame_held(
     shut_in = any(layout.fixtures[slot.fixture].leaves for slot in slots)
     taken = {item.place.where for item in world.objects.values() if item.place.relation == "slot"}
     places = np.array([layout.middle(s.name) for s in slots if shut_in or s.name in taken]).reshape(-1, 3)
-    facing = _facing(data, robot)
+    facing = facing_of(data, robot)
     points = [_corners(model, data, held), _corners(model, data, f"{robot}/hand"), places]
     if slots and not len(places):
         points.append(np.mean([layout.middle(slot.name) for slot in slots], axis=0, keepdims=True))
@@ -109,7 +109,7 @@ def _directions(layout: Layout, station: str, shut_in: bool, facing: Floats) -> 
         yield facing @ np.array(direction)
 
 
-def _facing(data: mujoco.MjData, robot: str) -> Floats:
+def facing_of(data: mujoco.MjData, robot: str) -> Floats:
     """Right, ahead and up of a robot as columns (3, 3), world frame."""
     yaw = float(data.joint(f"{robot}/base_yaw").qpos[0])
     ahead = np.array([np.cos(yaw), np.sin(yaw), 0.0])

@@ -60,7 +60,7 @@ CLOSE = Quality(shadow_size=0, finer=1, slices=16, stacks=8, mirrors=False)
 """For larger ones that checkers look at: about 30 ms for 512 by 512 there."""
 
 VIDEO = Quality(shadow_size=1024, finer=1, slices=16, stacks=8, mirrors=False)
-"""For videos: about 0.2 s for 768 by 432 there, so that one of 150 frames takes half a minute."""
+"""For videos: about 0.2 s for 768 by 432 there, so that one of 150 frames takes 40 s."""
 
 BEAUTY = Quality(shadow_size=2048, finer=3, slices=28, stacks=16, mirrors=True)
 """For people: about 0.8 s for 768 by 432 there."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -14,11 +14,13 @@ from remac_env.kitchen.builder import build_spec, show_switches
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.drawing import show_seasoned, show_stains
-from remac_env.rendering.cameras import FRONT, HELD, SIDE, WIDE, WRIST, add_cameras
+from remac_env.rendering.cameras import CLOSE, FOLLOW, FRONT, HELD, SIDE, WIDE, WRIST, add_cameras
 from remac_env.rendering.following import follow
 from remac_env.rendering.posing import pose
-from remac_env.rendering.renderer import BEAUTY, CLOSE, OBSERVATION, Quality, Renderer
+from remac_env.rendering.renderer import BEAUTY, OBSERVATION, VIDEO, Quality, Renderer
+from remac_env.rendering.renderer import CLOSE as NEAR
 from remac_env.rendering.signs import NOTHING, Signs, Slow
+from remac_env.rendering.tracking import Aim, Seen, aimed, look, place
 from remac_env.rendering.window import Window
 from remac_env.robots import bodies
 from remac_env.rules.facts import ASIDE
@@ -28,6 +30,12 @@ from remac_env.state import WorldState
 
 RENDER_SIZE = (768, 432)
 """Width and height of `render()` and of videos, pixels."""
+
+HANDS = 216
+"""Height of the pictures of hands below it, pixels."""
+
+RULE = 4
+"""Width of the black lines between them, pixels."""
 
 SMALL = 256
 """Pixels on a side up to which observation images are drawn with few triangles."""
@@ -45,7 +53,7 @@ class Stage:
 
     def __init__(self, start: Start, layout: Layout, categories: Mapping[str, Category]) -> None:
         self.key = stage_key(start)
-        self._layout, self._categories = layout, categories
+        self._layout, self._categories, self._robots = layout, categories, start.scene.robots
         spec = build_spec(
             layout,
             robots=start.scene.robots,
@@ -86,9 +94,37 @@ class Stage:
         """The whole kitchen, uint8 (height, width, 3)."""
         return self._render(WIDE, size, quality)
 
-    def look(self, camera: str, *, size: int, quality: Quality = CLOSE) -> Picture:
+    def look(self, camera: str, *, size: int, quality: Quality = NEAR) -> Picture:
         """What one of its cameras sees, uint8 (size, size, 3)."""
         return self._render(camera, (size, size), quality)
+
+    def at_work(self) -> Seen:
+        """What the cameras that follow the robots are to show of the present pose."""
+        return look(self._data, self._layout, self._robots)
+
+    def aimed(self, moments: Sequence[Seen]) -> list[dict[str, Aim]]:
+        """Where these cameras stand at each moment of a film."""
+        return aimed(moments, self._layout)
+
+    def work(self, aims: Mapping[str, Aim] | None = None, *, whole: bool = False) -> Picture:
+        """The robots at work, uint8 (648, 768, 3): followed by a camera, and below it each hand from near by.
+
+        Args:
+            aims: where the cameras stand; None: as `aimed` says for the present pose alone.
+            whole: the whole kitchen stands above, as `picture` shows it.
+        """
+        place(self._data, self.aimed([self.at_work()])[0] if aims is None else aims)
+        self._drawn.clear()
+        width = RENDER_SIZE[0]
+        each = width // len(self._robots) // 2 * 2
+        hands = [self._render(CLOSE.format(robot=robot), (each, HANDS), NEAR) for robot in self._robots]
+        hands.append(np.zeros((HANDS, width - each * len(hands), 3), np.uint8))
+        above = self.picture() if whole else self._render(FOLLOW, RENDER_SIZE, VIDEO)
+        below = np.concatenate(hands, axis=1)
+        below[:RULE] = 0
+        for number in range(1, len(self._robots)):
+            below[:, number * each - RULE // 2 : number * each + RULE // 2] = 0
+        return np.concatenate([above, below])
 
     def show_in(self, window: Window) -> None:
         """Show the kitchen in a window that can be looked around in."""
@@ -105,7 +141,7 @@ class Stage:
         if state.holding is not None:
             side = HELD.format(robot=robot)
         cameras = {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side}
-        quality = OBSERVATION if size <= SMALL else CLOSE
+        quality = OBSERVATION if size <= SMALL else NEAR
         return {name: self._render(camera, (size, size), quality) for name, camera in cameras.items()}
 
     def close(self) -> None:

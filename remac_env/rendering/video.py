@@ -20,7 +20,7 @@ Picture = NDArray[np.uint8]
 Moment = TypeVar("Moment")
 
 MAX_FRAMES = 150
-"""Frames of the longest video: ten seconds at 15 a second, about 1 MB."""
+"""Frames of the longest video: ten seconds at 15 a second, 2 to 10 MB."""
 
 
 class Sampler(Generic[Moment]):

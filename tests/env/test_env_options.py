@@ -48,7 +48,7 @@ def test_an_unknown_task_gets_the_list(name: Any) -> None:
         ("wording", 4, ("1", "2", "3")),
         ("naming", "model", ("role", "category")),
         ("reward", "dense", ("sparse", "progress")),
-        ("render_mode", "ansi", ("rgb_array", "human")),
+        ("render_mode", "ansi", ("rgb_array", "work", "human")),
         ("style", "baroque", style.names()),
         ("style", "", style.names()),
         ("layout", "castle", layout.names()),

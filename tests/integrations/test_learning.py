@@ -52,6 +52,24 @@ def test_stable_baselines_own_check_finds_nothing() -> None:
             check_env(single(robots=2, obs_format=form).unwrapped, warn=True)
 
 
+def test_gymnasium_films_a_round_a_second(tmp_path: Path) -> None:
+    pytest.importorskip("moviepy")
+    import cv2
+    from gymnasium.wrappers import RecordVideo
+
+    env = RecordVideo(single(render_mode="work"), str(tmp_path), episode_trigger=lambda episode: True)
+    env.reset(seed=4)
+    for command in ("navigate to cabinet", "open cabinet"):
+        env.step(env.unwrapped.vocabulary.encode(command))  # type: ignore[attr-defined]
+    env.close()
+    film = cv2.VideoCapture(str(tmp_path / "rl-video-episode-0.mp4"))
+    assert (film.get(cv2.CAP_PROP_FPS), film.get(cv2.CAP_PROP_FRAME_COUNT)) == (1.0, 3.0)
+    pictures = [film.read()[1].astype(int) for _ in range(3)]
+    assert pictures[0].shape == (648, 768, 3)
+    for one, next_one in zip(pictures, pictures[1:], strict=False):
+        assert (abs(one - next_one).max(axis=2) > 40).mean() > 0.02, "nothing is seen to happen"
+
+
 @pytest.mark.parametrize("robots", [1, 2])
 def test_masks_reach_maskable_ppo_and_it_keeps_to_them(robots: int) -> None:
     contrib = pytest.importorskip("sb3_contrib")

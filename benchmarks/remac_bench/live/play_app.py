@@ -113,13 +113,12 @@ class Play:
             scene=str(shared["text"]), rounds=(*self.table.seen.rounds, *([now] if now else [])),
             phase="recording" if shared["end"] else self.table.seen.phase,
         )  # fmt: skip
+        if self._job.options.render_mode is None:
+            return
         try:
-            picture = env.render()
+            self.table.add_picture(_jpeg(env.render_work(whole=True)))
         except RemacError as error:
             self.table.show(problem=f"no picture: {error}")
-            return
-        if picture is not None:
-            self.table.add_picture(_jpeg(picture))
 
 
 def _jpeg(picture: Any) -> bytes:
