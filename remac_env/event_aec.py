@@ -10,8 +10,8 @@ from pettingzoo import AECEnv
 from pettingzoo.utils.agent_selector import AgentSelector
 
 from remac_env.actions import check_token
-from remac_env.errors import ActionError, LifecycleError
-from remac_env.event_parallel import KitchenEventEnv
+from remac_env.errors import ActionError, LifecycleError, UnknownNameError
+from remac_env.event_parallel import STOP, KitchenEventEnv
 from remac_env.thinking import Thought
 from remac_env.vocabulary import Vocabulary
 
@@ -91,6 +91,20 @@ class KitchenEventAEC(AECEnv[str, Any, Any]):
             self._run()
         else:
             self.agent_selection = self._asked.next()
+
+    def stop(self, robot: str) -> None:
+        """Tell a busy robot to stop when the world runs next; it is not asked until it has. Needs `interrupts=True`.
+
+        Raises:
+            LifecycleError: before reset, after the end, or where robots may not be told to.
+            UnknownNameError: for a robot that is not busy.
+        """
+        if not self.agents or "stop" not in self.infos[robot if robot in self.infos else self.agents[0]]:
+            raise LifecycleError("stop() needs an episode under way with interrupts=True")
+        busy = [name for name in self.kitchen.agents if not self.infos[name]["ready"]]
+        if robot not in busy:
+            raise UnknownNameError(f"{robot!r} is not busy; valid: {', '.join(busy) or 'none'}")
+        self._tokens[robot] = self.vocabulary.encode(STOP)
 
     def note_thought(self, robot: str, thought: Thought) -> None:
         """See KitchenEventEnv.note_thought."""

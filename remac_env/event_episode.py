@@ -32,10 +32,12 @@ class EventEpisode(Episode):
     Attributes:
         clock: runs the kitchen from one decision point to the next.
         continues: the token of a robot that is busy.
+        stops: the token that stops one; None where that may not be.
     """
 
     clock: EventClock = field(kw_only=True)
     continues: int = field(kw_only=True)
+    stops: int | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         """Nobody has decided anything yet."""
@@ -66,7 +68,8 @@ class EventEpisode(Episode):
     def info(self, robot: str) -> dict[str, Any]:
         """What `infos[robot]` holds: that of an episode in rounds, and what time adds to it."""
         doing, now, last = self.clock.doing(robot), self.clock.now, self._decisions[robot]
-        return super().info(robot) | {
+        stop = {} if self.stops is None else {"stop": self.stops}
+        return super().info(robot) | stop | {
             "ready": doing is None and self.end is None,
             "running": "" if doing is None else doing.text,
             "elapsed": 0.0 if doing is None else round(now - doing.since, 6),

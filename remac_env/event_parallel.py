@@ -24,18 +24,21 @@ from remac_env.rules.subtasks import Subtask
 from remac_env.thinking import NO_THOUGHT, Thought, thinking_seconds
 from remac_env.vocabulary import Vocabulary
 
-CONTINUE = "continue"
-"""What a busy robot is told: to go on with what it is at."""
+CONTINUE, STOP = "continue", "stop"
+"""What a busy robot is told: to go on with what it is at; or, where that may be, to stop."""
 
 
 class KitchenEventEnv(KitchenParallelEnv):
     """A task whose robots do not wait for each other. Every step runs to the next decision point.
 
     The last token of the vocabulary is `continue`: a busy robot's mask holds it and nothing else, and whatever else it
-    is told changes nothing. A robot's mask is that of the rounds whenever it is ready. `infos` say beside the rest:
-    `ready`; `running`, the command that is under way, or "thinking" ("": none); `elapsed`, for how many seconds;
-    `seconds`, the clock; `tau` and `return`, seconds and rewards since the robot's last decision; `decision`, how many
-    it has made; `continue`, the token; `max_seconds`. `outcome` is {} unless the robot's subtask ended just now.
+    is told changes nothing. With `interrupts=True` there is `stop` behind it, which a busy robot's mask holds too: its
+    controller then ends at its next safe pose, see `Backend.stop`, and a thought in a second.
+
+    A robot's mask is that of the rounds whenever it is ready. `infos` say beside the rest: `ready`; `running`, the
+    command that is under way, or "thinking" ("": none); `elapsed`, for how many seconds; `seconds`, the clock; `tau`
+    and `return`, seconds and rewards since the robot's last decision; `decision`, how many it has made; `continue`, the
+    token; `max_seconds`. `outcome` is {} unless the robot's subtask ended just now.
     Observations end in figures about time: `remac_env.events.observation`.
     """
 
@@ -67,7 +70,7 @@ class KitchenEventEnv(KitchenParallelEnv):
             for robot, subtask in subtasks.items()
         }
         episode.decided()
-        outcomes = episode.clock.run(orders)
+        outcomes = episode.clock.run(orders, self._stopped(tokens, orders))
         episode.arrive(backend.world, outcomes, backend.counters)
         return self._answer(episode)
 
@@ -100,23 +103,33 @@ class KitchenEventEnv(KitchenParallelEnv):
             return super().action_mask(agent)
         mask = np.zeros(len(self.vocabulary), np.int8)
         mask[self._continue] = 1
+        if self._stop is not None:
+            mask[self._stop] = 1
         return mask
+
+    def _stopped(self, tokens: Mapping[str, int], orders: Mapping[str, Order]) -> list[str]:
+        """The robots that are busy and told to stop."""
+        return [robot for robot in self.agents if robot not in orders and tokens[robot] == self._stop]
 
     def _cost(self, subtask: Subtask, thought: Thought) -> float:
         """What a command costs, s; to go on waiting without a thought costs nothing."""
         return 0.0 if subtask.row.still and thought == NO_THOUGHT else thinking_seconds(self.options.think, thought)
 
     def _words(self) -> Vocabulary:
-        return self.worlds.vocabulary.with_words((CONTINUE,))
+        return self.worlds.vocabulary.with_words((CONTINUE, *((STOP,) if self.options.interrupts else ())))
 
     @property
     def _continue(self) -> int:
         return self.vocabulary.encode(CONTINUE)
 
+    @property
+    def _stop(self) -> int | None:
+        return self.vocabulary.encode(STOP) if self.options.interrupts else None
+
     def _begin(self, terms: Terms, backend: Backend) -> Episode:
         world = backend.reset(terms.start)
         clock = EventClock(backend, terms.scene, deadline=terms.max_seconds)
-        return EventEpisode(terms, world, clock=clock, continues=self._continue)
+        return EventEpisode(terms, world, clock=clock, continues=self._continue, stops=self._stop)
 
     def _moment(self) -> Moment:
         return replace(super()._moment(), slow=self._timed().shares)

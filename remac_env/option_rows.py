@@ -74,6 +74,12 @@ class Switch(Values):
 
     kind = bool
 
+    def check(self, name: str, value: Any) -> Any:
+        """True or False as such: 1 is a number, and "no" would be taken for yes."""
+        if not isinstance(value, bool):
+            raise OptionError(f"{name} {str(value)[:LONGEST]!r} is not valid; valid: True or False")
+        return value
+
 
 @dataclass(frozen=True)
 class Choice(Values):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 from remac_env.errors import OptionError
-from remac_env.option_rows import Choice, Real, Whole, check_rows, option
+from remac_env.option_rows import Choice, Real, Switch, Whole, check_rows, option
 from remac_env.skill_sources import SCRIPTED, SkillValues
 from remac_env.thinking import ThinkValues
 from remac_env.values import python_fields
@@ -111,6 +111,10 @@ class Options:
         "tokens) or recorded (the time that it took).", ThinkValues(),
     )  # fmt: skip
 
+    interrupts: bool = option(
+        False, "Robots at work may be told to stop (clock='events').", Switch(), spoken=False
+    )  # fmt: skip
+
     def __post_init__(self) -> None:
         """Refuse values that are not offered.
 
@@ -126,6 +130,8 @@ class Options:
             raise OptionError(f"skills={self.skills!r} is for backend='physics'; the skill table moves nothing")
         if self.think != "off" and self.clock != "events":
             raise OptionError(f"think={self.think!r} is for clock='events'; with clock='rounds' thinking costs nothing")
+        if self.interrupts and self.clock != "events":
+            raise OptionError("interrupts=True is for clock='events'; in a round nobody is told anything")
         if self.obs_format == "flat" and self.obs != "state":
             raise OptionError(f"obs_format='flat' has no room for the pictures of obs={self.obs!r}; valid: obs='state'")
 

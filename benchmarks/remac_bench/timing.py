@@ -7,6 +7,7 @@ from typing import Any
 
 from remac_bench.records import OrderEntry, OutcomeEntry, SpanEntry
 from remac_env.errors import UnknownNameError
+from remac_env.event_parallel import STOP
 from remac_env.thinking import NO_THOUGHT, Thought
 
 MOST_MOMENTS = 3000
@@ -34,7 +35,8 @@ class StepBook:
                 command=text, tokens=thought.tokens, seconds=thought.seconds, declared=thought.declared
             )
             self._at[robot] = text
-        self.orders.append(told)
+        stopped = [r for r, info in infos.items() if not info["ready"] and actions.get(r) == info.get("stop", -1)]
+        self.orders.append(told | {robot: OrderEntry(command=STOP) for robot in stopped})
 
     def ended(self, env: Any, actions: Mapping[str, int], infos: Infos) -> dict[str, OutcomeEntry]:
         """How everything ended that ended in the step: with rounds that is every robot's subtask."""
@@ -48,10 +50,11 @@ class StepBook:
 
 
 def replayed(env: Any, orders: Mapping[str, OrderEntry], infos: Infos) -> tuple[dict[str, int], dict[str, Thought]]:
-    """The tokens of a step that was recorded, and what had been thought."""
+    """The tokens of a step that was recorded, and what had been thought by the robots that had to decide."""
     tokens = {robot: info["continue"] for robot, info in infos.items()}
     tokens |= {robot: token_of(env, order.command) for robot, order in orders.items()}
-    return tokens, {robot: Thought(each.tokens, each.seconds, each.declared) for robot, each in orders.items()}
+    decided = {robot: order for robot, order in orders.items() if order.command != STOP}
+    return tokens, {robot: Thought(each.tokens, each.seconds, each.declared) for robot, each in decided.items()}
 
 
 def timeline(env: Any) -> list[SpanEntry]:

@@ -85,6 +85,17 @@ class Backend(Protocol):
             until: what the `clock` shows at most, s: where nothing has ended by then, time has passed until then.
         """
 
+    def stop(self, robot: str) -> None:
+        """Tell a busy robot to stop: its controller ends at its next safe pose, time stands still until then.
+
+        For a drive that is where it goes, as others reckon with it; for another skill its home pose at the station.
+        What it has moved by then stays as it is. `advance` tells the outcome, `interrupted` unless the subtask has
+        done what it says.
+
+        Raises:
+            LifecycleError: for a robot that is not busy.
+        """
+
     def happen(self, process: Process, name: str) -> None:
         """Let what comes of a process come true of the object or fixture that it is about; time stands still.
 
@@ -134,6 +145,12 @@ def check_idle(robots: Iterable[str], known: Sequence[str], busy: Collection[str
             raise LifecycleError(f"{robot} is busy; valid: {idle}")
 
 
+def check_busy(robot: str, busy: Collection[str]) -> None:
+    """Refuse to stop a robot that does nothing; see :meth:`Backend.stop`."""
+    if robot not in busy:
+        raise LifecycleError(f"{robot} is not busy; valid: {', '.join(sorted(busy)) or 'none'}")
+
+
 def check_all_idle(busy: Collection[str]) -> None:
     """Refuse a round while robots are busy; see :meth:`Backend.run_round`."""
     if busy:
@@ -141,4 +158,4 @@ def check_all_idle(busy: Collection[str]) -> None:
         raise LifecycleError(f"a round needs every robot idle, and {names} is busy; valid: advance() until none is")
 
 
-__all__ = ["Backend", "Counters", "Offset", "RoundResult", "Start", "check_all_idle", "check_idle"]
+__all__ = ["Backend", "Counters", "Offset", "RoundResult", "Start", "check_all_idle", "check_busy", "check_idle"]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.backends.base import Counters, RoundResult, Start, check_all_idle, check_idle
+from remac_env.backends.base import Counters, RoundResult, Start, check_all_idle, check_busy, check_idle
 from remac_env.errors import LifecycleError, OptionError
 from remac_env.rules.claims import Claim, settle_claims
 from remac_env.rules.facts import Process, Rules
@@ -92,6 +92,22 @@ class SymbolicBackend:
         if ended:
             self._came_to_rest(start)
         return ended
+
+    def stop(self, robot: str) -> None:
+        """Tell a busy robot to stop.
+
+        By half of its time a hand turns back, which takes as long as it took to come, and nothing has changed; later
+        it goes through, as a drive does.
+        """
+        check_busy(robot, self._running)
+        run, now = self._running[robot], self._clock
+        spent = now - run.outcome.began
+        if run.subtask.moves or run.outcome.reason == "interrupted" or 2 * spent >= run.outcome.seconds:
+            return
+        began, ended = run.outcome.began, round(now + spent, CLOCK_DIGITS)
+        seconds = round(2 * spent, CLOCK_DIGITS)
+        outcome = Outcome("failure", "interrupted", "it was told to stop", seconds, began=began, ended=ended)
+        self._running[robot] = run._replace(outcome=outcome, after=run.before)
 
     def happen(self, process: Process, name: str) -> None:
         """Let what comes of a process come true."""

@@ -6,14 +6,14 @@ A decision point is a moment at which a subtask ended, an event became visible, 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 from remac_env.backends.base import Backend
 from remac_env.events.processes import DIGITS, Key, ProcessQueue
 from remac_env.rules.facts import Rules
-from remac_env.rules.outcomes import Outcome
+from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.processes import came_true
 from remac_env.rules.subtasks import DONE, WAIT, Subtask
 
@@ -139,13 +139,18 @@ class EventClock:
         self._processes.put_back(running)
         self._spans = []
 
-    def run(self, orders: Mapping[str, Order]) -> dict[str, Outcome]:
+    def run(self, orders: Mapping[str, Order], stops: Iterable[str] = ()) -> dict[str, Outcome]:
         """Give orders to all robots that are ready, and run to the next decision point.
+
+        Args:
+            stops: robots that are busy, and are told to stop.
 
         Returns:
             The outcomes of what ended, each told once; its robots are ready now.
         """
         now = self.now
+        for robot in stops:
+            self._stop(robot)
         for robot, order in orders.items():
             due = round(now + order.think, DIGITS)
             self._doing[robot] = Doing("thinking", order.subtask, now, due, order.invalid)
@@ -200,6 +205,15 @@ class EventClock:
             for robot, refused in self._backend.begin(batch).items():
                 self._decline(robot, batch[robot], refused)
         return any(each.until > each.since for each in due.values())
+
+    def _stop(self, robot: str) -> None:
+        """A thought ends in a moment without a command; what has begun ends at its controller's next safe pose."""
+        each, now = self._doing[robot], self.now
+        if each.kind == "thinking":
+            self._spans.append(Span(robot, "thought", each.subtask.text, each.since, now, "failure", "interrupted"))
+            self._decline(robot, each.subtask, failure("interrupted", "it was told to stop"))
+        elif each.kind == "working":
+            self._backend.stop(robot)
 
     def _decline(self, robot: str, subtask: Subtask, outcome: Outcome) -> None:
         """A command that comes to nothing still takes a moment."""

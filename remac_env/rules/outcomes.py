@@ -20,6 +20,7 @@ Reason = Literal[
     "not_found",
     "timeout",
     "invalid",
+    "interrupted",
 ]
 REASONS: tuple[str, ...] = Reason.__args__  # type: ignore[attr-defined]
 """The closed list of failure reasons."""

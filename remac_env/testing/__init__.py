@@ -14,6 +14,7 @@ from remac_env.testing.changes import check_changes
 from remac_env.testing.commands import check_commands
 from remac_env.testing.determinism import check_determinism
 from remac_env.testing.events import check_events
+from remac_env.testing.interrupts import check_interrupts
 from remac_env.testing.lifecycle import check_lifecycle
 from remac_env.testing.names import check_names, swap_robots
 from remac_env.testing.play import ContractError, EnvMaker
@@ -30,6 +31,7 @@ __all__ = [
     "check_commands",
     "check_determinism",
     "check_events",
+    "check_interrupts",
     "check_lifecycle",
     "check_masks",
     "check_names",

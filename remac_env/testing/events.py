@@ -44,8 +44,8 @@ def check_events(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1, 2), steps: i
 
     A robot is ready when it has not been told anything yet, or when what it did has ended, and then alone; its outcome
     is told at that decision point and at no other, and lies between its decision and now. The mask of a busy robot
-    holds `continue` and nothing else, that of a ready one the commands that it is told of. The clock goes on with every
-    step but the last. `tau`, `return` and `decision` add up.
+    holds `continue` and nothing else (`stop` too where `infos` name its token), that of a ready one the commands that
+    it is told of. The clock goes on with every step but the last. `tau`, `return` and `decision` add up.
 
     Raises:
         ContractError: with the seed, the step and the robot at fault.
@@ -109,7 +109,8 @@ def _check_mask(env: KitchenParallelEnv, turn: Turn, name: str, where: str) -> N
     expect(bool(marked), f"{where}: the mask is empty")
     if turn.ended:
         return
-    valid = set(info["commands"]) if info["ready"] else {"continue"}
+    busy = {"continue", "stop"} if "stop" in info else {"continue"}
+    valid = set(info["commands"]) if info["ready"] else busy
     what = "ready" if info["ready"] else "busy"
     wrong = f"{where}: it is {what}, and its mask and what it may do differ in {sorted(marked ^ valid)}"
     expect(marked == valid, wrong)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from remac_bench.errors import UsageError
 from remac_bench.jobs import Job
@@ -12,9 +13,12 @@ from remac_bench.judging.times import time_sheets
 from remac_bench.proof.again import check_job, check_rounds
 from remac_bench.records import Record
 from remac_bench.suites import load
+from remac_bench.timing import StepBook, replayed
 from remac_bench.worker import Work, play_job
 
+import remac_env
 from remac_env.options import Options
+from remac_env.thinking import Thought
 
 
 def play(method: str = "BASE", *, robots: int = 2, **options: object) -> Record:
@@ -116,3 +120,26 @@ def test_a_suite_by_the_event_clock_has_its_tasks(tmp_path: Path) -> None:
     (tmp_path / "x.toml").write_text(text, "utf-8")
     with pytest.raises(UsageError, match="FallingDoor"):
         load(str(tmp_path / "x.toml"))
+
+
+def test_stops_are_written_down_and_played_again() -> None:
+    kitchen = {"robots": 2, "backend": "symbolic", "clock": "events", "interrupts": True, "think": "tokens:5"}
+    env, book, chance = remac_env.parallel_env("OpenMicrowavePnP", **kitchen), StepBook(), np.random.default_rng(3)
+    _, infos = env.reset(seed=1)
+    first = infos
+    while env.agents and len(book.orders) < 80:
+        actions = {robot: int(chance.choice(np.flatnonzero(env.action_mask(robot)))) for robot in env.agents}
+        thoughts = {robot: Thought(tokens=int(chance.integers(900))) for robot in env.agents}
+        book.order(env, actions, infos, thoughts)
+        _, _, _, _, infos = env.step(actions)
+        book.ended(env, actions, infos)
+    assert any(order.command == "stop" for told in book.orders for order in told.values())
+    seen, world = env.timeline, env.world
+    _, infos = env.reset(seed=1)
+    assert infos.keys() == first.keys()
+    for told in book.orders:
+        tokens, thoughts = replayed(env, told, infos)
+        for robot, thought in thoughts.items():
+            env.note_thought(robot, thought)
+        _, _, _, _, infos = env.step(tokens)
+    assert env.timeline == seen and env.world == world

@@ -60,6 +60,7 @@ def changes() -> list[dict]:
         "body": "short",
     }
     timed = {"clock": "events"}, {"clock": "events", "think": "fixed:5"}, {"clock": "events", "max_seconds": 60.0}
+    timed += ({"clock": "events", "interrupts": True},)
     learned = ({"backend": "physics", "skills": "learned"},)
     told = set(values).union(*timed, *learned)
     untold = {field.name for field in fields(Options)} - told - {"naming", "render_mode"}

@@ -123,3 +123,84 @@ class RunningMayBeNone(Timed):
         for info in infos.values():
             info["running"] = info["running"] or None
         return seen
+
+
+class Stoppable(Timed):
+    """Nothing is wrong with this one either; robots may be told to stop."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**{"interrupts": True, "starts": "mixed"} | options)
+
+    def stopped(self, infos: Any) -> list[str]:
+        """The robots whose stop is told of just now."""
+        return [name for name, info in infos.items() if info["outcome"].get("reason") == "interrupted"]
+
+
+class StopTeleports(Stoppable):
+    """A robot that has stopped stands beside the room."""
+
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for name in self.stopped(infos):
+            episode = self._timed()
+            episode.world = episode.world.with_robot(name, station="aside")
+        return seen
+
+
+class StopLetsFall(Stoppable):
+    """A robot that has stopped has nothing in its hand, or something new."""
+
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for name in self.stopped(infos):
+            episode = self._timed()
+            thing = next(iter(episode.world.objects))
+            held = None if episode.world.robots[name].holding else thing
+            episode.world = episode.world.with_robot(name, holding=held)
+        return seen
+
+
+class StopLeavesClaims(Stoppable):
+    """What a stopped robot was about to take is kept for it, from itself too."""
+
+    def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> Any:
+        self._kept: set[tuple[str, int]] = set()
+        self._last: dict[str, int] = {}
+        return super().reset(seed=seed, options=options)
+
+    def step(self, actions: Mapping[str, int]) -> Any:
+        ready = self._timed().clock.ready
+        self._last |= {name: actions[name] for name in ready}
+        lost = {name: self.vocabulary.encode("continue") for name in ready if (name, actions[name]) in self._kept}
+        return super().step({**actions, **lost})
+
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        self._kept |= {(name, self._last[name]) for name in self.stopped(infos)}
+        return seen
+
+
+class StopsByItself(Stoppable):
+    """A failure is called a stop that nobody asked for."""
+
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for info in infos.values():
+            if info["outcome"].get("status") == "failure":
+                info["outcome"] = info["outcome"] | {"reason": "interrupted"}
+        return seen
+
+
+class StopIsDeaf(Stoppable):
+    """Who is told to stop goes on for ever."""
+
+    def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> Any:
+        self._deaf: set[str] = set()
+        return super().reset(seed=seed, options=options)
+
+    def step(self, actions: Mapping[str, int]) -> Any:
+        self._deaf |= {name for name, token in actions.items() if token == self.vocabulary.encode("stop")}
+        return super().step(actions)
+
+    def tamper(self, seen: Any, rewards: Any, infos: Any) -> Any:
+        for name in self._deaf.intersection(infos):
+            infos[name].update(ready=False, running="pick up nothing", outcome={})
+            seen[name]["action_mask"] = super(KitchenEventEnv, self).action_mask(name) * 0
+            seen[name]["action_mask"][self.vocabulary.encode("continue")] = 1
+        return seen

@@ -30,7 +30,7 @@ GIVEN: dict[str, Any] = {
     "perception_noise": 0.1, "image_size": 32, "render_mode": "rgb_array", "max_rounds": 7, "reward": "progress",
     "failure_rate": 0.3, "masks": "feasible", "obs_format": "dict", "clock": "events", "max_seconds": 64.0,
     "think": "fixed:2", "body": "panda", "skills": "scripted", "grade": 2, "template": "washed fruit", "quirks": 0,
-    "knowledge": "seen",
+    "knowledge": "seen", "interrupts": True,
 }  # fmt: skip
 """A value of every keyword of `parallel_env`."""
 
@@ -44,6 +44,8 @@ def forms(value: object) -> list[Any]:
     """The same value as NumPy has it."""
     if isinstance(value, str):
         return [np.str_(value), np.array(value), np.array([value])[0], CHANCE.choice([value])]
+    if isinstance(value, bool):
+        return [np.bool_(value), np.array(value)]
     if isinstance(value, int):
         return [kind(value) for kind in (np.int8, np.uint8, np.int32, np.int64, np.uint64)] + [np.array(value)]
     return [kind(value) for kind in (np.float16, np.float32, np.float64, np.longdouble)] + [np.array(value)]
@@ -67,7 +69,7 @@ def test_every_option_of_a_kitchen(name: str) -> None:
 
 
 @pytest.mark.parametrize("flag", [True, np.True_, np.array(True)])
-@pytest.mark.parametrize("name", [n for n, v in GIVEN.items() if not isinstance(v, str)])
+@pytest.mark.parametrize("name", [n for n, v in GIVEN.items() if not isinstance(v, str | bool)])
 def test_booleans_are_no_numbers(name: str, flag: object) -> None:
     with pytest.raises(OptionError, match=f"{name} True is not valid"):
         Options(**GIVEN | {name: flag})

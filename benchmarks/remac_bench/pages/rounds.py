@@ -12,6 +12,7 @@ from typing import Any
 from remac_bench.judging.episodes import by_events
 from remac_bench.records import CheckEntry, ExchangeEntry, OrderEntry, OutcomeEntry, Record
 from remac_bench.store import PICTURES
+from remac_env.event_parallel import STOP
 
 _DIGEST = re.compile(r"[A-Za-z0-9]{1,128}")
 
@@ -121,7 +122,8 @@ def _places(record: Record) -> Callable[[int], int]:
     if record.clock != "events":
         return lambda number: number
     least = 1 if by_events(record.method) else record.robots
-    asked = [number for number, told in enumerate(record.orders) if len(told) >= least]
+    decided = [[order for order in told.values() if order.command != STOP] for told in record.orders]
+    asked = [number for number, told in enumerate(decided) if len(told) >= least]
     return lambda number: asked[number] if 0 <= number < len(asked) else len(record.outcomes)
 
 

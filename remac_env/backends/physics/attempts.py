@@ -165,6 +165,7 @@ class Attempts:
         done; then it goes on, by way of its home pose if it has begun to move.
         """
         here, pilot = self._robots[robot], self._pilots[robot]
+        pilot.stopping = False
         if earlier:
             place = here.place
             yield from self._give_way(
@@ -173,7 +174,8 @@ class Attempts:
         began = self._simulation.ticks
         sensing, own = pilot.briefed(now.number, subtask, now.world), pilot.own.get(subtask.skill)
         if own is not None:
-            return (yield from pilot.skill(own, subtask, sensing))
+            outcome = yield from pilot.skill(own, subtask, sensing)
+            return _or_done(outcome, robot, subtask, now)
         outcome = yield from self._among_litter(robot, subtask, sensing, now)
         if here.clear.checker.keep_out and outcome.reason in ("blocked", "unreachable"):
             moved = self._simulation.ticks - began > _THOUGHT
@@ -185,7 +187,7 @@ class Attempts:
                 outcome = yield from pilot.scripted(subtask, sensing)
         if not outcome.success and outcome.reason != "door_closed":
             yield from pilot.home()
-        return outcome
+        return _or_done(outcome, robot, subtask, now)
 
     def _among_litter(self, robot: str, subtask: Subtask, sensing: Briefed, now: Orders) -> Attempt:
         """Run a skill clear of what lies on the floor; try again once that has been pushed away, in the end over it."""
@@ -237,6 +239,11 @@ class Attempts:
         room = work_floor(self._layout.facing(place), place)
         drives = [drive for planner in earlier.planners for drive in planner.under_way()]
         return any(drive.driver.outline.meets(drive.bases, room) for drive in drives)
+
+
+def _or_done(outcome: Outcome, robot: str, subtask: Subtask, now: Orders) -> Outcome:
+    """How a subtask ended; one that was stopped when it had done what it says has succeeded."""
+    return Outcome("success") if outcome.reason == "interrupted" and now.achieved(robot, subtask) else outcome
 
 
 def _nothing() -> Attempt:

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.backends.base import Counters, RoundResult, check_all_idle, check_idle
+from remac_env.backends.base import Counters, RoundResult, check_all_idle, check_busy, check_idle
 from remac_env.backends.physics.controllers.base import MakeController, check_controllers
 from remac_env.backends.physics.manual import Manual
 from remac_env.backends.physics.sensing import Draw
@@ -88,6 +88,13 @@ class PhysicsBackend:
         timeline = self._begun()
         with self._playing("happen", process=process, name=name):
             timeline.happen(process, name)
+
+    def stop(self, robot: str) -> None:
+        """Tell a busy robot to stop: a drive goes through; another skill ends now, and the robot comes home."""
+        timeline = self._begun()
+        check_busy(robot, timeline.busy)
+        with self._playing("stop", robot=robot):
+            timeline.stop(robot)
 
     def go_on(self, processes: Mapping[Event, float]) -> None:
         """Let springs pull at the doors that are falling shut, and at no others."""

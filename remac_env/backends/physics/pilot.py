@@ -29,7 +29,10 @@ Attempt = Generator[None, None, Outcome]
 
 
 class Pilot:
-    """Runs motions of one robot. ``own``: the controllers, by skill, that take the place of scripted ones."""
+    """Runs motions of one robot. ``own``: the controllers, by skill, that take the place of scripted ones.
+
+    ``stopping``: it has been told to stop, and its skill ends before its next command.
+    """
 
     def __init__(
         self, simulation: Simulation, here: Workspace, rules: Rules, own: Mapping[str, Controller], seed: int
@@ -37,6 +40,7 @@ class Pilot:
         self._simulation, self._handle = simulation, simulation.robots[here.robot.name]
         self.here, self.own, self._seed = here, own, seed
         self._scripted = Scripted(here, rules)
+        self.stopping = False
 
     def briefed(self, number: int, subtask: Subtask, world: WorldState, goal: Station | None = None) -> Briefed:
         """What the robot is told about a subtask that begins now; ``number``: of the batch in which it was given."""
@@ -49,7 +53,7 @@ class Pilot:
 
     def scripted(self, subtask: Subtask, sensing: Briefed) -> Attempt:
         """Run the scripted controller."""
-        return self._kept(self.wanted(subtask, sensing), SKILL_TIME)
+        return self._kept(self._stoppable(self.wanted(subtask, sensing)), SKILL_TIME)
 
     def steps(self, steps: Steps, seconds: float) -> Attempt:
         """Run scripted steps."""
@@ -87,7 +91,7 @@ class Pilot:
     def _owned(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:
         """Run a controller of the robot's own; scripted motions can then go on from what it has left."""
         stood = {name: sensing.pose(name) for name in sensing.objects}
-        outcome = yield from self._bounded(guarded(controller, subtask, sensing), SKILL_TIME)
+        outcome = yield from self._bounded(self._stoppable(guarded(controller, subtask, sensing)), SKILL_TIME)
         self.here.robot.catch_up()
         self._feel(sensing.told, stood)
         return outcome
@@ -107,6 +111,18 @@ class Pilot:
         robot = self.here.robot
         self._handle.hold(robot.in_world(robot.q), robot.grip)
         return outcome
+
+    def _stoppable(self, run: Generator[Command, None, Outcome]) -> Generator[Command, None, Outcome]:
+        """The same commands, up to where the robot is told to stop."""
+        while not self.stopping:
+            try:
+                command = next(run)
+            except StopIteration as end:
+                outcome: Outcome = end.value
+                return outcome
+            yield command
+        run.close()
+        return failure("interrupted", "it was told to stop")
 
     def _bounded(self, run: Generator[Command, None, Outcome], seconds: float) -> Attempt:
         """Pass commands on for at most so long; a wrong one ends the run, and reaches no servo."""

@@ -137,6 +137,11 @@ class Timeline:
         self.world = self._truth.read()
         return self._judge(ended, tasks, before, {robot: task.subtask for robot, task in tasks.items()})
 
+    def stop(self, robot: str) -> None:
+        """Tell a busy robot to stop; see the backend."""
+        if not self._tasks[robot].subtask.moves:
+            self._team.pilots[robot].stopping = True
+
     def happen(self, process: Process, name: str) -> None:
         """Let what comes of a process come true; see the backend."""
         self._truth.happen(process, name)
