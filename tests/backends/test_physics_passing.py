@@ -69,10 +69,8 @@ def drives(layout: Layout, chance: np.random.Generator) -> Iterator[Drive]:
         yield possible[k]
 
 
-FIRST, *OTHERS = layouts.names()
-
-
-@pytest.mark.parametrize("name", [FIRST, *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)])
+@pytest.mark.few(1)
+@pytest.mark.parametrize("name", layouts.names())
 def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
     env = remac_env.parallel_env("OpenCabinetPnP", layout=name, backend="symbolic")
     env.reset(seed=1)

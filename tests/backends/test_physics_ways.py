@@ -18,9 +18,6 @@ CLEAR = 0.6
 """m between the middles of two bases, of about half a metre, that pass one another."""
 
 
-LARGE = ("u_shaped_large", "g_shaped_large")
-
-
 def nearest(departure: Departure, goal: str, other: np.ndarray) -> dict[str, float]:
     """How near (m) the middle of a base comes to ``other`` (2,) at the best way of each sort."""
     best: dict[str, float] = {}
@@ -31,7 +28,8 @@ def nearest(departure: Departure, goal: str, other: np.ndarray) -> dict[str, flo
     return best
 
 
-@pytest.mark.parametrize("name", ["l_shaped_large", *(pytest.param(each, marks=pytest.mark.long) for each in LARGE)])
+@pytest.mark.few(1)
+@pytest.mark.parametrize("name", ["l_shaped_large", "u_shaped_large", "g_shaped_large"])
 def test_somebody_behind_a_robot_is_passed_along_the_wall(name: str) -> None:
     layout = layouts.load(name)
     passed = 0

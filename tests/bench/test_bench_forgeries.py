@@ -295,7 +295,9 @@ def test_an_honest_run_is_proven_whole(honest: Path) -> None:
     assert verdict.records == len(read(honest))
 
 
-@pytest.mark.parametrize("name", FORGERIES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.long) if n == "backend" else n for n in FORGERIES]  # played in physics
+)
 def test_a_forgery_is_found(honest: Path, tmp_path: Path, name: str) -> None:
     copy = forged(honest, tmp_path / "copy", FORGERIES[name])
     assert read(copy) != read(honest), "this forgery changes nothing"

@@ -171,6 +171,7 @@ def test_lists_given_twice_add_up(tmp_path: Path) -> None:
     assert seen == {(task, method, seed) for task in tasks for method in methods for seed in (0, 3, 4)}
 
 
+@pytest.mark.long
 def test_lists_of_experiments_and_demos_add_up(tmp_path: Path) -> None:
     file = tmp_path / "x.json"
     result = remac(

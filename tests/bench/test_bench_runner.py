@@ -163,6 +163,7 @@ def test_a_kitchen_that_cannot_begin_leaves_no_report_of_the_episode_before(
     assert (last.iteration, last.rounds, last.initial_plan, last.final_plan_length) == (1, 0, {}, None)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_agent_that_ends_its_worker_twice_has_crashed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, workers: int

@@ -77,10 +77,8 @@ BROKEN: list[tuple[type[bad.Tampered], Callable[[Any], None], str]] = [
 ]
 
 
-FIRST, *OTHERS = remac_env.tasks()
-
-
-@pytest.mark.parametrize("task", [FIRST, *(pytest.param(task, marks=pytest.mark.long) for task in OTHERS)])
+@pytest.mark.few(1)
+@pytest.mark.parametrize("task", remac_env.tasks())
 def test_every_check_passes_on_the_built_in_tasks(task: str) -> None:
     testing.check_task(task, seeds=(0, 1), rounds=12)
 

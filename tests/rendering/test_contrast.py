@@ -30,6 +30,7 @@ def contrast(picture: np.ndarray, mask: np.ndarray) -> float:
     return float(np.linalg.norm(picture[cv2.erode(bits, near) > 0] - picture[ring].mean(axis=0), axis=1).mean())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("look", ["transitional_2", "modern_2", "coastal"])
 def test_pale_things_stand_out_from_the_worktop(look: str) -> None:
     if gl.probe() is None:

@@ -64,6 +64,7 @@ def holding(kitchen: Kitchen, noun: str, station: str, *, door: str = "closed") 
 STATIONS = ("counter_left", "counter_back_right", "sink", "stove", "cabinet", "microwave", "aside")
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("noun", ["bowl", "fish"])
 @pytest.mark.parametrize("station", STATIONS)
 def test_what_a_hand_holds_is_seen_whole(kitchen: Kitchen, noun: str, station: str) -> None:
@@ -116,6 +117,7 @@ def test_wrist_pictures_are_upright(kitchen: Kitchen, wrist: float, bend: float)
         assert fixed[2, 1] != pytest.approx(turn[2, 1])  # a camera that turns with the hand is another
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", layouts.names())
 def test_little_of_the_front_picture_is_floor(name: str) -> None:
     layout = layouts.load(name)
@@ -137,6 +139,7 @@ def test_little_of_the_front_picture_is_floor(name: str) -> None:
     assert share(cameras.FRONT) < MOST_FLOOR < share("down")
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("style", ["modern_1", "coastal", "farmhouse"])
 @pytest.mark.parametrize("on", [False, True])
 def test_a_shut_microwave_shows_what_is_in_it(style: str, on: bool) -> None:

@@ -34,7 +34,7 @@ copied = pytest.mark.parametrize("duplicate", COPIES.values(), ids=COPIES)
 
 @pytest.mark.parametrize(
     ("backend", "duplicate"),
-    [pytest.param("symbolic", COPIES["deepcopy"], marks=pytest.mark.long), ("physics", COPIES["pickle"])],
+    [pytest.param("symbolic", COPIES["deepcopy"], marks=pytest.mark.long), pytest.param("physics", COPIES["pickle"], marks=pytest.mark.long)],
 )
 def test_a_kitchen_that_was_drawn_can_be_copied(backend: str, duplicate: Callable[[Any], Any]) -> None:
     env = remac_env.parallel_env(
@@ -163,7 +163,7 @@ assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
 @pytest.mark.parametrize(
     "code",
     [
-        pytest.param(_VECTOR, id="vector"),
+        pytest.param(_VECTOR, id="vector", marks=pytest.mark.long),
         pytest.param(_INHERITED, id="inherited", marks=pytest.mark.long),
         pytest.param(_INSISTS, id="insists", marks=pytest.mark.long),
     ],

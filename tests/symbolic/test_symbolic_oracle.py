@@ -32,6 +32,7 @@ def all_commands(env: Any, scene: Rules) -> list[Subtask]:
     return [env.vocabulary.parse(text) for text in texts if text not in ("wait", "done")]
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize(
     ("task", "robots", "length"),
     [*zip(TASKS, (1,) * 4, (6, 6, 9, 9), strict=True), *zip(TASKS, (2,) * 4, (4, 4, 6, 6), strict=True)],
@@ -59,6 +60,7 @@ def breadth_first(scene: Rules, world: WorldState, goal: Goal, commands: list[Su
     return None
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("task", TASKS[:2])
 def test_breadth_first_search_over_all_commands_finds_nothing_shorter(task: str) -> None:
     for seed in range(4):
@@ -100,6 +102,7 @@ def _check_relevant(task: str, seeds: range, *, max_states: int) -> None:
     assert finished, "no search with all commands was finished, so nothing was compared"
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("robots", [1, 2])
 @pytest.mark.parametrize("task", TASKS)
 def test_the_bound_never_cuts_off_a_shorter_plan(task: str, robots: int) -> None:
@@ -195,6 +198,7 @@ def test_what_is_in_a_vessel_in_hand_goes_with_it() -> None:
     assert found.optimum == 4 and found.proof == "search"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("number", "cost"), [(1177, 4), (2020, 5), (2594, 5), (2614, 5), (2873, 7), (3050, 4)])
 def test_what_is_in_a_hand_may_be_put_down_on_a_stove_that_the_goal_does_not_name(number: int, cost: int) -> None:
     drawn = draw(number)

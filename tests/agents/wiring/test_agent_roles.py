@@ -56,6 +56,7 @@ def test_calls_out_of_order() -> None:
         agent.act(obs, infos)
 
 
+@pytest.mark.few(45)
 @pytest.mark.parametrize("method", remac_agents.methods())
 @pytest.mark.parametrize("checker", [{"name": "noisy", "false_alarm": 0.4, "miss": 0.4}, "none", "truth"])
 @pytest.mark.parametrize("planner", ["literal", "random", "noop"])
