@@ -34,7 +34,10 @@ copied = pytest.mark.parametrize("duplicate", COPIES.values(), ids=COPIES)
 
 @pytest.mark.parametrize(
     ("backend", "duplicate"),
-    [pytest.param("symbolic", COPIES["deepcopy"], marks=pytest.mark.long), pytest.param("physics", COPIES["pickle"], marks=pytest.mark.long)],
+    [
+        pytest.param("symbolic", COPIES["deepcopy"], marks=pytest.mark.long),
+        pytest.param("physics", COPIES["pickle"], marks=pytest.mark.long),
+    ],
 )
 def test_a_kitchen_that_was_drawn_can_be_copied(backend: str, duplicate: Callable[[Any], Any]) -> None:
     env = remac_env.parallel_env(
