@@ -43,7 +43,7 @@ FILE = Path(__file__).with_name("quirk_trials.toml")
 LAYOUT, STYLE = "rich_u_shaped", "modern_1"
 
 _SIZE = 320  # pixels of a picture's side
-_CAPTION = 44  # pixels of a row's caption
+_SMALL, _CAPTION, _ACROSS = 170, 36, 2  # of the same in the sheet, of a caption's height; kinds side by side
 
 Picture = NDArray[np.uint8]
 
@@ -68,6 +68,11 @@ class Trial:
     def looked_at(self) -> str:
         """What the pictures are of: that of which a condition is found false."""
         return self.false[-1] if self.false[0] != "marked" else self.about
+
+    @property
+    def looked_at_last(self) -> str:
+        """What the last picture is of."""
+        return self.then[-1] if self.then else self.looked_at
 
 
 @dataclass(frozen=True)
@@ -116,16 +121,16 @@ def play(kind: str, trial: Trial, *, backend: str = "physics", pictures: bool = 
     spec = task_of(kind, trial, quirky=quirky)
     env = remac_env.parallel_env(spec, robots=trial.robots, backend=backend)
     env.reset(seed=1)
-    stand = _Stand(env, make_backend(env.options, env.worlds), trial)
+    stand = _Stand(env, make_backend(env.options, env.worlds))
     condition = Condition(trial.false[0], trial.false[1:])
-    shots = [stand.picture()] if pictures else []
+    shots = [stand.picture(trial.looked_at)] if pictures else []
     told = list(stand.run(trial.tries))
     held = condition.holds(env.start.scene, stand.world)
-    shots += [stand.picture()] if pictures else []
+    shots += [stand.picture(trial.looked_at)] if pictures else []
     told += ["-- then", *stand.run(trial.remedy)]
     final = Condition(trial.then[0], trial.then[1:]) if trial.then else condition
     then = final.holds(env.start.scene, stand.world)
-    shots += [stand.picture()] if pictures else []
+    shots += [stand.picture(trial.looked_at_last)] if pictures else []
     sentence = sentence_of(Quirk(kind, trial.about, trial.other))
     return Shown(kind, sentence, condition.sentence, tuple(told), held, then, tuple(shots))
 
@@ -133,8 +138,8 @@ def play(kind: str, trial: Trial, *, backend: str = "physics", pictures: bool = 
 class _Stand:
     """The kitchen of a trial."""
 
-    def __init__(self, env: KitchenParallelEnv, backend: Backend, trial: Trial) -> None:
-        self._env, self._backend, self._trial = env, backend, trial
+    def __init__(self, env: KitchenParallelEnv, backend: Backend) -> None:
+        self._env, self._backend = env, backend
         self.world = backend.reset(env.start)
 
     def run(self, commands: Sequence[str]) -> Iterator[str]:
@@ -146,21 +151,21 @@ class _Stand:
             self.world = result.world
             yield f"{text}: " + " | ".join(result.outcomes[name].reason or "done" for name in joint)
 
-    def picture(self) -> Picture:
-        """A close look at what the trial is about, as it is now."""
+    def picture(self, name: str) -> Picture:
+        """A close look at a fixture or an object, as it is now."""
         start, world = self._env.start, self.world
         stage = Stage(start, self._env.worlds.layout_of(start), self._env.worlds.categories)
         if isinstance(self._backend, PhysicsBackend):
             stage.show_positions(self._backend.positions(), world)
         else:
             stage.show_world(start, world)
-        picture = stage.look(SIDE.format(station=self._station()), size=_SIZE)
+        picture = stage.look(SIDE.format(station=self._station(name)), size=_SIZE)
         stage.close()
         return picture
 
-    def _station(self) -> str:
-        """From where what is looked at is used."""
-        scene, name = self._env.start.scene, self._trial.looked_at
+    def _station(self, name: str) -> str:
+        """From where it is used."""
+        scene = self._env.start.scene
         if name in scene.fixtures:
             return scene.stations_of(name)[0]
         place = base_place(self.world, name)
@@ -168,18 +173,21 @@ class _Stand:
 
 
 def sheet(shown: Sequence[Shown]) -> Picture:
-    """All pictures as one, a row a kind: before, after the try, in the end; with captions."""
+    """All pictures as one: of each kind three side by side, before, after the try and in the end, under a caption."""
     cv2 = load_opencv()
-    rows = []
+    panels = []
     for each in shown:
-        strip = np.hstack(each.pictures)
+        strip = np.hstack([cv2.resize(one, (_SMALL, _SMALL), interpolation=cv2.INTER_AREA) for one in each.pictures])
         caption = np.full((_CAPTION, strip.shape[1], 3), 255, np.uint8)
-        lines = (f"{each.kind}: {each.sentence}", f"{each.condition}: {each.held} after the try, {each.held_then} then")
-        for number, line in enumerate(lines):
+        lines = (each.sentence, f"before, after the try ({each.condition}: {each.held}), and in the end")
+        for number, (line, scale) in enumerate(zip(lines, (0.40, 0.33), strict=True)):
             cv2.putText(
-                caption, line, (6, 18 + 19 * number), cv2.FONT_HERSHEY_SIMPLEX, 0.45, (0, 0, 0), 1, cv2.LINE_AA
+                caption, line, (4, 14 + 15 * number), cv2.FONT_HERSHEY_SIMPLEX, scale, (0, 0, 0), 1, cv2.LINE_AA
             )
-        rows += [caption, strip]
+        panel = np.vstack([caption, strip])
+        panels.append(np.pad(panel, ((0, 4), (4, 4), (0, 0)), constant_values=255))
+    panels += [np.full_like(panels[0], 255)] * (-len(panels) % _ACROSS)
+    rows = [np.hstack(panels[at : at + _ACROSS]) for at in range(0, len(panels), _ACROSS)]
     return np.vstack(rows)
 
 

@@ -6,7 +6,8 @@ closed door), one robot's shortest way there is searched for and gone, half of t
 table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where in physics a
 object slips out of a hand and in the table it does not, the round is listed apart; anything else is a disagreement,
 printed with what differs. Refusals, which both backends read from one function, and what robots never try as a rule
-(`forbidden` of controllers/scripted/room.py) are counted apart too: that they agree is not a finding.
+(`forbidden` of controllers/scripted/room.py) are counted apart too: that they agree is not a finding. With
+`--grades 1,2 --quirks 2` the tasks are generated ones, and the table knows their quirks.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
 from remac_env.seeding import generator
 from remac_env.state import WorldState, supports
+from remac_env.tasks.spec import TaskSpec
 
 SLIPS = ("slipped", "dropped")
 """Reasons that physics alone may give: the table does not know them."""
@@ -82,9 +84,18 @@ class Compared:
     by_rule: bool = False
 
 
-def play(task: str, robots: int, seed: int, rounds: int) -> list[Compared]:
-    """One episode of varied commands; ends with the goal or after so many rounds."""
-    env = remac_env.parallel_env(task, robots=robots, starts="mixed", max_rounds=rounds)
+def play(
+    task: str, robots: int, seed: int, rounds: int, *, template: str | None = None, quirks: int = 0
+) -> list[Compared]:
+    """One episode of varied commands; ends with the goal or after so many rounds.
+
+    A task that is a number is a generated one of that grade, with a `template` and `quirks`.
+    """
+    made: str | TaskSpec = task
+    if task.isdecimal():
+        spec = remac_env.generate(int(task), seed, template=template or "physics", quirks=quirks, robots=robots)
+        made = replace(spec, rounds=rounds)
+    env = remac_env.parallel_env(made, robots=robots, starts="mixed", max_rounds=rounds)
     env.reset(seed=seed)
     chance, seen, found = generator(seed, "twin", task, robots), Counter[Stratum](), list[Compared]()
     errands = {name: _Errands(chance, env.start.scene) for name in env.agents}
@@ -95,7 +106,7 @@ def play(task: str, robots: int, seed: int, rounds: int) -> list[Compared]:
         told = {name: info["outcome"] for name, info in infos.items()}
         outcomes = {name: Outcome(**each | {"reason": each["reason"] or None}) for name, each in told.items()}
         number = infos[next(iter(infos))]["round"]
-        for line in compare(env, before, joint, outcomes, round_=number):
+        for line in compare(env, before, joint, outcomes, round_=number, task=task):
             found.append(line)
             seen[line.skill, line.foretold] += 1
     env.close()
@@ -104,7 +115,7 @@ def play(task: str, robots: int, seed: int, rounds: int) -> list[Compared]:
 
 def compare(
     env: KitchenParallelEnv, before: WorldState, joint: Mapping[str, Subtask], outcomes: Mapping[str, Outcome],
-    *, round_: int = 0,
+    *, round_: int = 0, task: str = "",
 ) -> Iterator[Compared]:
     """The table's story of a round beside what happened; `env` stands after it."""
     after, foretold = _foretold(env, before, joint)
@@ -116,7 +127,7 @@ def compare(
         differs += changes
         slip = slipped and (table == real or outcomes[name].reason in SLIPS)
         verdict = "slip" if slip else "disagree" if differs else "agree"
-        where = (env.worlds.spec.name, len(joint), env.start.seed, env.start.layout, round_, name)
+        where = (task or env.worlds.spec.name, len(joint), env.start.seed, env.start.layout, round_, name)
         ruled = _by_rule(env, before, joint, name)
         yield Compared(*where, subtask.text, subtask.skill, table, real, verdict, "; ".join(differs), ruled)
 
@@ -242,20 +253,28 @@ def _differences(one: WorldState, other: WorldState) -> Iterator[str]:
                 yield f"{name}: {state} predicted, {getattr(other, part)[name]} happened"
 
 
-def _job(job: tuple[str, int, int, int]) -> list[Compared]:
-    return play(*job)
+def _job(job: tuple[tuple[str, int, int, int], str | None, int]) -> list[Compared]:
+    cell, template, quirks = job
+    return play(*cell, template=template, quirks=quirks)
 
 
-@takes("twin.seeds", "script.tasks", "twin.rounds", "script.processes", "script.file")
-def main(*, seeds: str, tasks: str | None, rounds: int, processes: int, file: Path | None) -> None:
+@takes(
+    *("twin.seeds", "script.tasks", "twin.grades", "template", "quirks", "twin.rounds", "script.processes"),
+    "script.file",
+)
+def main(
+    *, seeds: str, tasks: str | None, grades: str, template: str | None, quirks: int, rounds: int, processes: int,
+    file: Path | None,
+) -> None:  # fmt: skip
     """Print every disagreement and slip, and a table a skill and reason."""
     if file is not None:
         prepare_file(file, "--json")
-    names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
+    asked, kind = (grades, "grades") if grades else (tasks, "tasks")
+    names = remac_env.tasks() if asked is None else parse_names(asked, kind)
     cells = [(*cell, rounds) for cell in product(names, (1, 2), parse_seeds(seeds))]
     console, found = make_console(), list[Compared]()
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for lines in pool.map(_job, cells):
+        for lines in pool.map(_job, [(cell, template, quirks) for cell in cells]):
             found += lines
             for line in lines:
                 if line.verdict != "agree":

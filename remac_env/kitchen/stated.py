@@ -16,9 +16,13 @@ from remac_env.rules.facts import Rules
 from remac_env.rules.rounds import at_rest
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
-from remac_env.state import Door, FrozenMap, ObjectState, RobotState, WorldState
+from remac_env.state import Door, FrozenMap, ObjectState, RobotState, WorldState, base_place
 from remac_env.tasks.setup import Setup
 from remac_env.tasks.spec import TaskSpec
+
+
+_CROWDED = 0.4
+"""Share of the usual way from a slot's middle where neighbouring slots are full: a hand is as wide as a slot."""
 
 
 def stated_scene(
@@ -74,11 +78,19 @@ def stated_start(
     for noun, category in setup.objects.items():
         drawn = world.objects[noun].place.where in layout.slots
         offsets[noun] = offset_in(world, layout, noun, categories[category], rng) if drawn else Offset()
+        if spec.generated and not spec.symbolic_only:
+            offsets[noun] = _near_middle(offsets[noun], world, layout, noun)
     start = Start(
         scene=scene, world=world, layout=layout.name, style=style, categories=dict(setup.objects), offsets=offsets,
         robots=park(layout, robots, rng), doors=doors, seed=int(seed), perception_noise=perception_noise,
     )  # fmt: skip
     return start, {role.name: role.nouns[0] for role in spec.roles}
+
+
+def _near_middle(offset: Offset, world: WorldState, layout: Layout, noun: str) -> Offset:
+    """The same nearer to the middle of a worktop's slot, whose neighbours hold things as well."""
+    on_top = layout.slots[base_place(world, noun).where].kind == "surface"
+    return replace(offset, dx=_CROWDED * offset.dx, dy=_CROWDED * offset.dy) if on_top else offset
 
 
 def _angle(door: Door | None, share: float) -> float:
