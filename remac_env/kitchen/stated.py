@@ -20,7 +20,6 @@ from remac_env.state import Door, FrozenMap, ObjectState, RobotState, WorldState
 from remac_env.tasks.setup import Setup
 from remac_env.tasks.spec import TaskSpec
 
-
 _CROWDED = 0.4
 """Share of the usual way from a slot's middle where neighbouring slots are full: a hand is as wide as a slot."""
 
