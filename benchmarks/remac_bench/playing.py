@@ -195,7 +195,8 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, 
         agent.close_episode(observations, course.infos)
 
 
-def _proven(certificate: Certificate | None) -> dict[str, Any]:
+def proven(certificate: Certificate | None) -> dict[str, Any]:
+    """The fields of a record that a certificate fills; none where nothing was searched."""
     if certificate is None:
         return {}
     return {
@@ -251,7 +252,7 @@ def make_record(
         physics_steps=int(shared.get("physics_steps", 0)),
         problem=course.problem,
         littered=fallen(course.worlds),
-        **_proven(course.certificate),
+        **proven(course.certificate),
         **course.shortest,
         video=video,
         error=None if fault is None else fault.entry(),

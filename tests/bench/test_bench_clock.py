@@ -10,7 +10,8 @@ from remac_bench.errors import UsageError
 from remac_bench.jobs import Job
 from remac_bench.judging.episodes import idle_share, setting, share_of
 from remac_bench.judging.times import time_sheets
-from remac_bench.proof.again import check_job, check_rounds
+from remac_bench.proof.again import check_job
+from remac_bench.proof.rounds import check_rounds
 from remac_bench.records import Record
 from remac_bench.suites import load
 from remac_bench.timing import StepBook, replayed

@@ -222,6 +222,17 @@ def _seed(lines: Lines) -> None:
     _rekey(lines)
 
 
+def _kitchen(name: str, value: Any) -> Forgery:
+    """A failure passed off as one of a kitchen with another option."""
+
+    def change(lines: Lines) -> None:
+        record = failure(lines)
+        record["options"]["kitchen"][name] = value
+        _rekey(lines)
+
+    return change
+
+
 def _swap_agents(lines: Lines) -> None:
     """The successes of one entry go to another."""
     good, bad = learner(lines), next(r for r in lines if r["method"] == "BASE" and r["scored"] and not r["success"])
@@ -279,6 +290,18 @@ FORGERIES: dict[str, Forgery] = {
     "a prompt": _exchange("messages", [["user", "please"]]),
     "a reply": _exchange("reply", "Plan: [wait]"),
     "exchanges dropped": _drop_exchanges,
+    "body": _kitchen("body", "panda_tall"),
+    "knowledge": _kitchen("knowledge", "seen"),
+    "quirks": _kitchen("quirks", 2),
+    "noise": _kitchen("perception_noise", 0.02),
+    "clock": set_field(learner, "clock", "events"),
+    "skills and weights": set_field(learner, "skills", {"pick up": "0" * 64}),
+    "timeline": set_field(learner, "timeline", [{"who": "a", "kind": "wait", "what": "", "began": 0, "ended": 9}]),
+    "orders": set_field(learner, "orders", [{"robot_0": {"command": "wait"}}]),
+    "shortest makespan": set_field(learner, "optimum_seconds", 1.0),
+    "rule readers": set_field(learner, "rule_readers", ["planner", "handover", "reflector"]),
+    "isolated": set_field(learner, "isolated", True),
+    "an option that none knows": lambda lines: learner(lines)["options"]["kitchen"].update(gravity="moon"),
     "errors of the planner": set_field(asked, "planner_errors", ["none of mine"]),
     "suite's version": _other_suite_version,
     "out of the suite": _no_suite,

@@ -6,7 +6,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from remac_bench.errors import UsageError
-from remac_bench.proof.again import PLAYED, compare, play_rounds, read_job
+from remac_bench.proof.again import compare, read_job
+from remac_bench.proof.rounds import PLAYED, play_rounds
 from remac_bench.records import Record
 from remac_bench.store import Store
 

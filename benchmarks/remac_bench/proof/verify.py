@@ -8,8 +8,9 @@ from pathlib import Path
 
 from remac_bench.errors import JobTimeoutError
 from remac_bench.machine import versions
-from remac_bench.proof.again import asks_only_models, check_job, check_rounds, repeatable
+from remac_bench.proof.again import asks_only_models, check_job, repeatable
 from remac_bench.proof.complete import check_once, check_scores, check_suite
+from remac_bench.proof.rounds import check_rounds
 from remac_bench.records import Record
 from remac_bench.shared import Shared
 from remac_bench.store import Store, latest

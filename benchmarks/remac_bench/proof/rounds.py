@@ -1,0 +1,204 @@
+"""The recorded subtasks of a job played again, where who chose them cannot be asked again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, replace
+from typing import Any
+
+from remac_bench import agents
+from remac_bench.entries import EXCHANGES_MAX
+from remac_bench.jobs import Job
+from remac_bench.outside import plugins
+from remac_bench.playing import proven
+from remac_bench.proof.again import check_key, compare, read_job
+from remac_bench.records import CheckEntry, Record
+from remac_bench.shared import make
+from remac_bench.timing import StepBook, replayed, shortest, timeline, token_of
+from remac_bench.worlds import as_values, fallen
+from remac_env.errors import RemacError
+from remac_env.oracle import certify, problem_id
+from remac_env.state import WorldState
+
+PLAYED: tuple[str, ...] = (
+    *("style", "layout", "digest", "problem", "success", "end", "progress", "phases", "rounds", "outcomes", "worlds"),
+    *("sim_seconds", "robot_contacts", "near_misses", "physics_steps", "littered", "goal", "timeline", "orders"),
+    *("skills", "pre_checks", "post_checks"),
+    *("optimum_rounds", "optimum_lower", "optimum_proof", "optimum_seconds", "optimum_seconds_lower"),
+)
+"""Fields that come out the same when the recorded subtasks are played again, whoever chose them. Of checks that is the
+truth beside a verdict."""
+
+AS_TOLD = (
+    *("initial_plan", "final_plan", "initial_plan_length", "final_plan_length", "subtasks_done", "retries", "adjusted"),
+    *("reflections", "planner_errors", "usage", "exchanges", "adaptations", "error"),
+)
+"""Fields that are the word of who chose the subtasks: they have to add up, and no more can be said of them."""
+
+
+def check_rounds(rows: Sequence[Record]) -> Iterator[str]:
+    """Play the recorded subtasks again; who chose them is taken as told, and what is told of it must add up."""
+    import remac_env
+
+    for row in rows:
+        if row.infrastructure_error or row.digest is None:
+            continue
+        try:
+            job = read_job(row)
+            yield from check_key(row, job)
+            yield from _check_sums(row, job)
+            env = remac_env.parallel_env(row.task, **asdict(job.options))
+        except (RemacError, TypeError, KeyError, ValueError) as error:
+            yield f"its options make no job: {error}"
+            return
+        try:
+            yield from compare(row.iteration, row.model_dump(), play_rounds(env, row), PLAYED)
+        except (RemacError, KeyError, IndexError, ValueError) as error:
+            yield f"iteration {row.iteration}: its subtasks cannot be played: {error}"
+        finally:
+            env.close()
+
+
+def play_rounds(env: Any, row: Record) -> dict[str, Any]:
+    """The fields PLAYED, from the recorded subtasks."""
+    _, infos = env.reset(seed=row.seed)
+    start = (env.start.scene, env.world, env.goal)
+    outcomes: list[dict[str, Any]] = []
+    states = [env.world]
+    book = StepBook()
+    for number, entry in enumerate(row.outcomes):
+        if not env.agents:
+            raise ValueError(f"{len(row.outcomes)} rounds recorded, the episode ended after {len(outcomes)}")
+        if row.clock == "events" and number >= len(row.orders):
+            raise ValueError(f"{len(row.outcomes)} decision points recorded, and orders of {len(row.orders)}")
+        if row.clock == "events":
+            tokens, thoughts = replayed(env, row.orders[number], infos)
+            book.order(env, tokens, infos, thoughts)
+        else:
+            tokens = {robot: token_of(env, outcome.subtask) for robot, outcome in entry.items()}
+        _, _, _, _, infos = env.step(tokens)
+        outcomes.append({n: each.model_dump() for n, each in book.ended(env, tokens, infos).items()})
+        states.append(env.world)
+    shared = next(iter(infos.values()))
+    episode, worlds = shared["episode"], [as_values(state) for state in states]
+    return {
+        "style": episode["style"],
+        "layout": episode["layout"],
+        "digest": episode["digest"],
+        "goal": shared["goal"],
+        "success": shared["end"] == "success" and row.error is None,
+        "end": shared["end"] or None,
+        "progress": round(env.progress, 6),
+        "phases": dict(shared["phases"]),
+        "rounds": len(outcomes),
+        "outcomes": outcomes,
+        "worlds": worlds,
+        "littered": fallen(worlds),
+        "problem": problem_id(*start),
+        "skills": dict(getattr(env, "skills", {})),
+        **_optimum(env, row, start),
+        **{name: _truths(getattr(row, name), env, states) for name in ("pre_checks", "post_checks")},
+        "orders": [{robot: each.model_dump() for robot, each in step.items()} for step in book.orders],
+        "timeline": [span.model_dump() for span in timeline(env)],
+        "sim_seconds": round(float(shared["seconds"]), 6),
+        **{name: int(shared[name]) for name in ("robot_contacts", "near_misses", "physics_steps")},
+    }
+
+
+def _optimum(env: Any, row: Record, start: tuple[Any, WorldState, Any]) -> dict[str, Any]:
+    """The fields of what is shortest, where the record has any of them."""
+    told = row.model_dump(include={name for name in PLAYED if name.startswith("optimum")})
+    if all(value is None for value in told.values()):
+        return told
+    nothing: dict[str, Any] = dict.fromkeys(told)
+    return {**nothing, **(shortest(env) if row.clock == "events" else proven(certify(*start)))}
+
+
+def _truths(checks: Sequence[CheckEntry], env: Any, states: Sequence[WorldState]) -> list[dict[str, Any]]:
+    """The checks with what was true then; what no predicate says as it stands."""
+    from remac_env.rules.scene import public_scene
+    from remac_env.rules.sentences import read_condition
+
+    told, kitchen = [], public_scene(env.start.scene)
+    for check in checks:
+        values = check.model_dump()
+        condition = None if check.unmatched else read_condition(check.condition, kitchen, robot=check.robot)
+        if condition is not None:
+            values["truth"] = condition.holds(env.start.scene, states[check.round])
+        elif not check.unmatched:
+            values["condition"] = "(no predicate says this)"
+        told.append(values)
+    return told
+
+
+def _check_sums(row: Record, job: Job) -> Iterator[str]:
+    """What follows from a record's own other fields, where the agent itself cannot be asked again."""
+    recorded = row.model_dump()
+    expected = {
+        "agent": job.label,
+        "backend": job.options.backend,
+        "starts": job.options.starts,
+        "robots": job.options.robots,
+        "clock": job.options.clock,
+        "scored": row.iteration == job.iterations and not row.infrastructure_error,
+        "rounds": len(row.outcomes),
+        **_readers(row, job),
+    }
+    if row.error is None:
+        expected["success"] = row.end == "success"
+        lengths = {"initial_plan_length": row.initial_plan, "final_plan_length": row.final_plan}
+        plans = {name: plan for name, plan in lengths.items() if recorded[name] is not None}
+        expected |= {name: max(map(len, plan.values()), default=0) for name, plan in plans.items()}
+    yield from compare(row.iteration, recorded, expected, list(expected))
+    yield from (f"iteration {row.iteration}, {told}" for told in _wrong_sums(row, job))
+
+
+def _wrong_sums(row: Record, job: Job) -> Iterator[str]:
+    told = {name: value for name, value in row.options.items() if name not in ("access", "viewers")}
+    if set(told) - set(job.facts) or set(told.get("kitchen", {})) - set(job.facts["kitchen"]):
+        yield f"options: {told} has more than the job it makes: {job.facts}"
+    if row.error is None and row.end is None:
+        yield "error: the episode was not over, and nothing says why"
+    if not 0 <= row.iteration <= job.iterations:
+        yield f"iteration: the job has {job.iterations}"
+    if row.final_plan_length is not None and not 0 <= row.subtasks_done <= min(row.final_plan_length, row.rounds):
+        yield f"subtasks_done: {row.subtasks_done} of {row.final_plan_length}, in {row.rounds} rounds"
+    if not 0 <= row.retries <= sum(map(len, row.outcomes)):
+        yield f"retries: {row.retries} in {row.rounds} rounds"
+    if len(row.exchanges) != min(row.usage.calls, EXCHANGES_MAX):
+        yield f"usage: {row.usage.calls} calls, {len(row.exchanges)} exchanges"
+    if len(row.exchanges) == row.usage.calls:
+        yield from _wrong_usage(row)
+
+
+def _wrong_usage(row: Record) -> Iterator[str]:
+    """Tokens and money against the exchanges they are of, where all of these are there."""
+    tokens = sum(exchange.tokens for exchange in row.exchanges)
+    if tokens != row.usage.prompt_tokens + row.usage.completion_tokens:
+        yield f"usage: recorded {row.usage}, {tokens} tokens in its exchanges"
+    money = sum(exchange.money or 0.0 for exchange in row.exchanges)
+    if abs(money - row.usage.money) > 1e-9:
+        yield f"usage: recorded {row.usage.money} dollars, {money} in its exchanges"
+    if any(exchange.money is None and exchange.error is None for exchange in row.exchanges) and not row.usage.unpriced:
+        yield "usage: every request has a price, and of an exchange none is told"
+
+
+def _readers(row: Record, job: Job) -> dict[str, Any]:
+    """The roles of our own that read the truth and the rules, and whether code from outside was kept apart."""
+    from remac_agents.roles.grants import reads_rules, reads_truth
+    from remac_agents.wiring.catalogue import ROLES
+
+    if row.error is not None:
+        return {}
+    given = {role: str(job.agent[role]).partition(",")[0] for role in agents.ROLES if role in job.agent}
+    others = [role for role, name in given.items() if name not in ROLES[role] or name == "human"]
+    known = replace(job, agent={name: value for name, value in job.agent.items() if name not in others})
+    roles = {name: role for name, role in make(known, {}).roles.named().items() if name not in others}  # type: ignore[attr-defined]
+    found: dict[str, Any] = {}
+    for field, reads in (("truth_readers", reads_truth), ("rule_readers", reads_rules)):
+        told = getattr(row, field)
+        of_others = [name for name in told if name in others]
+        ours = [name for name, role in roles.items() if reads(role)]
+        found[field] = told if sorted(told) == sorted([*ours, *of_others]) else [*ours, *of_others]
+    outside = plugins(job.agent, providers=job.access.providers)
+    return found | ({"isolated": job.access.isolated} if outside else {} if others else {"isolated": None})
