@@ -117,6 +117,10 @@ class Backend(Protocol):
         """The world after the last round, `begin` or `advance`."""
 
     @property
+    def settled(self) -> WorldState:
+        """The world in which what is under way has changed nothing yet: what takes its time begins and ends by it."""
+
+    @property
     def busy(self) -> frozenset[str]:
         """The robots whose subtasks have begun and not ended."""
 

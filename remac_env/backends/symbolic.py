@@ -151,6 +151,11 @@ class SymbolicBackend:
         return self._begun("world")[1]
 
     @property
+    def settled(self) -> WorldState:
+        """The same: what is under way comes true when it ends."""
+        return self.world
+
+    @property
     def busy(self) -> frozenset[str]:
         """The robots whose subtasks have begun and not ended."""
         return frozenset(self._running)

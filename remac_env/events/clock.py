@@ -180,7 +180,7 @@ class EventClock:
 
     def _look(self) -> None:
         """What goes on as the world is now."""
-        self._processes.look(self._backend.world, self.now)
+        self._processes.look(self._backend.settled, self.now)
         if self._processes.moves:
             self._backend.go_on(self.processes)
 

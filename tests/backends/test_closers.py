@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
-from physics_kit import ROBOT, kitchen
+from physics_kit import ROBOT, command, kitchen
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.closers import FALL
@@ -85,3 +86,17 @@ def test_a_copy_plays_it_again() -> None:
     twin = pickle.loads(pickle.dumps(backend))
     assert [call for call, _ in twin._played] == ["go_on", "advance"]
     assert np.array_equal(twin.data.qpos, backend.data.qpos) and twin._begun().closers.armed
+
+
+def test_what_is_under_way_begins_nothing_before_it_has_ended() -> None:
+    backend, _, worlds = kitchen({"vegetable": "counter"}, 3)
+    start = backend._begun().start
+    backend.reset(replace(start, scene=replace(start.scene, processes=(FALLING,))))
+    backend.run_round({ROBOT: command(worlds, "navigate to faucet")})
+    backend.begin({ROBOT: command(worlds, "turn on faucet")})
+    while not backend.world.fixtures["faucet"].on:
+        backend.advance(until=round(backend.clock + 0.5, 2))
+        assert backend.busy
+    assert not backend.settled.fixtures["faucet"].on
+    backend.advance()
+    assert backend.settled.fixtures["faucet"].on and backend.settled == backend.world

@@ -129,5 +129,5 @@ def test_an_episode_s_pictures_show_what_goes_on() -> None:
     env.reset(seed=1)
     assert set(env._moment().slow.values()) == {0.0}
     env.step({"robot_0": env.vocabulary.encode("wait")})
-    assert {each.name: share for (each, _), share in env._moment().slow.items()} == {"melting": 5.0 / 60.0}
+    assert {each.name: share for (each, _), share in env._moment().slow.items()} == {"melting": 5.0 / 100.0}
     assert {name for _, name in env._moment().slow} == {"fish", "meat"}

@@ -123,6 +123,11 @@ class PhysicsBackend:
         return self._begun().world
 
     @property
+    def settled(self) -> WorldState:
+        """The world but for what is under way, by what the skill table says that it changes."""
+        return self._begun().settled
+
+    @property
     def model(self) -> mujoco.MjModel:
         """The compiled kitchen of colliders; its qpos fits the model with visual geometry."""
         return self._begun().simulation.model

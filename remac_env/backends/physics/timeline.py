@@ -30,7 +30,9 @@ from remac_env.robots import bodies
 from remac_env.rules.claims import Claim, settle_claims
 from remac_env.rules.facts import Process, Quirk
 from remac_env.rules.outcomes import Outcome
+from remac_env.rules.processes import outcome_of
 from remac_env.rules.quirks import HINDERED, QUIRKS
+from remac_env.rules.rounds import attempt, carried
 from remac_env.rules.subtasks import Subtask
 from remac_env.start import Start
 from remac_env.state import WorldState
@@ -44,12 +46,14 @@ Watch = Callable[[], None] | None
 
 @dataclass(frozen=True)
 class _Task:
-    """A subtask that has begun: at which control step, in which world, and what its robot claims."""
+    """A subtask that has begun: at which control step, in which world, what its robot claims, and what the skill table
+    makes of that world (where things take their time; else the same)."""
 
     subtask: Subtask
     began: int
     world: WorldState
     claim: Claim
+    after: WorldState
 
     def held(self, robot: str) -> str | None:
         """What its robot held."""
@@ -114,7 +118,8 @@ class Timeline:
         refused, stations = settle_claims(self.start.scene, world, subtasks, claims)
         accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
         for robot, subtask in accepted.items():
-            self._tasks[robot] = _Task(subtask, now, world, Claim.of(world, robot, subtask, stations[robot]))
+            claim = Claim.of(world, robot, subtask, stations[robot])
+            self._tasks[robot] = _Task(subtask, now, world, claim, self._foretold(robot, subtask, stations[robot]))
             if self._oddities is not None:
                 self._oddities.began(subtask)
         self._attempts |= self._team.attempts(Orders(self._batches, world, accepted, stations, self._achieved))
@@ -146,6 +151,24 @@ class Timeline:
         """Let what comes of a process come true; see the backend."""
         self._truth.happen(process, name)
         self.world = self._truth.read()
+        if process.does != "shut":
+            for robot, task in self._tasks.items():
+                worlds = (outcome_of(task.world, process, name), outcome_of(task.after, process, name))
+                self._tasks[robot] = replace(task, world=worlds[0], after=worlds[1])
+
+    @property
+    def settled(self) -> WorldState:
+        """The world but for what is under way; see the backend."""
+        world = self.world
+        for task in self._tasks.values():
+            world = carried(task.after, task.world, world)
+        return world
+
+    def _foretold(self, robot: str, subtask: Subtask, station: str) -> WorldState:
+        """What the skill table makes of the world, where it matters."""
+        if not self.start.scene.processes:
+            return self.world
+        return attempt(self.start.scene, self.world, robot, subtask, station=station)[1]
 
     def run_round(self, subtasks: Mapping[str, Subtask], watch: Watch) -> RoundResult:
         """One round; see the backend."""

@@ -9,11 +9,11 @@ SPEC = TaskSpec(
     name="SupperInTime",
     wordings=(
         "place the {food} into the microwave, place the {other} into the cabinet, and place the {third} into the "
-        "sink, within 80 seconds",
+        "sink, within 100 seconds",
         "place the {third} into the sink, the {other} into the cabinet, and the {food} into the microwave, within"
-        " 80 seconds",
+        " 100 seconds",
         "place the {food} into the microwave, the {other} into the cabinet and the {third} into the sink within "
-        "80 seconds",
+        "100 seconds",
     ),
     goal=All(
         Inside("{food}", "microwave"),
@@ -29,7 +29,7 @@ SPEC = TaskSpec(
         Role("third", ("mug",)),
     ),
     fixtures=("counter", "sink", "microwave", "cabinet"),
-    deadline=80.0,
+    deadline=100.0,
     layouts=("one_wall_large", "l_shaped_large", "galley", "u_shaped_large"),
     styles=("modern_1", "farmhouse", "scandinavian", "traditional_1"),
 )

@@ -1,0 +1,253 @@
+"""How plans of timed tasks go in physics: `python benchmarks/timed_physics.py --seeds 0:10`.
+
+The plans are those of `timed_plans.toml`, for two robots. Each robot takes its commands in order, as soon as it is
+ready and what its plan waits for has ended; one that fails is tried again, `RETRIES` times at most. How long each took
+in physics is then fed into the symbolic backend, and the order in which things end there is compared.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from pathlib import Path
+from statistics import mean
+from time import process_time
+from typing import Any
+
+from remac_bench.command import run_script
+from remac_bench.console import console as make_console
+from remac_bench.flags import takes
+from remac_bench.job_lists import parse_names, parse_seeds
+from rich.table import Table
+
+import remac_env
+from remac_env.backends.base import Backend
+from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.symbolic import SymbolicBackend
+from remac_env.episode import max_seconds
+from remac_env.errors import OptionError
+from remac_env.events.clock import EventClock, Order, Span
+from remac_env.rules.processes import spoilt
+from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.start import Start
+from remac_env.tasks.goals import Goal
+from remac_env.vocabulary import Vocabulary
+
+RETRIES = 2
+NEAR = 0.5
+"""s by which two ends must be apart for their order to count: as long as a kitchen comes to rest."""
+
+PLANS = Path(__file__).with_name("timed_plans.toml")
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command of a plan, whose it is, and what must have ended before it."""
+
+    robot: str
+    subtask: Subtask
+    after: frozenset[str]
+
+
+@dataclass
+class Played:
+    """How a plan went: its ends in order (s, who, what), what each command took, and what failed."""
+
+    success: bool = False
+    seconds: float = 0.0
+    ends: list[tuple[float, str, str]] = field(default_factory=list)
+    took: dict[Subtask, list[float]] = field(default_factory=lambda: defaultdict(list))
+    failures: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One episode in physics, beside what the table says of it."""
+
+    task: str
+    seed: int
+    where: str
+    planned: Played
+    played: Played
+    agrees: bool
+    contacts: int
+    near_misses: int
+    cpu: float
+
+
+def play(backend: Backend, start: Start, goal: Goal, steps: Sequence[Step], deadline: float) -> Played:
+    """Carry a plan out under the event clock, in a backend that has been reset."""
+    clock, told = EventClock(backend, start.scene, deadline=deadline), Played()
+    left, tries = dict(enumerate(steps)), defaultdict[int, int](int)
+    at: dict[str, tuple[int, float]] = {}
+    while not clock.over:
+        if goal.holds(start.scene, backend.world):
+            told.success = True
+            break
+        if spoilt(start.scene, backend.world, goal.names()) or any(count > RETRIES for count in tries.values()):
+            break
+        ended = {_label(span) for span in clock.timeline if span.status == "success"}
+        orders = {robot: Order(WAIT) for robot in clock.ready}
+        for robot in clock.ready:
+            number = _next(robot, left, ended)
+            if number is not None:
+                orders[robot], at[robot] = Order(steps[number].subtask), (number, clock.now)
+        for robot, outcome in clock.run(orders).items():
+            if robot not in at:
+                continue
+            number, began = at.pop(robot)
+            if outcome.success:
+                del left[number]
+            elif not outcome.refused:
+                tries[number] += 1
+                told.failures.append(f"{steps[number].subtask.text}: {outcome.reason}: {outcome.detail}")
+            if not outcome.refused:  # what it took until its robot was asked again, with the kitchen at rest
+                told.took[steps[number].subtask].append(round(clock.now - began, 6))
+    told.seconds = clock.now
+    good = [span for span in clock.timeline if span.kind in ("subtask", "process") and span.status == "success"]
+    told.ends = [(span.ended, span.who, span.what) for span in good]
+    return told
+
+
+def _label(span: Span) -> str:
+    """What has ended: a command, or a process and what it is about."""
+    return span.what if span.kind == "subtask" else f"{span.what} {span.who}"
+
+
+def _next(robot: str, left: Mapping[int, Step], ended: Collection[str]) -> int | None:
+    """The step that a robot can begin now."""
+    number = next((number for number, step in left.items() if step.robot == robot), None)
+    return number if number is not None and left[number].after <= set(ended) else None
+
+
+def plan_of(task: str, start: Start, words: Vocabulary) -> list[Step]:
+    """The plan of a task, from the data file."""
+    steps: list[Step] = []
+    for robot, text in tomllib.loads(PLANS.read_text("utf-8"))[task].items():
+        until: set[str] = set()
+        for command in (" ".join(part.split()) for part in text.split(";")):
+            if command.startswith("until "):
+                until.add(command.removeprefix("until "))
+                continue
+            subtask = words.parse(command)
+            if subtask is None:
+                raise OptionError(f"{PLANS.name}, {task}: {command!r} is no command; valid: those of {start.layout}")
+            steps.append(Step(robot, subtask, frozenset(until)))
+            until = set()
+    return steps
+
+
+def episode(task: str, seed: int) -> Episode:
+    """One episode of two robots."""
+    env = remac_env.parallel_env(task, robots=2, backend="symbolic", clock="events")
+    env.reset(seed=seed)
+    start, goal, deadline = env.start, env.goal, max_seconds(env.worlds.spec, env.options)
+    steps = plan_of(task, start, env.vocabulary)
+    by_table, physics = SymbolicBackend(), PhysicsBackend(env.worlds)
+    by_table.reset(start)
+    planned = play(by_table, start, goal, steps, deadline)
+    began = process_time()
+    physics.reset(start)
+    played = play(physics, start, goal, steps, deadline)
+    cpu = process_time() - began
+    fed = {subtask: iter(seconds) for subtask, seconds in played.took.items()}
+    again = SymbolicBackend(seconds=lambda subtask: next(fed.get(subtask, iter(())), subtask.row.seconds))
+    again.reset(start)
+    same = in_order(played.ends, play(again, start, goal, steps, deadline).ends)
+    counters, where = physics.counters, f"{start.layout} {start.style}"
+    return Episode(
+        task, seed, where, planned, played, same, counters.robot_contacts, counters.near_misses, cpu,
+    )  # fmt: skip
+
+
+def in_order(ends: Sequence[tuple[float, str, str]], others: Sequence[tuple[float, str, str]]) -> bool:
+    """Whether the same things have ended in the same order, but for what is `NEAR` one another or `NEAR` the end.
+
+    In physics the goal may be reached while a command that does it is still under way.
+    """
+    first, then = _numbered(ends), _numbered(others)
+    over = min(max(first.values(), default=0.0), max(then.values(), default=0.0)) - NEAR
+    if any(first.get(one, over) < over and one not in then or then.get(one, over) < over and one not in first
+           for one in (*first, *then)):
+        return False
+    both = first.keys() & then.keys()
+    return not any(
+        first[one] + NEAR < first[other] and then[other] + NEAR < then[one] for one, other in product(both, both)
+    )
+
+
+def _numbered(ends: Sequence[tuple[float, str, str]]) -> dict[tuple[str, str, int], float]:
+    """When each has ended; what ends more than once is told apart by how often it has."""
+    counts: dict[tuple[str, str], int] = defaultdict(int)
+    found = {}
+    for seconds, who, what in sorted(ends):
+        counts[who, what] += 1
+        found[who, what, counts[who, what]] = seconds
+    return found
+
+
+@takes("script.seeds", "script.tasks")
+def main(*, seeds: str, tasks: str | None) -> None:
+    """Print a table a task, every failed subtask, and what each skill takes."""
+    timed = [name for name in remac_env.tasks("events") if name not in remac_env.tasks()]
+    console, groups = make_console(), dict[str, list[Episode]]()
+    for task, seed in product(parse_names(tasks, "tasks") if tasks else timed, parse_seeds(seeds)):
+        done = episode(task, seed)
+        groups.setdefault(task, []).append(done)
+        for line in _lines(done):
+            console.print(line, markup=False, soft_wrap=True)
+    columns = ("task", "n", "by the table", "success", "first try", "s", "s by the table", "ratio", "order agrees")
+    table = Table(*columns, "contacts", "near misses", "CPU s", title=f"Plans of timed tasks in physics, seeds {seeds}")
+    for task, group in groups.items():
+        table.add_row(task, *_row(group))
+    every = [each for group in groups.values() for each in group]
+    table.add_row("all", *_row(every))
+    console.print(table)
+    console.print(_skills(every))
+
+
+def _lines(done: Episode) -> Iterator[str]:
+    where = f"{done.task} seed {done.seed} {done.where}"
+    yield from (f"{where}: {failure}" for failure in done.played.failures)
+    if not done.planned.success:
+        yield f"{where}: not done by the table after {done.planned.seconds:g} s"
+    if not done.played.success:
+        yield f"{where}: not done after {done.played.seconds:g} s"
+    if not done.agrees:
+        yield f"{where}: another order"
+
+
+def _row(group: Sequence[Episode]) -> Iterator[str]:
+    done = [each for each in group if each.played.success]
+    yield from (str(len(group)), str(sum(each.planned.success for each in group)), str(len(done)))
+    yield str(sum(not each.played.failures for each in done))
+    if done:
+        physics, table = mean(each.played.seconds for each in done), mean(each.planned.seconds for each in done)
+        yield from (f"{physics:.1f}", f"{table:.1f}", f"{physics / table:.2f}")
+    else:
+        yield from ("", "", "")
+    for count in ("agrees", "contacts", "near_misses"):
+        yield str(sum(getattr(each, count) for each in group))
+    yield f"{mean(each.cpu for each in group):.1f}"
+
+
+def _skills(episodes: Sequence[Episode]) -> Table:
+    """What each skill takes in physics beside the table's seconds."""
+    from remac_env.rules.skills import SKILLS
+
+    table, took = Table("skill", "n", "s in physics", "by the table", "ratio"), defaultdict[str, list[float]](list)
+    for each in episodes:
+        for subtask, seconds in each.played.took.items():
+            took[subtask.skill] += seconds
+    for skill, seconds in sorted(took.items()):
+        by_table = SKILLS[skill].seconds
+        cells: tuple[Any, ...] = (skill, len(seconds), f"{mean(seconds):.1f}", f"{by_table:g}")
+        table.add_row(*map(str, cells), f"{mean(seconds) / by_table:.2f}")
+    return table
+
+
+if __name__ == "__main__":
+    run_script(main)
