@@ -110,6 +110,12 @@ BAD = {
     "that says more than it may": (edited(lambda about: about.update(run="rm")), "valid: "),
     "that says nothing": (edited(lambda about: about.clear()), "made for format"),
     "with too long steps": (edited(lambda about: about.update(execute=99)), "execute 99"),
+    "of texts": (with_array("last_weight", lambda values: values.astype(str)), "holds <U"),
+    "with an endless number": (with_array("weight_0", lambda values: values + np.float16(np.inf)), "finite"),
+    "that divides by nothing": (with_array("std", lambda values: values * 0.0), "fit together"),
+    "that says no number": (with_array("answer", lambda values: values * np.nan), "damaged"),
+    "that is about a list of skills": (edited(lambda about: about.update(skill=[SKILL])), "valid: navigate to"),
+    "whose steps are a text": (edited(lambda about: about.update(execute="8")), "execute '8'"),
     "with a number that is none": (with_array("last_bias", lambda values: values * np.nan), "finite"),
     "with another network": (with_array("last_weight", lambda values: values[:, :4]), "fit together"),
     "with one number changed": (with_array("last_bias", flipped), "damaged"),
@@ -141,6 +147,12 @@ def played(made: Weights) -> tuple[Any, PhysicsBackend]:
     return backend.run_round({ROBOT: ready.subtask}).outcomes[ROBOT], backend
 
 
+def test_targets_that_were_never_shown_stay_scripted() -> None:
+    made = replace(weights(), about=replace(weights().about, targets=("stove",)))
+    outcome, _ = played(made)
+    assert outcome.success, "the faucet is turned on by the scripted controller; these weights stand still"
+
+
 def test_a_policy_that_stands_still_ends_and_has_achieved_nothing() -> None:
     outcome, _ = played(weights())
     assert (outcome.status, outcome.reason) == ("failure", "slipped")
@@ -153,24 +165,61 @@ def test_a_policy_that_never_stops_is_ended_with_a_reason() -> None:
     assert np.isfinite(backend.positions()).all()
 
 
-def test_what_a_network_says_that_is_not_finite_reaches_no_servo() -> None:
-    made = weights()
-    broken = replace(made)
-    object.__setattr__(broken, "network", _Broken(made.network))
-    outcome, backend = played(broken)
-    assert (outcome.status, outcome.reason) == ("failure", "invalid")
-    assert "not finite" in outcome.detail
+def said(answer: Callable[[int], Any]) -> Weights:
+    """Weights whose network says whatever it is told to, by the number of the chunk."""
+    made = replace(weights())
+    object.__setattr__(made, "network", _Saying(answer))
+    return made
+
+
+class _Saying:
+    """A network that is none."""
+
+    chunk = CHUNK
+
+    def __init__(self, answer: Callable[[int], Any]) -> None:
+        self._answer, self._asked = answer, -1
+
+    def commands(self, seen: Any) -> Any:
+        self._asked += 1
+        return self._answer(self._asked)
+
+
+def filled(value: float, *shape: int) -> Any:
+    return np.full(shape or (CHUNK, COMMANDED), value, np.float32)
+
+
+def raising(asked: int) -> Any:
+    raise RuntimeError("out of order")
+
+
+@pytest.mark.parametrize(("answer", "told"), [
+    (lambda asked: filled(np.nan), "not finite"),
+    (lambda asked: filled(np.inf), "not finite"),
+    (lambda asked: filled(0.0, CHUNK, COMMANDED - 1), ""),
+    (lambda asked: "turn left", ""),
+    (raising, "out of order"),
+])  # fmt: skip
+def test_what_a_network_says_that_is_no_motion_reaches_no_servo(answer: Callable[[int], Any], told: str) -> None:
+    outcome, backend = played(said(answer))
+    assert (outcome.status, outcome.reason) == ("failure", "invalid"), outcome
+    assert told in outcome.detail
     assert np.isfinite(backend.positions()).all()
 
 
-class _Broken:
-    """A network that says nothing that is a number."""
+@pytest.mark.long
+def test_wishes_beyond_all_measure_are_cut_to_what_a_robot_can_do() -> None:
+    outcome, backend = played(said(lambda asked: filled(1e30)))
+    assert outcome.status == "failure" and outcome.reason in ("blocked", "slipped", "timeout", "invalid"), outcome
+    assert np.isfinite(backend.positions()).all()
 
-    def __init__(self, whole: Network) -> None:
-        self.chunk = whole.chunk
 
-    def commands(self, seen: Any) -> Any:
-        return np.full((self.chunk, COMMANDED), np.nan, np.float32)
+@pytest.mark.long
+def test_a_policy_that_waves_for_ever_is_ended_after_its_time() -> None:
+    outcome, backend = played(said(lambda asked: filled(0.05 if asked % 2 else -0.05)))
+    assert (outcome.status, outcome.reason) == ("failure", "timeout"), outcome
+    assert "come to rest" in outcome.detail and outcome.seconds < 60.0
+    assert np.isfinite(backend.positions()).all()
 
 
 def test_weights_of_another_skill_are_not_played() -> None:

@@ -38,9 +38,18 @@ class Pilot:
         self, simulation: Simulation, here: Workspace, rules: Rules, own: Mapping[str, Controller], seed: int
     ) -> None:
         self._simulation, self._handle = simulation, simulation.robots[here.robot.name]
-        self.here, self.own, self._seed = here, own, seed
+        self.here, self._own, self._seed = here, own, seed
         self._scripted = Scripted(here, rules)
         self.stopping = False
+
+    def own_for(self, subtask: Subtask) -> Controller | None:
+        """The controller of the robot's own for a subtask; None where the scripted one carries it out.
+
+        One that has a method `covers` is asked whether the subtask is one for it.
+        """
+        controller = self._own.get(subtask.skill)
+        covers = getattr(controller, "covers", None)
+        return controller if covers is None or covers(subtask) else None
 
     def briefed(self, number: int, subtask: Subtask, world: WorldState, goal: Station | None = None) -> Briefed:
         """What the robot is told about a subtask that begins now; ``number``: of the batch in which it was given."""

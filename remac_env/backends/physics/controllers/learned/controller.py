@@ -26,6 +26,11 @@ class Learned:
     def __init__(self, weights: Weights) -> None:
         self._weights = weights
 
+    def covers(self, subtask: Subtask) -> bool:
+        """Whether its demonstrations were about this target; other subtasks stay scripted."""
+        targets = self._weights.about.targets
+        return not targets or subtask.target in targets
+
     def run(self, subtask: Subtask, sensing: Sensing) -> Generator[Command, None, Outcome]:
         """See :class:`remac_env.backends.physics.controllers.base.Controller`.
 

@@ -50,7 +50,8 @@ class About:
     """What a file says of its network.
 
     Attributes:
-        skill: the skill by its name in the table; targets: what its demonstrations were about.
+        skill: the skill by its name in the table; targets: what its demonstrations were about, which is what
+            it is played for; empty: anything.
         execute: how many commands of a chunk are carried out before the next observation.
         demonstrations, seeds, layouts, styles: what it was trained on; seeds as "first:last".
         data, code: digests of the demonstrations and of the code that trained it.
@@ -118,8 +119,9 @@ def read_weights(path: str | Path) -> Weights:
         data = Path(path).read_bytes()
         arrays = _arrays(io.BytesIO(data))
         about = _about(json.loads(str(arrays.pop("about"))))
-        sample, answer = (arrays.pop(name).astype(np.float32) for name in ("sample", "answer"))
-        network = Network.of({name: array.astype(np.float32) for name, array in arrays.items()})
+        numbers = {name: _numbers(name, array) for name, array in arrays.items()}
+        sample, answer = numbers.pop("sample"), numbers.pop("answer")
+        network = Network.of(numbers)
         _check_fit(about, network, sample, answer)
     except OptionError as error:
         raise OptionError(f"weights {str(path)!r} cannot be used: {error}") from error
@@ -135,6 +137,13 @@ def _arrays(data: io.BytesIO) -> dict[str, Any]:
     data.seek(0)
     with np.load(data, allow_pickle=False) as file:
         return {name: file[name] for name in file.files}
+
+
+def _numbers(name: str, array: Any) -> Numbers:
+    """An array as it is calculated with; texts and whole numbers, which it might be cast from, are refused."""
+    if not np.issubdtype(array.dtype, np.floating):
+        raise OptionError(f"array {name!r} holds {array.dtype}; valid: numbers with a point")
+    return np.asarray(array, np.float32)
 
 
 def _about(told: Any) -> About:
