@@ -139,6 +139,10 @@ ROWS: dict[str, Row] = {
     "learn.out": Row(help="Folder for demonstrations.", default=NEEDED, values=File()),
     "learn.demos": Row(help="Folder of demonstrations.", default=NEEDED, values=File()),
     "learn.weights": Row(help="Folder of weights, SKILL.npz each.", default=NEEDED, values=File()),
+    "learn.together": Row(
+        help="One network for all of the skills, which is told the words of commands; else one each.", default=False,
+        values=Switch(),
+    ),
     "learn.epochs": Row(help="Passes over the demonstrations.", default=60, values=_COUNT),
     "learn.width": Row(help="Units of a hidden layer.", default=384, values=Whole(1, 4096)),
     "learn.chunk": Row(help="Commands that are predicted at once.", default=16, values=Whole(1, 200)),

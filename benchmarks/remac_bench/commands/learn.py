@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -62,14 +63,18 @@ def record(
 
 
 @app.command(cls=Command)
-@takes("learn.skills", "learn.demos", "learn.weights", "learn.epochs", "learn.width", "learn.chunk", "learn.execute")
+@takes(
+    *("learn.skills", "learn.demos", "learn.weights", "learn.together", "learn.epochs", "learn.width", "learn.chunk"),
+    "learn.execute",
+)
 def train(
-    *, skills: list[str] | None, demos: Path, weights: Path, epochs: int, width: int, chunk: int, execute: int
+    *, skills: list[str] | None, demos: Path, weights: Path, together: bool, epochs: int, width: int, chunk: int,
+    execute: int,
 ) -> None:
     """Train a network for each skill on what was recorded, with torch, on a GPU where there is one."""
     from remac_bench.learning.demos import h5py
     from remac_bench.learning.lerobot import is_dataset
-    from remac_bench.learning.sessions import train_skill
+    from remac_bench.learning.sessions import train_skill, train_together
     from remac_bench.learning.train import Recipe, check_sizes, torch
 
     if not is_dataset(demos):
@@ -77,9 +82,10 @@ def train(
     torch()
     recipe = Recipe(epochs=epochs, width=width, chunk=chunk, execute=execute)
     check_sizes(recipe)
-    for skill in _skills(skills, drives=False):
-        for line in train_skill(skill, demos, weights, recipe):
-            console().print(line)
+    chosen = _skills(skills, drives=False)
+    runs = [train_skill(skill, demos, weights, recipe) for skill in chosen]
+    for line in chain.from_iterable([train_together(chosen, demos, weights, recipe)] if together else runs):
+        console().print(line)
 
 
 @app.command(cls=Command)

@@ -16,8 +16,15 @@ from remac_bench.learning.demos import Demo, file_digest, read_demos, shards, wr
 from remac_bench.learning.evaluate import Score, Trial, evaluate, score
 from remac_bench.learning.lerobot import Dataset, is_dataset, read_dataset
 from remac_bench.learning.record import Recorder
-from remac_bench.learning.train import Recipe, code_digest, frames, train
-from remac_env.backends.physics.controllers.learned.weights import About, Weights, read_weights, save_weights
+from remac_bench.learning.train import Recipe, code_digest, frames, train, words_of
+from remac_env.backends.physics.controllers.learned.library import file_name, weights_of
+from remac_env.backends.physics.controllers.learned.weights import (
+    SEVERAL,
+    About,
+    Weights,
+    read_weights,
+    save_weights,
+)
 from remac_env.lowlevel.names import camel
 
 SHARD, SHARD_WITH_PICTURES = 40, 5
@@ -104,29 +111,50 @@ def train_skill(skill: str, folder: Path, out: Path, recipe: Recipe) -> Iterator
     Raises:
         UsageError: where nothing was recorded, or what it needs is not installed.
     """
+    kept, demos = _recorded_of(folder, skill)
+    yield from _trained(skill, demos, kept, out, recipe, ())
+
+
+def train_together(skills: Sequence[str], folder: Path, out: Path, recipe: Recipe) -> Iterator[str]:
+    """Train one network on all of these skills, which is told the words of commands; see `train_skill`."""
+    found = [_recorded_of(folder, skill) for skill in skills]
+    kept = sorted({path for paths, _ in found for path in paths})
+    demos = [demo for _, some in found for demo in some]
+    yield from _trained(SEVERAL, demos, kept, out, recipe, words_of(demos))
+
+
+def _recorded_of(folder: Path, skill: str) -> tuple[list[Path], list[Demo]]:
+    """The files of a skill's demonstrations, and what is in them."""
     if is_dataset(folder):
-        demos, kept = list(read_dataset(folder, skill)), sorted((folder / "data").glob("*/*.parquet"))
+        kept, demos = sorted((folder / "data").glob("*/*.parquet")), list(read_dataset(folder, skill))
     else:
         kept = shards(folder, skill)
         demos = list(read_demos(kept))
     if not demos:
         raise UsageError(f"{folder} has no demonstrations of {skill!r}; record them: remac learn record")
-    data = frames(demos, recipe.chunk)
-    yield f"{skill}: {len(demos)} demonstrations, {len(data.seen)} frames"
+    return kept, demos
+
+
+def _trained(
+    name: str, demos: list[Demo], kept: list[Path], out: Path, recipe: Recipe, words: tuple[str, ...]
+) -> Iterator[str]:
+    data = frames(demos, recipe.chunk, words)
+    yield f"{name}: {len(demos)} demonstrations, {len(data.seen)} frames"
     losses: list[float] = []
     network = train(data, recipe, report=lambda epoch, loss: losses.append(loss))
     step = max(1, len(data.seen) // _SAMPLE)
     seeds = [demo.seed for demo in demos]
     about = About(
-        skill=skill, targets=tuple(sorted({demo.target for demo in demos})), execute=recipe.execute,
+        skill=name, targets=tuple(sorted({demo.target for demo in demos})), execute=recipe.execute,
         demonstrations=len(demos), seeds=f"{min(seeds)}:{max(seeds) + 1}",
         layouts=tuple(sorted({demo.layout for demo in demos})), styles=tuple(sorted({demo.style for demo in demos})),
-        data=file_digest(kept), code=code_digest(),
+        data=file_digest(kept), code=code_digest(), words=words,
+        skills=tuple(sorted({demo.skill for demo in demos})) if name == SEVERAL else (),
     )  # fmt: skip
-    path = out / f"{camel(skill)}.npz"
+    path = out / f"{camel(name)}.npz"
     save_weights(path, Weights(about=about, network=network, sample=data.seen[::step][:_SAMPLE]))
     size = path.stat().st_size / 1000
-    yield f"{skill}: loss {losses[0]:.3f} to {losses[-1]:.3f} in {len(losses)} epochs; {path}, {size:.0f} kB"
+    yield f"{name}: loss {losses[0]:.3f} to {losses[-1]:.3f} in {len(losses)} epochs; {path}, {size:.0f} kB"
 
 
 def evaluate_all(
@@ -151,10 +179,16 @@ def evaluate_all(
                 found.append(score(f"{skill} {target}: {name}", some))
                 measured[found[-1].name] = {"trials": len(some), "successes": found[-1].successes}
         if note and str(folder) != SCRIPTED:
-            path = folder / f"{camel(skill)}.npz"
-            weights = read_weights(path)
-            save_weights(path, replace(weights, about=replace(weights.about, measured=measured)))
+            _note(folder, skill, measured)
     return found
+
+
+def _note(folder: Path, skill: str, measured: dict[str, dict[str, int]]) -> None:
+    path = folder / file_name(skill)
+    path = path if path.exists() else folder / file_name(SEVERAL)
+    weights = read_weights(path)
+    told = {**weights.about.measured, **measured} if weights.about.skill == SEVERAL else measured
+    save_weights(path, replace(weights, about=replace(weights.about, measured=told)))
 
 
 def _parts(seeds: Sequence[int], processes: int) -> list[Sequence[int]]:
@@ -164,7 +198,9 @@ def _parts(seeds: Sequence[int], processes: int) -> list[Sequence[int]]:
 
 def _try_part(job: tuple[str, int, Sequence[int]], *, folder: Path, cells: tuple[Cells, Cells]) -> list[Trial]:
     skill, where, seeds = job
-    weights = None if str(folder) == SCRIPTED else read_weights(folder / f"{camel(skill)}.npz")
+    weights = None if str(folder) == SCRIPTED else weights_of(folder, skill)
+    if weights is None and str(folder) != SCRIPTED:
+        raise UsageError(f"{folder} has no weights for {skill!r}: no {file_name(skill)}, and none of several skills")
     return list(evaluate(skill, weights, seeds, cells[where]))
 
 

@@ -7,7 +7,7 @@ which the command does not change are left out for the same reason.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from remac_bench.errors import UsageError
 from remac_bench.learning.demos import Demo, Numbers
 from remac_env.backends.physics.controllers.learned.network import Network
 from remac_env.backends.physics.controllers.learned.seen import entries
+from remac_env.backends.physics.controllers.learned.weights import bag
 from remac_env.seeding import digest
 
 _MOVED = 2e-4  # rad or m by which a command differs from the one before it where it counts as motion
@@ -75,8 +76,13 @@ def code_digest() -> str:
     return digest([path.read_text("utf-8") for path in files])
 
 
-def frames(demos: Iterable[Demo], chunk: int) -> Frames:
-    """The frames of demonstrations in which something moves."""
+def words_of(demos: Iterable[Demo]) -> tuple[str, ...]:
+    """The words of their commands."""
+    return tuple(sorted({word for demo in demos for word in demo.command.split()}))
+
+
+def frames(demos: Iterable[Demo], chunk: int, words: Sequence[str] = ()) -> Frames:
+    """The frames of demonstrations in which something moves; ``words``: of commands, shown behind observations."""
     seen, wanted = [], []
     for demo in demos:
         moved = np.abs(np.diff(demo.commands, axis=0)).max(axis=1) > _MOVED
@@ -86,7 +92,8 @@ def frames(demos: Iterable[Demo], chunk: int) -> Frames:
         following = np.minimum(np.arange(len(moves))[:, None] + np.arange(chunk), len(moves) - 1)
         chunks = commands[following].copy()
         chunks[:, :, :-1] -= demo.measured[moves][:, None]
-        seen.append(demo.observations[moves])
+        said = np.tile(bag(words, demo.command), (len(moves), 1))
+        seen.append(np.concatenate([demo.observations[moves], said], axis=1))
         wanted.append(chunks)
     return Frames(np.concatenate(seen), np.concatenate(wanted).astype(np.float32))
 

@@ -9,7 +9,7 @@ import numpy as np
 from remac_env.backends.physics.controllers.base import Command, Sensing
 from remac_env.backends.physics.controllers.learned.aims import aim_of
 from remac_env.backends.physics.controllers.learned.seen import observe
-from remac_env.backends.physics.controllers.learned.weights import Weights
+from remac_env.backends.physics.controllers.learned.weights import Weights, bag
 from remac_env.robots import bodies
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
@@ -37,11 +37,12 @@ class Learned:
         Success here means that it has ended by itself; whether anything was achieved is read from the kitchen.
         """
         about, network = self._weights.about, self._weights.network
-        if subtask.skill != about.skill:
-            return failure("invalid", f"these weights are for {about.skill!r}")
-        aim, rests = aim_of(subtask, sensing), 0
+        if subtask.skill not in about.known:
+            return failure("invalid", f"these weights are for {', '.join(about.known)!r}")
+        aim, rests, words = aim_of(subtask, sensing), 0, bag(about.words, subtask.text)
         for _ in range(LONGEST // about.execute):
-            chunk = network.commands(observe(sensing, aim, subtask.row))[: about.execute].astype(float)
+            shown = np.concatenate([observe(sensing, aim, subtask.row), words])
+            chunk = network.commands(shown)[: about.execute].astype(float)
             if not np.isfinite(chunk).all():
                 return failure("invalid", "the network says what is not finite")
             start, before = sensing.body.q, sensing.body.commanded

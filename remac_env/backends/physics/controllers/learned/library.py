@@ -7,7 +7,7 @@ from pathlib import Path
 
 from remac_env.backends.physics.controllers.base import MakeController
 from remac_env.backends.physics.controllers.learned.controller import Learned
-from remac_env.backends.physics.controllers.learned.weights import SUFFIX, Weights, read_weights
+from remac_env.backends.physics.controllers.learned.weights import SEVERAL, SUFFIX, Weights, read_weights
 from remac_env.errors import OptionError
 from remac_env.rules.skills import SKILLS
 from remac_env.skill_sources import LEARNED, SCRIPTED, VALID, Sources
@@ -38,12 +38,25 @@ def learned_skills(text: str, robots: int) -> dict[str, Weights]:
         source = sources.of(skill)
         if source == SCRIPTED or row.still or (row.moves and robots > 1):
             continue
-        path = _folder(source) / file_name(skill)
-        if path.exists():
-            found[skill] = _read(path, path.stat().st_mtime_ns)
+        known = weights_of(_folder(source), skill)
+        if known is not None:
+            found[skill] = known
         elif skill in sources.named:
             raise OptionError(f"skills: {source!r} has no weights for {skill!r}; valid: {_kept(_folder(source))}")
     return found
+
+
+def weights_of(folder: Path, skill: str) -> Weights | None:
+    """The weights that a folder has for a skill: its own, or those of several skills.
+
+    Raises:
+        OptionError: for weights that cannot be used.
+    """
+    for name in (skill, SEVERAL):
+        path = folder / file_name(name)
+        if path.exists() and skill in (known := _read(path, path.stat().st_mtime_ns)).about.known:
+            return known
+    return None
 
 
 def makers(weights: dict[str, Weights]) -> dict[str, MakeController]:
@@ -59,7 +72,7 @@ def _folder(source: str) -> Path:
 
 
 def _kept(folder: Path) -> str:
-    known = [skill for skill in SKILLS if (folder / file_name(skill)).exists()]
+    known = [skill for skill in SKILLS if weights_of(folder, skill) is not None]
     return ", ".join([*known, "or scripted"])
 
 

@@ -1,7 +1,7 @@
 """Learned skills as files: arrays of NumPy and a text of JSON that says what they are. No code is in them.
 
     about        a text of JSON: the fields of `About`
-    sample       (k, n) observations, and `answer` (k, chunk, 12): what the network says to them
+    sample       (k, n) of what the network is shown, and `answer` (k, chunk, 12): what the network says to them
 and the arrays of :class:`~remac_env.backends.physics.controllers.learned.network.Network`.
 """
 
@@ -12,7 +12,7 @@ import io
 import json
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from remac_env.backends.physics.controllers.learned.network import LARGEST, Network, Numbers
-from remac_env.backends.physics.controllers.learned.seen import VERSION, entries, taught
+from remac_env.backends.physics.controllers.learned.seen import VERSION, Entry, entries, taught
 from remac_env.errors import OptionError
 from remac_env.files import prepare_file
 from remac_env.robots import bodies
@@ -40,9 +40,25 @@ _UNREADABLE = (
 """What NumPy, zipfile, json and texts of wrong types raise."""
 
 
+SEVERAL = "several"
+"""What `About.skill` says of a network for several skills."""
+
+
 def observation(skill: str) -> str:
     """A name for what a policy of this skill sees: version, names, units and ranges."""
-    return digest([VERSION, [list(entry) for entry in entries(SKILLS[skill])]])
+    return digest([VERSION, [list(entry) for entry in _entries(skill)]])
+
+
+def _entries(skill: str) -> tuple[Entry, ...]:
+    """What is seen, apart from words. Several skills see what all skills that do not move the base see."""
+    row = next(row for row in taught() if not row.moves) if skill == SEVERAL else SKILLS[skill]
+    return entries(row)
+
+
+def bag(words: Sequence[str], text: str) -> Numbers:
+    """A command as numbers (n,): how often it has each of the words."""
+    said = text.split()
+    return np.array([said.count(word) for word in words], np.float32)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,13 +66,14 @@ class About:
     """What a file says of its network.
 
     Attributes:
-        skill: the skill by its name in the table; targets: what its demonstrations were about, which is what
-            it is played for; empty: anything.
+        skill: the skill by its name in the table; or SEVERAL, and `skills` are their names.
+        targets: what its demonstrations were about, which is what it is played for; empty: anything.
         execute: how many commands of a chunk are carried out before the next observation.
         demonstrations, seeds, layouts, styles: what it was trained on; seeds as "first:last".
         data, code: digests of the demonstrations and of the code that trained it.
         measured: name of a set of trials -> {"trials": n, "successes": k}.
         format, observation, body: what it fits.
+        words: of commands, whose `bag` the network is shown behind the observation; empty: none.
     """
 
     skill: str
@@ -72,6 +89,13 @@ class About:
     format: str = FORMAT
     observation: str = ""
     body: str = ""
+    skills: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """The skills that it has learnt."""
+        return self.skills if self.skill == SEVERAL else (self.skill,)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -153,7 +177,7 @@ def _about(told: Any) -> About:
         if told.get(name) != fits:
             raise OptionError(f"it was made for {name} {told.get(name)!r}, and this is {fits}; train it anew")
     skills = [skill.name for skill in taught()]
-    if told.get("skill") not in skills:
+    if told.get("skill") not in [*skills, SEVERAL]:
         raise OptionError(f"skill {told.get('skill')!r} is not valid; valid: {', '.join(skills)}")
     if told.get("observation") != observation(told["skill"]):
         raise OptionError(
@@ -161,14 +185,23 @@ def _about(told: Any) -> About:
             "train it anew"
         )
     known = {each.name for each in fields(About)}
-    if set(told) != known:
+    if not _FIRST <= set(told) <= known:
         raise OptionError(f"it says {', '.join(sorted(told))}; valid: {', '.join(sorted(known))}")
     given: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in told.items()}
-    return About(**given)
+    made = About(**given)
+    if made.skill == SEVERAL and not (made.skills and set(made.skills) <= set(skills)):
+        raise OptionError(f"skills {made.skills!r} are not valid; valid: {', '.join(skills)}")
+    if not isinstance(made.words, tuple) or not all(isinstance(word, str) for word in made.words):
+        raise OptionError(f"words {made.words!r} are not valid; valid: a list of words")
+    return made
+
+
+_FIRST = {each.name for each in fields(About)} - {"skills", "words"}
+"""What files have said from the beginning."""
 
 
 def _check_fit(about: About, network: Network, sample: Numbers, answer: Numbers) -> None:
-    size = len(entries(SKILLS[about.skill]))
+    size = len(_entries(about.skill)) + len(about.words)
     if len(network.mean) != size:
         raise OptionError(f"its network takes {len(network.mean)} numbers; valid: {size}")
     whole = isinstance(about.execute, int) and not isinstance(about.execute, bool)
