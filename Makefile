@@ -110,7 +110,7 @@ $(LOADERS)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(LOADERS)
 	$(LOADERS)/bin/pip install --quiet --disable-pip-version-check torch==2.13.0
 	$(LOADERS)/bin/pip install --quiet --disable-pip-version-check --editable ".[dev,learn,lerobot]" pandas "datasets>=4,<5" \
-		"av>=15,<16" einops draccus==0.10.0 deepdiff jsonlines psutil safetensors termcolor tqdm
+		"av>=15,<16" einops draccus==0.10.0 deepdiff jsonlines matplotlib psutil safetensors six termcolor tqdm
 	$(LOADERS)/bin/pip install --quiet --disable-pip-version-check --no-deps lerobot==0.4.4 torchvision==0.28.0 accelerate==1.15.0 \
 		robomimic==0.3.0
 	touch $@
