@@ -89,21 +89,31 @@ $(DOCS)/.installed: pyproject.toml
 docs: $(DOCS)/.installed
 	$(DOCS)/bin/python docs/make_site.py
 
-# The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. An hour of two cores.
+# The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. Some 25 minutes of a core.
+# What is rare among demonstrations is recorded more often: docs/learning.md. Smaller: make learned EPISODES=8 RARE=2 TRIALS=2
+# EPOCHS=5 DEMOS=build/demos SHIPPED=build/weights
 LEARNED := OpenDoor,CloseDoor,TurnOn,TurnOff
 SHIPPED := remac_env/backends/physics/controllers/learned/shipped
+DEMOS := demos
+EPISODES := 160
+RARE := 30
+EPOCHS := 60
+TRIALS := 300
 $(RL)/.installed-learn: $(RL)/.installed
 	$(RL)/bin/pip install --quiet --disable-pip-version-check --editable ".[learn]"
 	touch $@
 
+RECORD := $(RL)/bin/remac learn record --out $(DEMOS) --processes 2
+MORE := $(RECORD) --episodes $(RARE)
 learned: $(RL)/.installed-learn
-	$(RL)/bin/remac learn record --skills $(LEARNED) --episodes 160 --out demos --processes 2
-	$(RL)/bin/remac learn record --skills TurnOn,TurnOff --target stove --style scandinavian --episodes 30 --first-seed 3000 \
-		--out demos --processes 2
-	$(RL)/bin/remac learn record --skills OpenDoor --target microwave --style industrial --episodes 30 --first-seed 3000 \
-		--out demos
-	$(RL)/bin/remac learn train --skills $(LEARNED) --demos demos --weights $(SHIPPED)
-	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials 300 --note --processes 2
+	$(RECORD) --skills $(LEARNED) --episodes $(EPISODES)
+	$(MORE) --first-seed 3000 --skills TurnOn,TurnOff --target stove --style scandinavian
+	$(MORE) --first-seed 3000 --skills OpenDoor --target microwave --style industrial
+	$(MORE) --first-seed 4000 --skills OpenDoor --target cabinet --layout one_wall_small
+	$(MORE) --first-seed 4000 --skills CloseDoor --target cabinet --style mediterranean
+	$(MORE) --first-seed 5000 --skills CloseDoor --target cabinet --style traditional_2
+	$(RL)/bin/remac learn train --skills $(LEARNED) --demos $(DEMOS) --weights $(SHIPPED) --epochs $(EPOCHS)
+	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials $(TRIALS) --note --processes 2
 
 # Without what lerobot needs for robots and policies, and with the build of torch for the CPU; 1.8 GB.
 $(LOADERS)/.installed: pyproject.toml

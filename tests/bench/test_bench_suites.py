@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,14 @@ def test_the_paper_suite_is_four_tasks_ten_starts_four_methods_twice() -> None:
     floors = [job for job in jobs if job.agent.get("planner") in FLOORS]
     assert len(jobs) - len(floors) == 4 * 10 * 4 * 2
     assert {job.method for job in floors} == {"BASE"} and len(floors) == 4 * 10 * 2 * len(FLOORS)
+
+
+def test_the_paper_suite_with_learned_skills_differs_in_them_alone() -> None:
+    learned = {(job.task, job.seed, job.method): job for job in suites.load("paper-learned").jobs()}
+    paper = {(job.task, job.seed, job.method): job for job in suites.load("paper").jobs()}
+    assert set(learned) == set(paper)
+    for key, job in learned.items():
+        assert job.options == replace(paper[key].options, skills="learned", perception_noise=0.0), key
 
 
 def test_floors_are_played_in_every_suite_whoever_enters() -> None:
