@@ -16,6 +16,7 @@ from remac_env.robots.rotation import Array
 NEAR_MISS = 0.05  # m
 _NEAR = NEAR_MISS + 0.01  # m up to which distances are told apart
 _FAR = 2.4  # m between two bases from which on arms cannot meet
+_BASE = 16  # by how many bits those of bases are above those of the rest of their robots
 
 
 class Separation:
@@ -62,8 +63,7 @@ class Separation:
             self._data.qpos[self._simulation.robots[name].qpos] = q
         for address, pose in attached.values():
             self._data.qpos[address : address + 7] = pose
-        bits = sum(1 << number for number, name in enumerate(self._bodies) if name in without) if without else 0
-        return self._measure(bits)
+        return self._measure(frozenset(without))
 
     @property
     def robots(self) -> tuple[str, ...]:
@@ -94,9 +94,10 @@ class Separation:
         """Copy the world's configuration, before a series of :meth:`of_configurations`."""
         self._data.qpos[:] = self._simulation.data.qpos
 
-    def _measure(self, without: int = 0) -> float:
-        """Least distance (m) as posed; ``without``: the bits of robots that count for nothing."""
+    def _measure(self, without: frozenset[str] = frozenset()) -> float:
+        """Least distance (m) as posed; ``without``: robots that count for nothing."""
         mujoco.mj_kinematics(self._model, self._data)
+        bases = self._between_bases(without)
         try:
             mujoco.mj_collision(self._model, self._data)
         except mujoco.FatalError:
@@ -107,9 +108,20 @@ class Separation:
             return 0.0
         counted: Iterable[int] = range(self._data.ncon)
         if without:
+            bits = sum((1 | 1 << _BASE) << number for number, name in enumerate(self._bodies) if name in without)
             robots = self._model.geom_contype[self._data.contact.geom]
-            counted = [k for k in counted if not (robots[k] & without).any()]
-        return min((self._distance(k) for k in counted), default=np.inf)
+            counted = [k for k in counted if not (robots[k] & bits).any()]
+        return min([bases, *map(self._distance, counted)])
+
+    def _between_bases(self, without: frozenset[str]) -> float:
+        """Least distance (m) between bases; larger ones than are told apart are infinite.
+
+        Of two upright boxes at one height MuJoCo's contacts with margins are not to be relied on: some are missing.
+        """
+        qpos, robots = self._data.qpos, self._simulation.robots
+        places = [qpos[robots[name].qpos[:3]] for name in self._bodies if name not in without]
+        gaps = (bases_apart(one, other, self._simulation.body.footprint) for one, other in combinations(places, 2))
+        return min((gap for gap in gaps if gap <= _NEAR), default=math.inf)
 
     def _distance(self, number: int) -> float:
         """Distance (m) of one contact.
@@ -127,8 +139,9 @@ class Separation:
         model = self._model
         for masks in (model.geom_contype, model.geom_conaffinity, model.body_contype, model.body_conaffinity):
             masks[:] = 0
-        full = (1 << len(self._bodies)) - 1
+        every = (1 << len(self._bodies)) - 1
         for number, (robot, bodies) in enumerate(self._bodies.items()):
+            others = every & ~(1 << number)
             for body in [*bodies, *self._held_bodies(robot)]:
                 # A skirt is right under the rest of its base, so it is nowhere nearer to others.
                 skirt = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, f"{robot}/{self._simulation.body.skirt}")
@@ -136,5 +149,32 @@ class Separation:
                     g for g in range(model.ngeom)
                     if model.geom_bodyid[g] == body and model.geom_group[g] == 3 and g != skirt
                 ]  # fmt: skip
-                model.geom_contype[geoms] = model.body_contype[body] = 1 << number
-                model.geom_conaffinity[geoms] = model.body_conaffinity[body] = full & ~(1 << number)
+                # Bases meet all but other bases.
+                base = model.body(body).name == f"{robot}/base"
+                model.geom_contype[geoms] = model.body_contype[body] = 1 << number + _BASE * base
+                meets = others if base else others | others << _BASE
+                model.geom_conaffinity[geoms] = model.body_conaffinity[body] = meets
+
+
+def bases_apart(one: Array, other: Array, footprint: tuple[tuple[float, float], tuple[float, float]]) -> float:
+    """Least distance (m) between two bases with this footprint, seen from above; 0 where they overlap.
+
+    ``one``, ``other``: poses (3,), x and y in m and the heading in rad.
+    """
+    (x0, y0), (x1, y1) = footprint
+    if math.hypot(one[0] - other[0], one[1] - other[1]) > 2.0 * math.hypot(max(-x0, x1), max(-y0, y1)) + _NEAR:
+        return math.inf
+    low, high, corners = np.array([x0, y0]), np.array([x1, y1]), np.array([[x0, y0], [x0, y1], [x1, y0], [x1, y1]])
+    least, overlap = math.inf, True
+    for pose, seen_by in ((one, other), (other, one)):
+        turn, place = pose[2] - seen_by[2], _turned(pose[:2] - seen_by[:2], -seen_by[2])
+        points = _turned(corners, turn) + place
+        outside = np.maximum(np.maximum(low - points, points - high), 0.0)
+        least = min(least, float(np.hypot(*outside.T).min()))
+        overlap &= bool((points.max(axis=0) >= low).all() and (points.min(axis=0) <= high).all())
+    return 0.0 if overlap else least
+
+
+def _turned(points: Array, angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return points @ np.array([[c, s], [-s, c]])
