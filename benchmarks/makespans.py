@@ -30,13 +30,18 @@ PATIENCE = 120.0
 """s for which a planner is waited for."""
 
 
-@takes("script.tasks", "script.seeds", "makespans.robots", "makespans.by", "makespans.layout", "makespans.states")
-def main(*, tasks: str | None, seeds: str, robots: int, by: str, layout: str, states: int) -> None:
+@takes(
+    *("script.tasks", "script.seeds", "starts"),
+    *("makespans.robots", "makespans.by", "makespans.layout", "makespans.states"),
+)
+def main(*, tasks: str | None, seeds: str, starts: str, robots: int, by: str, layout: str, states: int) -> None:
     """Print each episode, and how many agree."""
     counts: Counter[str] = Counter()
     for task in parse_names(tasks, "tasks") if tasks else remac_env.tasks():
         for seed in parse_seeds(seeds):
-            env = remac_env.parallel_env(task, robots=robots, backend="symbolic", clock="events", layout=layout)
+            env = remac_env.parallel_env(
+                task, robots=robots, backend="symbolic", clock="events", layout=layout, starts=starts
+            )
             counts[_episode(env, task, seed, by, states)] += 1
     typer.echo(f"{sum(counts.values())} episodes: " + ", ".join(f"{n} {what}" for what, n in sorted(counts.items())))
 

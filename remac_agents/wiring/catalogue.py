@@ -39,6 +39,7 @@ ROLES: dict[str, dict[str, str]] = {
         "random": "remac_agents.planners.random:RandomPlanner",
         "reader": "remac_agents.planners.reader:ReaderPlanner",
         "memorised": "remac_agents.planners.memorised:MemorisedPlanner",
+        "timely": "remac_agents.planners.timely:TimelyPlanner",
         "human": "remac_agents.planners.human:HumanPlanner",
     },
     "checker": {

@@ -202,7 +202,7 @@ class _Bound:
         self._rounds = make_bound(rules, All(*atoms)) if atoms else lambda world: 0
         marked = [atom for atom in goal.atoms() if isinstance(atom, Marked)]
         self._slow = [(atom.name, each) for atom in marked for each in rules.processes if each.mark == atom.mark]
-        self._lead = {each: [make_bound(rules, goal) for goal in _set_up(rules, *each)] for each in self._slow}
+        self._lead = {each: [make_bound(rules, goal) for goal in set_up(rules, *each)] for each in self._slow}
         nots = [atom.goal for atom in goal.atoms() if isinstance(atom, Not)]
         off = {each.fixture for each in nots if isinstance(each, SwitchedOn)}
         self._after = {each: _turning_off(rules, each[1], off) for each in self._slow}
@@ -240,7 +240,7 @@ def _turning_off(rules: Rules, process: Process, off: set[str]) -> float:
     return SKILLS["turn off"].seconds if switches and switches <= off else 0.0
 
 
-def _set_up(rules: Rules, name: str, process: Process) -> list[Goal]:
+def set_up(rules: Rules, name: str, process: Process) -> list[Goal]:
     """Goals of which one must hold before a process begins that is about an object."""
     places = WHERE[process.during](rules) if process.during in WHERE else []
     basins = {basin for _, wets in rules.taps for basin in wets}
@@ -275,4 +275,4 @@ def _trace(moment: _Moment) -> tuple[tuple[float, str, Subtask], ...]:
     return tuple(step for step in steps if step[2] != WAIT)
 
 
-__all__: Sequence[str] = ("MAX_STATES", "Makespan", "makespan", "wider")
+__all__: Sequence[str] = ("MAX_STATES", "Makespan", "makespan", "set_up", "wider")

@@ -1,0 +1,78 @@
+"""What takes its time, planned by rule: something else is done meanwhile, and deadlines too short for one are kept."""
+
+from __future__ import annotations
+
+import pytest
+from agent_kitchens import play, suite_kitchen
+
+import remac_agents
+from remac_agents.planners.timely import next_step
+from remac_env.events.makespan import makespan
+from remac_env.rules.subtasks import WAIT, Subtask
+
+LAYOUTS = ("one_wall_large", "l_shaped_large", "galley", "u_shaped_large")
+SOLVED = {"RinseAndStow": 69.0, "FillAndShelve": 74.0, "FrozenInTime": 53.0, "SupperInTime": 73.0}
+LONGER = ("HeatAndShelve", "MicrowaveAndFill", "HeatBoth", "RinseThenHeat")
+
+
+def kitchen(task: str, robots: int = 2, layout: str = LAYOUTS[0]):  # type: ignore[no-untyped-def]
+    return suite_kitchen(task, robots=robots, clock="events", layout=layout)
+
+
+def seconds(
+    task: str, *, method: str = "REACT", robots: int = 2, layout: str = LAYOUTS[0], seed: int = 1
+) -> float | None:
+    """The makespan; None where it fails."""
+    env = kitchen(task, robots, layout)
+    report = play(env, remac_agents.make(method, planner="timely"), seed=seed, most=500)
+    assert "planner" in report.truth_readers and report.errors == ()
+    return max(span.ended for span in env.timeline) if report.success else None
+
+
+@pytest.mark.parametrize("task", SOLVED)
+def test_two_robots_solve_it(task: str) -> None:
+    assert seconds(task) == SOLVED[task]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("task", [*SOLVED, *LONGER])
+def test_two_robots_solve_it_everywhere(task: str, layout: str) -> None:
+    assert seconds(task, layout=layout, seed=2) is not None
+
+
+def test_something_else_is_done_meanwhile() -> None:
+    env = kitchen("RinseAndStow", robots=1)
+    assert play(env, remac_agents.make("REACT", planner="timely"), seed=1, most=500).success
+    (rinsing,) = (span for span in env.timeline if span.kind == "process" and span.what == "rinsing")
+    meanwhile = [s.what for s in env.timeline if s.kind == "subtask" and rinsing.began <= s.began < rinsing.ended]
+    assert any("fish" in what or "microwave" in what for what in meanwhile)
+
+
+def test_a_plan_in_rounds_has_waits() -> None:
+    assert seconds("RinseAndStow", method="CC", robots=1) == 99.0
+    env = kitchen("FillAndShelve")
+    report = play(env, remac_agents.make("CC", planner="timely"), seed=1, most=500)
+    assert report.success and "wait" in report.initial_plan["robot_1"] + report.initial_plan["robot_0"]
+
+
+def test_nobody_goes_where_another_goes_or_takes_what_another_takes() -> None:
+    env = kitchen("SupperInTime")
+    env.reset(seed=1)
+    rules, world, goal = env.start.scene, env.world, env.goal
+    first = next_step(rules, world, goal, "robot_0", {})
+    assert first != WAIT and next_step(rules, world, goal, "robot_1", {"robot_0": first}) not in (first, WAIT)
+    busy = {"robot_0": Subtask("pick up", "fish")}
+    assert next_step(rules, world, goal, "robot_1", busy).target not in ("fish", "cabinet")
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize(
+    "task", ["SupperInTime", *(pytest.param(each, marks=pytest.mark.long) for each in ("FallingDoor", "FrozenInTime"))]
+)
+def test_one_robot_cannot_do_it_in_time(task: str, layout: str) -> None:
+    """All that one robot can do is looked at. Two do it: above, and FallingDoor in tests/symbolic by the search."""
+    env = kitchen(task, 1, layout)
+    env.reset(seed=1)
+    alone = makespan(env.start, env.goal, deadline=env.max_seconds, max_states=60_000)
+    assert (alone.proof, alone.plan) == ("exhausted", ())
