@@ -17,6 +17,7 @@ from remac_env.kitchen.fixtures.table import Table
 from remac_env.kitchen.floor_plan import Layout, Station, Wall
 from remac_env.kitchen.frame import Frame
 from remac_env.kitchen.layout_checks import check
+from remac_env.kitchen.opening import check_opening
 from remac_env.state import FrozenMap
 from remac_env.vocabulary import Noun, make_noun
 
@@ -101,6 +102,7 @@ def parse(text: str, *, name: str, file: str, models: Models = NO_MODELS, certif
     )
     table.close()
     check(layout, file)
+    check_opening(layout, file)
     if certified:
         certificates.check(layout, file)
     return layout
