@@ -17,10 +17,12 @@ from remac_env.tasks.goals import Inside
 from remac_env.tasks.spec import Role, TaskSpec
 
 TEXT = (Path(__file__).resolve().parents[2] / "examples" / "drawer_kitchen.toml").read_text()
-CABINET = TEXT.replace('fronts = ["doors", "drawers"] },\n    { name = "mid"', 'fronts = [] },\n    { name = "mid"').replace(
-    '{ name = "left", x = [-2.15, -1.15], fronts = [] }',
-    '{ name = "left", x = [-2.15, -1.87], fronts = ["door"] },\n    { name = "l", x = [-1.37, -1.15], fronts = ["door"] }',
+_WHOLE = '{ name = "left", x = [-2.15, -1.15], fronts = ["doors", "drawers"] }'
+_HALVES = (
+    '{ name = "left", x = [-2.15, -1.87], fronts = ["door"] }',
+    '{ name = "by_stove", x = [-1.37, -1.15], fronts = ["door"] }',
 )
+CABINET = TEXT.replace(_WHOLE, ", ".join(_HALVES))
 """The example's kitchen with room for a drawer under the cabinet."""
 
 
