@@ -1,4 +1,4 @@
-"""Bases are told apart by their outlines: of upright boxes at one height MuJoCo's contacts with margins can be missing."""
+"""Bases are told apart by their outlines: MuJoCo misses contacts of upright boxes at one height."""
 
 from __future__ import annotations
 
