@@ -110,8 +110,6 @@ learned: $(RL)/.installed-learn
 	$(MORE) --first-seed 3000 --skills TurnOn,TurnOff --target stove --style scandinavian
 	$(MORE) --first-seed 3000 --skills OpenDoor --target microwave --style industrial
 	$(MORE) --first-seed 4000 --skills OpenDoor --target cabinet --layout one_wall_small
-	$(MORE) --first-seed 4000 --skills CloseDoor --target cabinet --style mediterranean
-	$(MORE) --first-seed 5000 --skills CloseDoor --target cabinet --style traditional_2
 	$(RL)/bin/remac learn train --skills $(LEARNED) --demos $(DEMOS) --weights $(SHIPPED) --epochs $(EPOCHS)
 	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials $(TRIALS) --note --processes 2
 

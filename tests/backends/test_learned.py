@@ -15,9 +15,17 @@ import pytest
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.learned.controller import Learned
+from remac_env.backends.physics.controllers.learned.library import file_name, learned_skills
 from remac_env.backends.physics.controllers.learned.network import COMMANDED, Network
 from remac_env.backends.physics.controllers.learned.seen import entries
-from remac_env.backends.physics.controllers.learned.weights import About, Weights, read_weights, save_weights
+from remac_env.backends.physics.controllers.learned.weights import (
+    SEVERAL,
+    About,
+    Weights,
+    bag,
+    read_weights,
+    save_weights,
+)
 from remac_env.errors import OptionError
 from remac_env.lowlevel.starts import ROBOT, get_ready
 from remac_env.rules.skills import SKILLS
@@ -177,11 +185,12 @@ class _Saying:
 
     chunk = CHUNK
 
-    def __init__(self, answer: Callable[[int], Any]) -> None:
-        self._answer, self._asked = answer, -1
+    def __init__(self, answer: Callable[[int], Any], heard: list[Any] | None = None) -> None:
+        self._answer, self._asked, self._heard = answer, -1, [] if heard is None else heard
 
     def commands(self, seen: Any) -> Any:
         self._asked += 1
+        self._heard.append(seen)
         return self._answer(self._asked)
 
 
@@ -220,6 +229,52 @@ def test_a_policy_that_waves_for_ever_is_ended_after_its_time() -> None:
     assert (outcome.status, outcome.reason) == ("failure", "timeout"), outcome
     assert "come to rest" in outcome.detail and outcome.seconds < 60.0
     assert np.isfinite(backend.positions()).all()
+
+
+WORDS = ("door", "faucet", "on", "turn")
+
+
+def together(**told: Any) -> Weights:
+    """Weights of one network for two skills, which is told words."""
+    inputs = len(entries(SKILLS[SKILL])) + len(WORDS)
+    rng, one = np.random.default_rng(2), network(travel=1e-9)
+    layer = one.layers[0]
+    wide = replace(
+        one, mean=np.zeros(inputs, np.float32), std=np.ones(inputs, np.float32),
+        layers=((rng.normal(size=(8, inputs)).astype(np.float32), *layer[1:]),),
+    )  # fmt: skip
+    told = {"skill": SEVERAL, "skills": ("open door", SKILL), "targets": (), "words": WORDS, "execute": CHUNK} | told
+    return Weights(about=About(**told), network=wide, sample=rng.normal(size=(2, inputs)).astype(np.float32))
+
+
+def test_a_network_for_several_skills_is_found_for_each_of_them(tmp_path: Path) -> None:
+    save_weights(tmp_path / file_name(SEVERAL), together())
+    found = learned_skills(str(tmp_path), 1)
+    assert set(found) == {"open door", SKILL}
+    assert bag(found[SKILL].about.words, "turn on faucet").tolist() == [0.0, 1.0, 1.0, 1.0]
+    save_weights(tmp_path / file_name(SKILL), weights())
+    assert learned_skills(str(tmp_path), 1)[SKILL].about.skill == SKILL, "a skill's own weights come first"
+
+
+@pytest.mark.parametrize(
+    "told", [{"skills": ()}, {"skills": ("juggle",)}, {"words": ("a", "b")}, {"words": (1, 2, 3, 4)}]
+)
+def test_a_network_for_several_skills_is_refused(told: dict[str, Any], tmp_path: Path) -> None:
+    save_weights(tmp_path / "Several.npz", together(**told))
+    with pytest.raises(OptionError, match="valid"):
+        read_weights(tmp_path / "Several.npz")
+
+
+def test_a_network_for_several_skills_is_told_the_words_of_the_command() -> None:
+    heard: list[np.ndarray] = []
+
+    def answer(asked: int) -> Any:
+        return filled(0.0)
+
+    made = together()
+    object.__setattr__(made, "network", _Saying(answer, heard))
+    outcome, _ = played(made)
+    assert outcome.reason == "slipped" and heard[0][-4:].tolist() == [0.0, 1.0, 1.0, 1.0]
 
 
 def test_weights_of_another_skill_are_not_played() -> None:
