@@ -1,6 +1,6 @@
 """Proves every variant of fixture for every skill it offers: `python benchmarks/certify_modules.py`.
 
-A make stands alone at a plain wall with worktops beside it; robots of both names do the trials of module_trials.toml
+A variant stands alone at a plain wall with worktops beside it; robots of both names do the trials of module_trials.toml
 there, every arrival off by up to 0.02 m and 0.03 rad, all links colliding. What came of it goes to
 kitchen/fixtures/certified.toml, beside the variants, and layouts take no others. `--check 5` proves a few again.
 """

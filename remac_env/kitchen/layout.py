@@ -77,7 +77,7 @@ def read(path: Path, models: Models = NO_MODELS) -> Layout:
 def parse(text: str, *, name: str, file: str, models: Models = NO_MODELS, certified: bool = True) -> Layout:
     """Build a layout from TOML text; `file` is what errors call it. Raises KitchenFileError.
 
-    certified: whether it must be put together from certified makes only, each with its station where it was proven.
+    certified: whether it must be put together from certified variants only, each with its station where it was proven.
     """
     try:
         table = Table(tomllib.loads(unmarked(text)), file=file)
