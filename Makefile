@@ -4,6 +4,7 @@
 # make rl         install torch and libraries for learners apart, and run the tests and examples of learning there
 # make docs       install what builds the site apart, and build it into build/site
 # make learned    train the weights that come with the package, from nothing, and measure them
+# make vision     the same for the checker that sees
 # make ray        install RLlib and Tianshou apart, and run the tests of their examples there
 # make pddl       install a temporal and a classical planner apart, and run the tests that let them play
 # make inspect    install Inspect AI apart, and run the test of its example there
@@ -24,7 +25,7 @@ PDDL := .venv-pddl
 LOADERS := .venv-loaders
 REPOSITORY ?=
 
-.PHONY: demo test test-all rl learned loaders docs inspect pddl ray wheel versions robosuite robosuite-test tables tables-check lint
+.PHONY: demo test test-all rl learned vision loaders docs inspect pddl ray wheel versions robosuite robosuite-test tables tables-check lint
 .PHONY: install clean
 
 $(VENV)/.installed: pyproject.toml
@@ -125,6 +126,18 @@ $(LOADERS)/.installed: pyproject.toml
 
 loaders: $(LOADERS)/.installed
 	$(LOADERS)/bin/python -m pytest tests/bench/test_loaders.py tests/bench/test_lerobot.py tests/bench/test_learn.py
+
+# The checker that sees, from nothing: pictures of kitchens, a network, and how often it is right.
+PICTURES := pictures
+EYES := remac_agents/vision/shipped/vision.npz
+vision: $(RL)/.installed-learn
+	$(RL)/bin/remac learn record-checker --backend symbolic --first-seed 1000 --episodes 32 --out $(PICTURES)/train
+	$(RL)/bin/remac learn record-checker --first-seed 110000 --episodes 6 --out $(PICTURES)/train
+	$(RL)/bin/remac learn record-checker --held-out --first-seed 120000 --episodes 5 --out $(PICTURES)/calibrate
+	$(RL)/bin/remac learn record-checker --held-out --backend symbolic --first-seed 122000 --episodes 5 --out $(PICTURES)/calibrate
+	$(RL)/bin/remac learn record-checker --held-out --first-seed 130000 --episodes 8 --out $(PICTURES)/test
+	$(RL)/bin/remac learn train-checker --pictures $(PICTURES) --weights $(EYES)
+	$(RL)/bin/remac learn evaluate-checker --pictures $(PICTURES)/test
 
 # REPOSITORY is the address that README's links and the project's URLs shall lead to: docs/package_readme.py.
 $(WHEEL)/.installed:

@@ -11,7 +11,7 @@ from remac_agents.plan import Commands
 from remac_agents.planning.coalitions import skills_of
 from remac_agents.report import EpisodeReport
 from remac_agents.roles import Roles, StopEpisode, View
-from remac_agents.roles.grants import declared_seconds, isolation, readers, reads_rules, reads_truth
+from remac_agents.roles.grants import declared_seconds, isolation, readers, reads_rules, reads_truth, weights
 from remac_agents.running.bookkeeper import Bookkeeper
 from remac_agents.running.briefing import Bounds, Briefing
 from remac_agents.running.looking import look
@@ -178,6 +178,7 @@ class Agent:
             truth_readers=readers(self._checked.named(), reads_truth),
             rule_readers=readers(self._checked.named(), reads_rules),
             isolated=isolation(self.roles.named()),
+            weights=weights(self.roles.named()),
             errors=tuple(ledger.errors),
             infrastructure=self._infrastructure,
             **self._correspondence.fields(),

@@ -140,6 +140,7 @@ class EpisodeReport:
         reflections: what this episode taught.
         truth_readers, rule_readers: the roles that were given the WorldState, and those that were given the Rules.
         isolated: whether roles that are code from outside ran in processes of their own; None where none is.
+        weights: role -> the digest (sha256) of the file of numbers by which it answered; roles that have none left out.
         errors: replies of the planner that were not plans, other answers of models that were of no use, and why the
             episode was ended, if a role had to.
         usage, exchanges: what language models were asked, and what that took.
@@ -169,6 +170,7 @@ class EpisodeReport:
     infrastructure: str | None = None
     rule_readers: tuple[str, ...] = ()
     isolated: bool | None = None
+    weights: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def adaptations(self) -> tuple[str, ...]:

@@ -78,7 +78,7 @@ class Options:
         0.0, "Standard deviation of the error in the poses that controllers perceive, m (physics).", Real(0.0, 0.1)
     )
     image_size: int = option(
-        128, "Width and height of observation images, pixels; jobs use 512 if a role looks at them.", Whole(16, 1024)
+        128, "Width and height of observation images, pixels; jobs use 512, or what their roles need.", Whole(16, 1024)
     )
     render_mode: str | None = option(None, "human (watch), rgb_array or work (from near by).", Choice(RENDER_MODES))
     max_rounds: int = option(30, "Rounds after which an episode is truncated.", Whole(1, 100_000))

@@ -153,6 +153,27 @@ ROWS: dict[str, Row] = {
     "learn.chats": Row(help="A file of JSON lines.", default=NEEDED, values=File(), flag="--out"),
     "learn.roles": Row(help="Questions of these roles, such as planner; by default all.", values=Texts()),
     "learn.successful": Row(help="Only of episodes that reached their goal.", default=False, values=Switch()),
+    "learn.pictures_backend": Row(
+        help="physics, or symbolic: posed by the skill table, which is quicker.", default="physics",
+        values=Choice(("physics", "symbolic")), flag="--backend",
+    ),
+    "learn.held_kitchens": Row(
+        help="Record in the layouts and styles held out, instead of in the others.", default=False, values=Switch(),
+        flag="--held-out",
+    ),
+    "learn.pictures_out": Row(help="Folder for pictures.", default=NEEDED, values=File(), flag="--out"),
+    "learn.albums": Row(
+        help="Folder of pictures; to train, of the folders train, calibrate and test.", default=NEEDED, values=File(),
+        flag="--pictures",
+    ),
+    "learn.checker_out": Row(help="File of weights, .npz.", default=NEEDED, values=File(), flag="--weights"),
+    "learn.checker": Row(
+        help="File of weights; by default those of the package.", values=File(), flag="--weights"
+    ),
+    "learn.checker_epochs": Row(help="Passes over the pictures.", default=14, values=_COUNT, flag="--epochs"),
+    "learn.asked": Row(
+        help="Only conditions that a method would have asked about.", default=False, values=Switch()
+    ),
     "learn.processes": Row(help="Processes side by side.", default=1, values=Whole(1, 256)),
     "memory.keep": Row(help="Number of newest runs to keep per task.", default=NEEDED, values=Whole()),
 }  # fmt: skip

@@ -41,6 +41,7 @@ def report_fields(report: Any) -> dict[str, Any]:
         "truth_readers": list(report.truth_readers),
         "rule_readers": list(report.rule_readers),
         "isolated": report.isolated,
+        "weights": dict(report.weights),
         "planner_errors": [redact(text)[:MESSAGE_MAX] for text in report.errors],
         "usage": _copy(UsageEntry, report.usage),
         "adaptations": list(report.adaptations),

@@ -164,6 +164,7 @@ class Record(Model):
             with rounds.
         truth_readers, rule_readers: the roles that were given the WorldState, and those that were given what the skill
             table enforces or advises; older records say nothing of the latter.
+        weights: role -> the digest (sha256) of the file of numbers by which it answered.
         isolated: whether code from outside ran in processes of its own; None where there is none, or nobody knows.
         usage, exchanges: what language models were asked, and what that took.
         adaptations: how questions were sent otherwise than asked, because of what endpoints refuse, such as
@@ -225,6 +226,7 @@ class Record(Model):
     truth_readers: list[str] = Field(default_factory=list)
     rule_readers: list[str] = Field(default_factory=list)
     isolated: bool | None = None
+    weights: dict[str, str] = Field(default_factory=dict)
     planner_errors: list[str] = Field(default_factory=list)
     usage: UsageEntry = Field(default_factory=UsageEntry)
     exchanges: list[ExchangeEntry] = Field(default_factory=list)

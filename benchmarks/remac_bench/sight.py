@@ -54,8 +54,21 @@ def viewers(method: str, agent: Mapping[str, Any], access: agents.Access) -> tup
     return tuple(role for role, who in filled.items() if sees(role, who))
 
 
-def kitchen_for(viewers: tuple[str, ...], kitchen: Mapping[str, Any]) -> dict[str, Any]:
-    """The kitchen's options for these viewers: with pictures, in the size that checkers need unless one is given.
+def size_for(viewers: tuple[str, ...], agent: Mapping[str, Any], access: agents.Access) -> int:
+    """Pixels of a side of the pictures that these roles of an agent need: the most that any of them makes use of."""
+    from remac_agents.wiring.catalogue import picture_size
+
+    filled = _fillers(agent, access)
+    outside = plugins(filled, providers=access.providers) if access.isolated else {}
+    sizes = [None if role in outside else picture_size(role, filled[role], providers=access.providers)
+             for role in viewers]  # fmt: skip
+    return max((IMAGE_SIZE if size is None else size for size in sizes), default=IMAGE_SIZE)
+
+
+def kitchen_for(
+    viewers: tuple[str, ...], kitchen: Mapping[str, Any], *, size: int = IMAGE_SIZE
+) -> dict[str, Any]:
+    """The kitchen's options for these viewers: with pictures, of this size unless another is given.
 
     Raises:
         UsageError: where pictures are refused that somebody must see.
@@ -67,7 +80,7 @@ def kitchen_for(viewers: tuple[str, ...], kitchen: Mapping[str, Any]) -> dict[st
             f"obs {kitchen['obs']!r} is not valid for a {', '.join(viewers)} that looks at pictures; "
             f"valid: {WITH_PICTURES}, or nothing: it follows from the roles"
         )
-    return {"image_size": IMAGE_SIZE, **kitchen, "obs": WITH_PICTURES}
+    return {"image_size": size, **kitchen, "obs": WITH_PICTURES}
 
 
 def checked_by(record: Record) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel, Field, field_validator
 
+from remac_agents.checkers.felt import untold
 from remac_agents.llm import BadAnswer, Picture
 from remac_agents.prompting import wording
 from remac_agents.prompting.model_role import ModelRole, reads
@@ -16,7 +17,6 @@ from remac_agents.prompting.prompt import load
 from remac_agents.roles import StopEpisode, Verdict, View
 from remac_env.errors import OptionError
 from remac_env.rules.conditions import Condition
-from remac_env.rules.predicates import PREDICATES
 
 CAMERAS = ("side", "wrist")
 """What the paper's checks look at; all there are, where a kitchen has neither."""
@@ -71,7 +71,7 @@ class VlmChecker(ModelRole):
         Raises:
             StopEpisode: where nobody can answer, and where there are no pictures to look at.
         """
-        found = {condition: _untold(condition, view) for condition in conditions}
+        found = {condition: untold(condition, view) for condition in conditions}
         left = [condition for condition, verdict in found.items() if verdict.value is None]
         known = [condition for condition in left if condition.kind == "known"]
         seen = [condition for condition in left if condition.kind not in ("known", "ran")]
@@ -129,15 +129,6 @@ def _check_pictures(view: View) -> None:
             'obs="state+images", image_size=512)',
             infrastructure=True,
         )
-
-
-def _untold(condition: Condition, view: View) -> Verdict:
-    """What the gripper says, or that nobody carries fixtures about; no value where a model is to be asked."""
-    row = PREDICATES.get(condition.predicate)
-    if row is not None and row.fixtures_always and condition.args[0] in view.scene.fixtures:
-        return Verdict(condition, True, "fixtures stay in their places")
-    value = condition.felt(view.scene, view.holding)
-    return Verdict(condition, value, "" if value is None else "felt in the gripper")
 
 
 def _concerned(view: View, conditions: Sequence[Condition]) -> list[str]:

@@ -9,10 +9,7 @@ It reads the facts of `remac_env.observation.Facts`, float32 (n,), and behind th
 from __future__ import annotations
 
 import hashlib
-import io
 import json
-import zipfile
-import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from remac_env.array_files import UNREADABLE, unpacked
 from remac_env.errors import OptionError
 from remac_env.files import prepare_file
 from remac_env.observation import Facts
@@ -44,12 +42,6 @@ ACTIVATIONS: Mapping[str, Callable[[Numbers], Numbers]] = {"tanh": np.tanh, "rel
 """What stands between layers, by name."""
 
 _ABOUT = ("format", "tasks", "robots", "masks", "activation", "vocabulary", "nouns")
-
-_UNREADABLE = (
-    *(OSError, EOFError, ValueError, KeyError, TypeError, AttributeError, RecursionError, MemoryError),
-    *(zipfile.BadZipFile, zlib.error, NotImplementedError),
-)
-"""What NumPy, zipfile, json and texts of wrong types raise."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,22 +137,12 @@ def read_policy(path: str | Path, *, sha256: str = "") -> Policy:
         found = hashlib.sha256(data).hexdigest()
         if sha256 and sha256 != found:
             raise OptionError(f"sha256 {sha256!r} is not that of this file; its own is {found}")
-        arrays = _arrays(io.BytesIO(data))
+        arrays = unpacked(data, MAX_BYTES)
         return _policy(arrays, json.loads(str(arrays["about"])))
     except OptionError as error:
         raise OptionError(f"policy {str(path)!r}: {error}") from error
-    except _UNREADABLE as error:
+    except UNREADABLE as error:
         raise OptionError(f"policy {str(path)!r} cannot be read: {error}; valid: a file of {FORMAT}") from error
-
-
-def _arrays(data: io.BytesIO) -> dict[str, NDArray[Any]]:
-    """Name -> array. What a header says is believed only as far as the bytes that are there reach."""
-    with zipfile.ZipFile(data) as parts:
-        size = sum(part.file_size for part in parts.infolist())
-    if size > MAX_BYTES:
-        raise OptionError(f"unpacked it has {size} bytes; valid: at most {MAX_BYTES}")
-    with np.load(data, allow_pickle=False) as found:
-        return {name: found[name] for name in found.files}
 
 
 def _policy(arrays: Mapping[str, NDArray[Any]], about: Any) -> Policy:

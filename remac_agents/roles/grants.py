@@ -33,6 +33,12 @@ def is_ours(role: object) -> bool:
     return type(role).__module__.startswith("remac_agents.") and not getattr(role, "outside", False)
 
 
+def weights(roles: Mapping[str, object]) -> dict[str, str]:
+    """Role -> the digest of the file of numbers by which it answers (`sha256`), for our own roles that have one."""
+    found = {name: getattr(role, "sha256", "") for name, role in roles.items() if is_ours(role)}
+    return {name: digest for name, digest in found.items() if isinstance(digest, str) and digest}
+
+
 def isolation(roles: Mapping[str, object]) -> bool | None:
     """Whether all code from outside runs in processes of its own; None where there is none."""
     outside = [role for role in roles.values() if not is_ours(role)]

@@ -46,6 +46,7 @@ ROLES: dict[str, dict[str, str]] = {
         "truth": "remac_agents.checkers.truth:TruthChecker",
         "noisy": "remac_agents.checkers.noisy:NoisyChecker",
         "none": "remac_agents.checkers.none:NoChecker",
+        "vision": "remac_agents.checkers.vision:VisionChecker",
     },
     "conditions": {"rule": "remac_agents.conditions.rule:RuleConditions"},
     "adjuster": {"rule": "remac_agents.adjusters.rule:RuleAdjuster"},
@@ -149,15 +150,26 @@ def looks_at_pictures(role: str, given: object, *, providers: Path | str | None 
     Raises:
         UnknownNameError: as for `make_role`.
     """
+    return bool(getattr(_named(role, given, providers), "needs_images", False))
+
+
+def picture_size(role: str, given: object, *, providers: Path | str | None = None) -> int | None:
+    """Pixels of a side of the pictures that who is given for a role makes use of (`picture_size`); None: any."""
+    size = getattr(_named(role, given, providers), "picture_size", None)
+    return None if size is None else int(size)
+
+
+def _named(role: str, given: object, providers: Path | str | None) -> Any:
+    """The class or object that is given for a role, without making one; None for what lies at an address."""
     name = given.get("name", "") if isinstance(given, Mapping) else given
     if not isinstance(name, str):
-        return bool(getattr(name, "needs_images", False))
+        return name
     name = name.partition(",")[0].strip()
     if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name, providers):
-        return bool(getattr(_load(role, MODEL_ROLES[role]), "needs_images", False))
+        return _load(role, MODEL_ROLES[role])
     if role == "planner" and name.startswith(tuple(PLANNERS_AT)):
-        return False
-    return bool(getattr(_find(role, name), "needs_images", False))
+        return None
+    return _find(role, name)
 
 
 def is_plugin(role: str, given: object, *, providers: Path | str | None = None) -> bool:

@@ -54,6 +54,12 @@ class RayPainter:
             hidden[clear] = True
         return (np.clip(picture, 0, 1) * 255).astype(np.uint8).reshape(self._height, self._width, 3)
 
+    def segment(self, data: mujoco.MjData, camera: int) -> NDArray[np.int32]:
+        """Which geom each ray of a camera meets first, (height, width); -1 for none."""
+        origin, directions = self._rays(data, camera)
+        geoms, _ = self._cast(data, origin, directions, self._geom_colors()[0][:, 3] <= 0)
+        return geoms.reshape(self._height, self._width)
+
     def close(self) -> None:
         """Nothing to free."""
 

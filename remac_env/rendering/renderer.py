@@ -72,6 +72,9 @@ class Painter(Protocol):
     def render(self, data: mujoco.MjData, camera: int) -> NDArray[np.uint8]:
         """The picture, (height, width, 3)."""
 
+    def segment(self, data: mujoco.MjData, camera: int) -> NDArray[np.int32]:
+        """Which geom is seen, (height, width); -1 for none."""
+
     def close(self) -> None:
         """Free what it holds."""
 
@@ -120,11 +123,11 @@ class Renderer:
             UnknownNameError: if the model has no such camera; the message lists them.
             RenderingError: after close, and with backend="gl" in a process that was forked from the one that made it.
         """
-        if self._painter is None:
-            raise RenderingError("render() after close(): make a new Renderer")
-        if isinstance(self._painter, _GlPainter) and self._painter.lost:
-            self._painter = self._choose(*self._asked)
-        return self._painter.render(data, self._camera(camera))
+        return self._ready("render").render(data, self._camera(camera))
+
+    def segment(self, data: mujoco.MjData, camera: str | int) -> NDArray[np.int32]:
+        """Which geom of the model is seen in each pixel, int32 (height, width); -1 for none. Errors as in `render`."""
+        return self._ready("segment").segment(data, self._camera(camera))
 
     def close(self) -> None:
         """Free the OpenGL context. May be called twice."""
@@ -144,6 +147,13 @@ class Renderer:
     ) -> None:
         """Close."""
         self.close()
+
+    def _ready(self, call: str) -> Painter:
+        if self._painter is None:
+            raise RenderingError(f"{call}() after close(): make a new Renderer")
+        if isinstance(self._painter, _GlPainter) and self._painter.lost:
+            self._painter = self._choose(*self._asked)
+        return self._painter
 
     def _camera(self, camera: str | int) -> int:
         names = [self.model.camera(i).name for i in range(self.model.ncam)]
@@ -218,6 +228,17 @@ class _GlPainter:
             return picture
         cv2 = load_opencv()
         return cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
+
+    def segment(self, data: mujoco.MjData, camera: int) -> NDArray[np.int32]:
+        """Which geom is seen, (height, width)."""
+        with self._culled(data, camera):
+            self._renderer.update_scene(data, camera, self._option)
+        self._renderer.enable_segmentation_rendering()
+        try:
+            found = self._renderer.render()[:: self._finer, :: self._finer]
+        finally:
+            self._renderer.disable_segmentation_rendering()
+        return np.where(found[..., 1] == mujoco.mjtObj.mjOBJ_GEOM, found[..., 0], -1).astype(np.int32)
 
     @property
     def lost(self) -> bool:

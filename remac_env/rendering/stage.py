@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -130,19 +130,28 @@ class Stage:
         """Show the kitchen in a window that can be looked around in."""
         window.show(self._model, self._data, WIDE)
 
-    def observe(self, robot: str, world: WorldState, *, size: int) -> dict[str, Picture]:
-        """The robot's three pictures, uint8 (size, size, 3): the kitchen, from its hand, and of its station.
+    def observe(
+        self, robot: str, world: WorldState, *, size: int, cameras: Collection[str] = ("front", "wrist", "side")
+    ) -> dict[str, Picture]:
+        """The robot's pictures, uint8 (size, size, 3): the kitchen, from its hand, and of its station.
 
         The third is of its hand and its station while it holds something, and else, away from all stations, of the
         whole kitchen.
         """
-        state = world.robots[robot]
-        side = FRONT if state.station == ASIDE else SIDE.format(station=state.station)
-        if state.holding is not None:
-            side = HELD.format(robot=robot)
-        cameras = {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side}
         quality = OBSERVATION if size <= SMALL else NEAR
-        return {name: self._render(camera, (size, size), quality) for name, camera in cameras.items()}
+        every = _cameras(robot, world)
+        return {name: self._render(every[name], (size, size), quality) for name in cameras}
+
+    def shown(self, robot: str, world: WorldState, camera: str, *, size: int) -> dict[str, int]:
+        """How many pixels of each body are seen in one of the robot's pictures, where any are: body -> pixels."""
+        renderer = self._renderer((size, size), OBSERVATION)
+        geoms, pixels = np.unique(renderer.segment(self._data, _cameras(robot, world)[camera]), return_counts=True)
+        found: dict[str, int] = {}
+        for geom, count in zip(geoms, pixels, strict=True):
+            if geom >= 0:
+                body = self._model.body(self._model.geom_bodyid[geom]).name
+                found[body] = found.get(body, 0) + int(count)
+        return found
 
     def close(self) -> None:
         """Free the renderers. May be called twice."""
@@ -154,11 +163,14 @@ class Stage:
     def _render(self, camera: str, size: tuple[int, int], quality: Quality) -> Picture:
         shot: Shot = (camera, *size, quality)
         if shot not in self._drawn:
-            key = (*size, quality)
-            if key not in self._renderers:
-                self._renderers[key] = Renderer(self._model, *size, quality=quality)
-            self._drawn[shot] = self._renderers[key].render(self._data, camera).copy()
+            self._drawn[shot] = self._renderer(size, quality).render(self._data, camera).copy()
         return self._drawn[shot].copy()
+
+    def _renderer(self, size: tuple[int, int], quality: Quality) -> Renderer:
+        key = (*size, quality)
+        if key not in self._renderers:
+            self._renderers[key] = Renderer(self._model, *size, quality=quality)
+        return self._renderers[key]
 
     def _show_state(self, world: WorldState, slow: Slow) -> None:
         """Water, flames and lamps of what is on, grains and stains, and what takes its time."""
@@ -166,6 +178,15 @@ class Stage:
         show_seasoned(self._model, {noun for noun, item in world.objects.items() if SEASONED in item.marks})
         show_stains(self._model, {noun for noun, item in world.objects.items() if WASHED in item.marks})
         self._signs.show(self._model, world, slow)
+
+
+def _cameras(robot: str, world: WorldState) -> dict[str, str]:
+    """Picture of an observation -> the camera that takes it."""
+    state = world.robots[robot]
+    side = FRONT if state.station == ASIDE else SIDE.format(station=state.station)
+    if state.holding is not None:
+        side = HELD.format(robot=robot)
+    return {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side}
 
 
 def stage_key(start: Start) -> Any:

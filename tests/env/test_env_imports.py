@@ -64,6 +64,7 @@ RANKS = {
     "remac_env.thinking": 0,
     "remac_env.values": 0,
     "remac_env.words": 0,
+    "remac_env.array_files": 0,
     "remac_env.files": 0,
     "remac_env.locks": 0,
     "remac_env.sights": 0,

@@ -54,6 +54,16 @@ def backend(request: pytest.FixtureRequest) -> str:
     return request.param
 
 
+def test_each_pixel_is_told_by_its_geom(backend: str, scene: tuple[mujoco.MjModel, mujoco.MjData]) -> None:
+    model, data = scene
+    with Renderer(model, 60, 40, backend=backend) as renderer:  # type: ignore[arg-type]
+        before, found = renderer.render(data, "eye"), renderer.segment(data, "eye")
+        assert np.array_equal(before, renderer.render(data, "eye")), "pictures are as they were"
+    names = {int(geom): model.geom(geom).name if geom >= 0 else "" for geom in np.unique(found)}
+    assert found.shape == (40, 60) and set(names.values()) == {"red", "green", ""}
+    assert names[int(found[20, 15])] == "red" and names[int(found[20, 45])] == "green" and found[0, 0] == -1
+
+
 def strongest(picture: np.ndarray, row: int, column: int) -> str:
     """Which of red, green and blue a pixel shows, or "grey"."""
     pixel = picture[row, column].astype(int)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -110,6 +111,60 @@ def evaluate(
     console().print(_table(scores))
 
 
+@app.command("record-checker", cls=Command)
+@takes(
+    *("learn.episodes", "learn.first_seed", "learn.cells", "learn.held_out", "learn.held_kitchens"),
+    *("learn.pictures_backend", "learn.pictures_out", "learn.processes"),
+)
+def record_checker(
+    *, episodes: int, first_seed: int, cells: str, held_out: list[str] | None, held_kitchens: bool,
+    pictures_backend: str, pictures_out: Path, processes: int,
+) -> None:
+    """Record what a checker's cameras show, with the truth of every condition that could be asked about it.
+
+    Files hold 4 episodes each; one that is there is not recorded again.
+    """
+    from remac_bench.learning.cells import cells as choose
+    from remac_bench.learning.checker_sessions import record_pictures
+
+    chosen = choose(cells, _names(held_out, "--hold-out"))[held_kitchens]
+    seeds = range(first_seed, first_seed + episodes)
+    for line in record_pictures(seeds, chosen, pictures_out, backend=pictures_backend, processes=processes):
+        console().print(line)
+
+
+@app.command("train-checker", cls=Command)
+@takes("learn.albums", "learn.checker_out", "learn.checker_epochs")
+def train_checker(*, albums: Path, checker_out: Path, checker_epochs: int) -> None:
+    """Train a checker that sees, with torch: on the folder train, calibrated on calibrate and measured on test."""
+    from remac_bench.learning.checker_sessions import train_checker as train_on
+    from remac_bench.learning.checker_train import Recipe
+    from remac_bench.learning.train import torch
+
+    torch()
+    for line in train_on(albums, checker_out, Recipe(epochs=checker_epochs)):
+        console().print(line)
+
+
+@app.command("evaluate-checker", cls=Command)
+@takes("learn.albums", "learn.checker", "learn.asked", "learn.note")
+def evaluate_checker(*, albums: Path, checker: Path | None, asked: bool, note: bool) -> None:
+    """Measure a checker that sees on pictures it never learnt from: precision, recall and what it cannot tell."""
+    from remac_agents.vision.weights import SHIPPED
+    from remac_bench.learning.checker_sessions import evaluate_checker as measured
+    from remac_bench.learning.checker_sessions import note_measured
+
+    weights = SHIPPED if checker is None else checker
+    found, album = measured(weights, albums, asked_only=asked)
+    console().print(_checker_table(found))
+    console().print(
+        f"{len(album.side)} views of {len(album.seeds)} episodes; layouts {', '.join(album.layouts)}; "
+        f"styles {', '.join(album.styles)}"
+    )
+    if note:
+        note_measured(weights, found)
+
+
 @app.command(cls=Command)
 @takes("learn.chats", "learn.roles", "learn.successful")
 def chats(folders: Folders, *, chats: Path, roles: list[str] | None, successful: bool) -> None:
@@ -163,3 +218,35 @@ def _table(scores: list[Score]) -> Any:
             f"{score.seconds:.1f}", why,
         )  # fmt: skip
     return table
+
+
+def _checker_table(found: Mapping[str, Mapping[str, float]]) -> Any:
+    """Predicate by predicate, and all together."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.MARKDOWN)
+    columns = ["condition", "n", "true: precision", "recall", "false: precision", "recall", "cannot tell"]
+    for index, name in enumerate([*columns, "hidden", "said"]):
+        table.add_column(name, justify="right" if index else "left")
+    total = {name: sum(row[name] for row in found.values()) for name in next(iter(found.values()), {})}
+    for name, row in {**found, "all": total}.items():
+        if not row:
+            continue
+        shown = row["true"] + row["false"]
+        said = sum(row[f"{how} {answer}"] for how in ("right", "wrong") for answer in ("true", "false"))
+        table.add_row(
+            name, f"{shown:.0f}", *(
+                text for answer in ("true", "false")
+                for text in (
+                    _share(row[f"right {answer}"], row[f"right {answer}"] + row[f"wrong {answer}"]),
+                    _share(row[f"right {answer}"], row[answer]),
+                )
+            ),
+            _share(shown - said, shown), f"{row['hidden']:.0f}", _share(row["hidden told"], row["hidden"]),
+        )  # fmt: skip
+    return table
+
+
+def _share(part: float, whole: float) -> str:
+    return f"{100 * part / whole:.1f}%" if whole else "-"

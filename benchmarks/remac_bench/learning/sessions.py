@@ -45,7 +45,7 @@ def record_all(
     yield from (f"{path.name}: there already" for path in paths.values() if path.exists())
     fresh = [part for part in jobs if not paths[part].exists()]
     work = partial(_recorded, cells=cells, target=target, disturb=disturb, image_size=image_size, out=out)
-    yield from _side_by_side(work, fresh, processes)
+    yield from side_by_side(work, fresh, processes)
 
 
 def record_dataset(
@@ -57,7 +57,7 @@ def record_dataset(
     yield from (f"{part.name}: there already" for part in jobs if dataset.has(part.name))
     fresh = [part for part in jobs if not dataset.has(part.name)]
     work = partial(_demonstrated, cells=cells, target=target, disturb=disturb, image_size=image_size)
-    for part, demos in zip(fresh, _side_by_side(work, fresh, processes), strict=True):
+    for part, demos in zip(fresh, side_by_side(work, fresh, processes), strict=True):
         dataset.add(part.name, demos)
         yield _line(part, part.name, demos)
 
@@ -168,7 +168,7 @@ def evaluate_all(
         note: write into the weights how often they succeeded.
     """
     jobs = [(skill, where, part) for skill in skills for where in (0, 1) for part in _parts(seeds, processes)]
-    done = list(_side_by_side(partial(_try_part, folder=folder, cells=cells), jobs, processes))
+    done = list(side_by_side(partial(_try_part, folder=folder, cells=cells), jobs, processes))
     found = []
     for skill in skills:
         measured = {}
@@ -204,7 +204,7 @@ def _try_part(job: tuple[str, int, Sequence[int]], *, folder: Path, cells: tuple
     return list(evaluate(skill, weights, seeds, cells[where]))
 
 
-def _side_by_side(play: Callable[[Any], Any], jobs: Sequence[Any], processes: int) -> Iterator[Any]:
+def side_by_side(play: Callable[[Any], Any], jobs: Sequence[Any], processes: int) -> Iterator[Any]:
     """Jobs in order, in as many processes; in this one where one is enough."""
     if processes == 1:
         yield from map(play, jobs)

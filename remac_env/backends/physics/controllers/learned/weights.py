@@ -8,10 +8,7 @@ and the arrays of :class:`~remac_env.backends.physics.controllers.learned.networ
 from __future__ import annotations
 
 import hashlib
-import io
 import json
-import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
@@ -19,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from remac_env.array_files import UNREADABLE, unpacked
 from remac_env.backends.physics.controllers.learned.network import LARGEST, Network, Numbers
 from remac_env.backends.physics.controllers.learned.seen import VERSION, Entry, entries, taught
 from remac_env.errors import OptionError
@@ -32,12 +30,6 @@ FORMAT = "remac-skill-1"
 
 SUFFIX = ".npz"
 _SAME = 1e-2  # standard deviations by which what it says to the sample may differ from machine to machine
-
-_UNREADABLE = (
-    *(OSError, EOFError, ValueError, KeyError, TypeError, AttributeError, RecursionError, MemoryError),
-    *(zipfile.BadZipFile, zlib.error, NotImplementedError),
-)
-"""What NumPy, zipfile, json and texts of wrong types raise."""
 
 
 SEVERAL = "several"
@@ -141,7 +133,7 @@ def read_weights(path: str | Path) -> Weights:
         if Path(path).stat().st_size > LARGEST:
             raise OptionError(f"it has more than {LARGEST} bytes")
         data = Path(path).read_bytes()
-        arrays = _arrays(io.BytesIO(data))
+        arrays = unpacked(data, LARGEST)
         about = _about(json.loads(str(arrays.pop("about"))))
         numbers = {name: _numbers(name, array) for name, array in arrays.items()}
         sample, answer = numbers.pop("sample"), numbers.pop("answer")
@@ -149,18 +141,9 @@ def read_weights(path: str | Path) -> Weights:
         _check_fit(about, network, sample, answer)
     except OptionError as error:
         raise OptionError(f"weights {str(path)!r} cannot be used: {error}") from error
-    except _UNREADABLE as error:
+    except UNREADABLE as error:
         raise OptionError(f"weights {str(path)!r} cannot be read: {type(error).__name__}: {error}") from error
     return Weights(about=about, network=network, sample=sample, sha256=hashlib.sha256(data).hexdigest())
-
-
-def _arrays(data: io.BytesIO) -> dict[str, Any]:
-    with zipfile.ZipFile(data) as archive:
-        if sum(member.file_size for member in archive.infolist()) > LARGEST:
-            raise OptionError(f"its arrays have more than {LARGEST} bytes")
-    data.seek(0)
-    with np.load(data, allow_pickle=False) as file:
-        return {name: file[name] for name in file.files}
 
 
 def _numbers(name: str, array: Any) -> Numbers:

@@ -1,0 +1,133 @@
+"""Calibrates a network that judges pictures, on kitchens kept for that, and measures it on others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remac_agents.vision.network import ANSWERS, CAMERAS, Network
+from remac_agents.vision.questions import Question
+from remac_bench.learning.checker_files import Album, answers
+
+Floats = NDArray[np.float64]
+
+FALSE_ALARMS, MISSES = 0.01, 0.02
+"""Shares of true and of false conditions that may be judged wrongly, by which the least probabilities are found.
+
+A false alarm repeats or changes what was right, again and again; what is missed is met by the next check.
+"""
+
+NEVER = 1.5
+"""In place of a least probability: no answer of this kind is given."""
+
+_LEVELS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99, 0.995, 0.998)
+_ENOUGH = 40  # rows by which a predicate is given least probabilities of its own
+_WARMTHS = tuple(float(value) for value in np.geomspace(0.4, 5.0, 40))
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """Rows of an album with the network's logits (m, 3). `known`: whether it could be asked at all."""
+
+    album: Album
+    logits: Floats
+    known: NDArray[np.bool_]
+
+    def likely(self, temperature: float) -> Floats:
+        """How likely true, false and hidden are, (m, 3)."""
+        powers = np.exp((self.logits - self.logits.max(axis=1, keepdims=True)) / temperature)
+        return np.asarray(powers / powers.sum(axis=1, keepdims=True))
+
+
+def judge(network: Network, album: Album) -> Judged:
+    """Put every question of an album to a network."""
+    rows, texts = album.rows, album.texts
+    logits, known = np.zeros((len(rows), len(ANSWERS))), np.zeros(len(rows), bool)
+    first = np.searchsorted(rows[:, 0], np.arange(len(album.side) + 1))
+    for view in range(len(album.side)):
+        span = range(first[view], first[view + 1])
+        named = {row: tuple(texts[number] for number in rows[row, 2:4] if texts[number]) for row in span}
+        asked = {row: Question(texts[rows[row, 1]], names) for row, names in named.items()}
+        fine = [row for row, question in asked.items() if not network.words.unknown(question)]
+        if fine:
+            cells = network.look({camera: getattr(album, camera)[view] for camera in CAMERAS})
+            held = texts[album.view_facts[view, 1]]
+            logits[fine], known[fine] = network.answer(cells, [asked[row] for row in fine], held), True
+    return Judged(album, logits, known)
+
+
+def warmth(judged: Judged) -> float:
+    """The temperature at which the probabilities fit what is right best; rare answers count more than they come."""
+    right = answers(judged.album)
+    weight = 1.0 / np.sqrt(np.bincount(_kinds(judged.album))[_kinds(judged.album)]) * judged.known
+
+    def loss(temperature: float) -> float:
+        chosen = judged.likely(temperature)[np.arange(len(right)), right]
+        return float(-(weight * np.log(np.maximum(chosen, 1e-9))).sum() / weight.sum())
+
+    return min(_WARMTHS, key=loss)
+
+
+def least(judged: Judged, temperature: float) -> dict[str, tuple[float, float]]:
+    """Predicate -> the probabilities from which on "true" and "false" is said, so that few are wrong."""
+    likely, asked = judged.likely(temperature), np.array(judged.album.texts)[judged.album.rows[:, 1]]
+    true = judged.album.rows[:, 4] == 1
+    told = judged.known & (judged.album.rows[:, 5] == 1)
+    every = tuple(_level(likely, told, true, answer) for answer in (0, 1))
+    found = {}
+    for predicate in sorted(set(asked)):
+        own = told & (asked == predicate)
+        pair = [
+            _level(likely, own, true, answer) if int((own & (true == bool(answer))).sum()) >= _ENOUGH else every[answer]
+            for answer in (0, 1)
+        ]
+        found[str(predicate)] = (pair[0], pair[1])
+    return found
+
+
+def _level(likely: Floats, rows: NDArray[np.bool_], true: NDArray[np.bool_], answer: int) -> float:
+    """The least probability of an answer (0 true, 1 false) at which few of those for which it is wrong get it."""
+    wrong = likely[rows & (true == bool(answer))]
+    bound = MISSES if answer == 0 else FALSE_ALARMS
+    for level in _LEVELS:
+        if not len(wrong) or float((wrong[:, answer] >= level).mean()) <= bound:
+            return level
+    return NEVER
+
+
+def measure(
+    judged: Judged, temperature: float, levels: Mapping[str, Sequence[float]], *, asked_only: bool = False
+) -> dict[str, dict[str, float]]:
+    """Predicate -> how it was judged: counts, by the names of the columns that `remac learn evaluate-checker` prints.
+
+    Keys: "true", "false": conditions that the pictures tell, by truth; "right true", "right false": of these, judged
+    so; "wrong true", "wrong false": judged true though false, and the other way round; "hidden": conditions that the
+    pictures do not tell; "hidden told": of these, judged all the same; "hidden wrong": of these, wrongly.
+    """
+    rows, likely = judged.album.rows, judged.likely(temperature)
+    asked = np.array(judged.album.texts)[rows[:, 1]]
+    true, shown = rows[:, 4] == 1, rows[:, 5] == 1
+    put = judged.known & ((rows[:, 6] == 1) | (not asked_only))
+    level = np.array([levels.get(text, (NEVER, NEVER)) for text in judged.album.texts])[rows[:, 1]]
+    yes = put & (likely[:, 0] >= np.maximum(level[:, 0], likely[:, 1]))
+    no = put & ~yes & (likely[:, 1] >= level[:, 1])
+    wanted = (rows[:, 6] == 1) | (not asked_only)
+    found = {}
+    for predicate in sorted(set(asked[wanted])):
+        own = wanted & (asked == predicate)
+        hidden, wrong = own & ~shown, (yes & ~true) | (no & true)
+        parts = {
+            "true": own & shown & true, "false": own & shown & ~true,
+            "right true": own & shown & true & yes, "right false": own & shown & ~true & no,
+            "wrong true": own & shown & ~true & yes, "wrong false": own & shown & true & no,
+            "hidden": hidden, "hidden told": hidden & (yes | no), "hidden wrong": hidden & wrong,
+        }  # fmt: skip
+        found[str(predicate)] = {name: float(part.sum()) for name, part in parts.items()}
+    return found
+
+
+def _kinds(album: Album) -> NDArray[np.int64]:
+    return np.asarray(album.rows[:, 1].astype(np.int64) * len(ANSWERS) + answers(album))

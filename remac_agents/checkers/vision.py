@@ -1,0 +1,129 @@
+"""The checker that is a small network with eyes: it judges what the side and wrist pictures show, without any key.
+
+What a gripper feels it is told, as every checker is. It cannot tell what it is not sure of, what has not been learnt,
+what is a matter of knowledge, and what leaves nothing to see.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from remac_agents.checkers.felt import untold
+from remac_agents.roles import StopEpisode, Verdict, View
+from remac_agents.vision.network import CAMERAS, SIZE, Numbers
+from remac_agents.vision.pictures import fitted
+from remac_agents.vision.questions import Question, question_of, robot_of
+from remac_agents.vision.weights import SHIPPED, kept_weights
+from remac_env.errors import OptionError
+from remac_env.rules.conditions import Condition, Denial
+
+NOT_SEEN = "no picture shows it"
+NOT_SURE = "not sure"
+
+Cells = Mapping[str, Numbers]
+
+
+class VisionChecker:
+    """Looks at the pictures of the robot that a condition is about, else of the one whose subtask is checked.
+
+    Where these do not tell, it looks at those of the others.
+
+    Args:
+        weights: a file that `remac learn train-checker` wrote; by default what comes with the package.
+        sure: the probability from which on it gives a verdict; by default what was found on kitchens kept for that,
+            for each predicate.
+
+    Raises:
+        OptionError: for weights that cannot be used, or a probability that is not within 0..1.
+    """
+
+    needs_truth = needs_rules = False
+    needs_images = True
+    picture_size = SIZE
+    """Pixels of a side of the pictures that it makes use of."""
+
+    def __init__(self, *, weights: str | Path | None = None, sure: float | None = None) -> None:
+        if sure is not None and not (isinstance(sure, int | float) and 0.0 <= sure <= 1.0):
+            raise OptionError(f"sure {sure!r} is not valid; valid: a probability, 0..1")
+        found = kept_weights(SHIPPED if weights is None else weights)
+        self._about, self._network, self._sure = found.about, found.network, sure
+        self.sha256 = found.sha256
+
+    def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
+        """One verdict a condition, in order.
+
+        Raises:
+            StopEpisode: where there are no pictures to look at.
+        """
+        looked: dict[str, Cells] = {}
+        return [self._verdict(condition, view, looked) for condition in conditions]
+
+    def _verdict(self, condition: Condition, view: View, looked: dict[str, Cells]) -> Verdict:
+        if isinstance(condition, Denial):
+            verdict = self._verdict(condition.condition, view, looked)
+            return replace(verdict, condition=condition, value=None if verdict.value is None else not verdict.value)
+        told = untold(condition, view)
+        if told.value is not None:
+            return told
+        question = question_of(condition)
+        if question is None:
+            return Verdict(condition, None, NOT_SEEN)
+        carried = _carried(condition, question, view)
+        if carried is not None:
+            return carried
+        if unknown := self._network.words.unknown(question):
+            return Verdict(condition, None, f"it never learnt what {unknown!r} is")
+        answers = (self._said(question, robot, view, looked) for robot in _whose(condition, view))
+        value, likely = next((said for said in answers if said[0] is not None), (None, 0.0))
+        return Verdict(condition, value, NOT_SURE if value is None else f"seen, {100 * likely:.0f}% sure")
+
+    def _said(
+        self, question: Question, robot: str, view: View, looked: dict[str, Cells]
+    ) -> tuple[bool | None, float]:
+        """What a robot's pictures say, and how likely that is."""
+        if robot not in looked:
+            looked[robot] = self._network.look({camera: fitted(view.images[robot][camera]) for camera in CAMERAS})
+        logits = self._network.answer(looked[robot], [question], view.holding.get(robot) or "")[0]
+        true, false, _ = probabilities(logits, self._about.temperature)
+        least = self._about.least[question.predicate] if self._sure is None else (self._sure, self._sure)
+        if true >= max(least[0], false):
+            return True, true
+        return (False, false) if false >= least[1] else (None, 0.0)
+
+
+def probabilities(logits: Numbers, temperature: float) -> tuple[float, float, float]:
+    """How likely true, false and hidden are."""
+    powers = np.exp((logits - logits.max()) / temperature)
+    true, false, hidden = (powers / powers.sum()).tolist()
+    return true, false, hidden
+
+
+def _carried(condition: Condition, question: Question, view: View) -> Verdict | None:
+    """What follows for a thing from its being felt in a gripper: it is in no place, and on or in nothing."""
+    places = condition.predicate in ("placed", "inside", "directly_on")
+    if places and question.names[0] in view.holding.values():
+        return Verdict(condition, False, "felt in the gripper")
+    return None
+
+
+def _whose(condition: Condition, view: View) -> list[str]:
+    """The robots whose pictures are looked at, in order.
+
+    Raises:
+        StopEpisode: where no robot has any.
+    """
+    seeing = [robot for robot, seen in view.images.items() if all(camera in seen for camera in CAMERAS)]
+    if not seeing:
+        raise StopEpisode(
+            'checker: it looks at pictures, and the kitchen gives none; valid: parallel_env(..., '
+            f'obs="state+images", image_size={SIZE})',
+            infrastructure=True,
+        )
+    own = robot_of(condition)
+    if own is not None:
+        return [robot for robot in seeing if robot == own]
+    return sorted(seeing, key=lambda robot: robot != view.robot)

@@ -1,0 +1,207 @@
+"""`remac learn record-checker` and its kin: labels, files, levels and figures, on planted worlds and answers."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from remac_bench.cli import app
+from remac_bench.errors import UsageError
+from remac_bench.learning.cells import HELD_OUT, cells
+from remac_bench.learning.checker_files import Row, Seen, albums, read_albums, write_album
+from remac_bench.learning.checker_measure import NEVER, Judged, judge, least, measure, warmth
+from remac_bench.learning.checker_record import record
+from remac_bench.learning.checker_scenes import Look, labels, seen_in
+from remac_bench.learning.checker_sessions import evaluate_checker, spans, train_checker
+from remac_bench.learning.checker_train import Recipe, codes, shares, train, words_in
+from typer.testing import CliRunner
+
+from remac_agents.vision.network import SIZE
+from remac_agents.vision.questions import Question, question_of
+from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.rules.conditions import condition
+from remac_env.state import FLOOR
+from remac_env.tasks import get
+
+ROBOT = "robot_0"
+NONE = np.zeros((SIZE, SIZE, 3), np.uint8)
+
+
+@pytest.fixture(scope="module")
+def look() -> Look:
+    start, _ = TaskWorlds(get("OpenMicrowavePnP")).start(
+        3, style="modern_1", layout="one_wall_large", starts="paper", robots=(ROBOT,), perception_noise=0.0
+    )
+    world = start.world.with_robot(ROBOT, station=start.scene.fixtures["microwave"].station)
+    return Look(start.scene, world, ROBOT, frozenset({"microwave"}))
+
+
+def told(look: Look) -> dict[Any, tuple[bool, bool]]:
+    return {label.condition: (label.truth, label.shown) for label in labels(look)}
+
+
+def test_what_pictures_show_and_what_they_do_not(look: Look) -> None:
+    found = told(look)
+    assert found[condition("door_open", "microwave")] == (False, True), "the microwave is in the picture, shut"
+    assert found[condition("door_open", "cabinet")] == (False, False), "the cabinet is not"
+    assert found[condition("at", ROBOT, "microwave")] == (True, True)
+    assert found[condition("at", ROBOT, "cabinet")] == (False, True), "its absence tells"
+    assert found[condition("inside", "vegetable", "microwave")] == (False, False), "who knows what is behind a door"
+    plate = condition("accessible", "plate")
+    assert found[plate] == (False, True), "it must be behind the door that the robot stands before"
+    assert condition("accessible", "vegetable") not in found, "nobody asks from here"
+    opened = Look(look.rules, look.world.with_fixture("microwave", door="open"), ROBOT, look.seen)
+    assert told(opened)[condition("inside", "vegetable", "microwave")] == (False, True)
+    fallen = Look(look.rules, look.world.with_object("vegetable", place=FLOOR), ROBOT, look.seen | {"vegetable"})
+    assert told(fallen)[condition("placed", "vegetable")] == (False, True)
+    assert condition("placed", "sink") not in found and condition("station_free", ROBOT, "sink") not in found
+    assert all(question_of(each) is not None for each in found)
+
+
+def test_a_few_pixels_are_not_seen(look: Look) -> None:
+    pixels = {"microwave/door": 30, "microwave/casing": 20, "sink/cabinet": 39, "vegetable": 10, "plate": 9}
+    pixels |= {"room/floor": 900}
+    assert seen_in(pixels, look.rules) == {"microwave", "vegetable"}
+
+
+def planted(count: int, *, seed: int = 5, layout: str = "galley") -> list[Seen]:
+    """Views whose door is open where the side picture is bright; of the bowl nothing is seen."""
+    views = []
+    for index in range(count):
+        bright = bool(index % 2)
+        side: Any = np.full((SIZE, SIZE, 3), 220 if bright else 30, np.uint8)
+        rows = (
+            Row("door_open", ("microwave",), bright, True, True),
+            Row("door_closed", ("microwave",), not bright, True, False),
+            Row("inside", ("fish", "bowl"), bool(index % 3), False, False),
+        )  # fmt: skip
+        views.append(Seen(side, NONE, "fish" * (index % 2), seed, layout, "coastal", "DefrostInBowl", rows))
+    return views
+
+
+def test_albums_come_back_as_they_were_written_and_add_up(tmp_path: Path) -> None:
+    write_album(tmp_path / "a.npz", planted(4))
+    write_album(tmp_path / "b.npz", planted(3, seed=9, layout="wraparound"))
+    album = read_albums(albums(tmp_path))
+    assert album.side.shape == (7, SIZE, SIZE, 3)
+    assert album.seeds == (5, 9) and album.layouts == ("galley", "wraparound")
+    assert len(album.rows) == 21 and album.rows[-1, 0] == 6
+    text = [[album.texts[n] for n in row[1:4]] for row in album.rows]
+    assert text[0] == ["door_open", "microwave", ""] and text[-1] == ["inside", "fish", "bowl"]
+    assert [album.texts[n] for n in album.view_facts[:2, 1]] == ["", "fish"]
+
+
+def test_albums_that_are_none_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="record-checker"):
+        albums(tmp_path)
+    (tmp_path / "a.npz").write_bytes(b"no zip")
+    with pytest.raises(UsageError, match="cannot be read"):
+        read_albums(albums(tmp_path))
+
+
+def test_what_is_rare_is_put_more_often_and_what_is_unknown_never(tmp_path: Path) -> None:
+    write_album(tmp_path / "a.npz", planted(9))
+    album = read_albums(albums(tmp_path))
+    words = words_in(album)
+    assert words.words == ("bowl", "fish", "microwave")
+    asked, fine = codes(album, words)
+    share = shares(album, asked, fine)
+    opened = np.array([album.texts[row[1]] == "door_open" for row in album.rows])
+    yes = album.rows[:, 4] == 1
+    assert fine.all() and share[opened & yes].min() > share[opened & ~yes].max(), "4 are open, 5 are not"
+    small = type(words)(words.predicates, ("bowl", "fish"))
+    assert not codes(album, small)[1][opened].any()
+
+
+class Sure:
+    """Judgements that are right with the probability that they state, and for one predicate wrong."""
+
+    def __init__(self, album: Any, wrong: str = "") -> None:
+        right = np.where(album.rows[:, 5] == 1, np.where(album.rows[:, 4] == 1, 0, 1), 2)
+        off = np.array([album.texts[number] == wrong for number in album.rows[:, 1]])
+        right = np.where(off & (right < 2), 1 - right, right)
+        self.judged = Judged(album, 4.0 * np.eye(3)[right], np.ones(len(right), bool))
+
+
+def test_levels_are_low_for_what_is_always_right_and_out_of_reach_for_what_is_wrong(tmp_path: Path) -> None:
+    write_album(tmp_path / "a.npz", planted(200))
+    album = read_albums(albums(tmp_path))
+    good, bad = Sure(album).judged, Sure(album, "door_open").judged
+    assert least(good, 1.0)["door_open"] == (0.5, 0.5)
+    levels = least(bad, 1.0)
+    assert min(levels["door_open"]) > 0.95 and levels["door_closed"] == (0.5, 0.5)
+    figures = measure(bad, 1.0, levels)["door_open"]
+    assert figures["true"] == figures["false"] == 100 and figures["right true"] == figures["wrong true"] == 0
+    loose = measure(bad, 1.0, dict.fromkeys(levels, (0.5, 0.5)))["door_open"]
+    assert loose["wrong true"] == loose["wrong false"] == 100
+    assert measure(good, 1.0, least(good, 1.0))["inside"]["hidden told"] == 0
+    assert set(measure(good, 1.0, levels, asked_only=True)) == {"door_open"}
+    assert warmth(good) < 1.0 < warmth(bad), "what is right may be surer, what is wrong must be less so"
+    always = Judged(album, 9.0 * np.tile([1.0, -1.0, -1.0], (len(album.rows), 1)), good.known)
+    assert least(always, 1.0)["inside"][0] == NEVER
+
+
+def test_spans_name_seeds_and_parts_that_share_any_are_refused(tmp_path: Path) -> None:
+    assert spans([3, 4, 9]) == "3:5,9:10" and spans([]) == ""
+    for part in ("train", "calibrate", "test"):
+        write_album(tmp_path / part / "a.npz", planted(2))
+    with pytest.raises(UsageError, match="5:6"):
+        list(train_checker(tmp_path, tmp_path / "w.npz", Recipe()))
+
+
+def run(*line: str) -> tuple[int, str]:
+    done = CliRunner().invoke(app, ["learn", *line])
+    return done.exit_code, done.output
+
+
+@pytest.mark.parametrize("line", [
+    ("record-checker", "--backend", "dream", "--out", "x"), ("record-checker", "--episodes", "0", "--out", "x"),
+    ("evaluate-checker", "--pictures", "nowhere"),
+])  # fmt: skip
+def test_wrong_lines_are_refused_in_one_line(line: tuple[str, ...]) -> None:
+    code, said = run(*line)
+    assert code == 2 and said.startswith("error: "), said
+
+
+def test_without_torch_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "torch", None)
+    code, said = run("train-checker", "--pictures", "x", "--weights", "y.npz")
+    assert code == 2 and "remac-kitchen[learn]" in said
+
+
+# -- the real thing --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("backend", ["symbolic", "physics"])
+def test_episodes_are_recorded_alike_each_time_with_doors_open_shut_and_ajar(backend: str) -> None:
+    seen, kept = cells("all", HELD_OUT)
+    views, again = (list(record([110_000], seen, backend=backend)) for _ in range(2))
+    assert len(views) > 20 and all(view.layout in seen.layouts for view in views)
+    pairs = list(zip(views, again, strict=True))
+    assert all(np.array_equal(one.side, other.side) and one.rows == other.rows for one, other in pairs)
+    rows = [row for view in views for row in view.rows]
+    assert {(row.truth, row.shown) for row in rows} == {(a, b) for a in (True, False) for b in (True, False)}
+    assert any(row.asked for row in rows)
+    assert not set(kept.layouts) & set(seen.layouts)
+
+
+@pytest.mark.long
+def test_what_is_trained_is_played_alike_and_learns_what_pictures_show(tmp_path: Path) -> None:
+    pytest.importorskip("torch")
+    for part, seed in (("train", 3), ("calibrate", 4), ("test", 5)):
+        write_album(tmp_path / part / "a.npz", planted(96, seed=seed))
+    lines = list(train_checker(tmp_path, tmp_path / "w.npz", Recipe(epochs=12, batch=16, questions=6)))
+    assert "w.npz" in lines[-1]
+    measured, album = evaluate_checker(tmp_path / "w.npz", tmp_path / "test", asked_only=False)
+    assert measured["door_open"]["right true"] == measured["door_open"]["true"] == 48
+    assert measured["inside"]["hidden told"] == 0 and album.seeds == (5,)
+    with pytest.raises(UsageError, match="train"):
+        evaluate_checker(tmp_path / "w.npz", tmp_path / "train", asked_only=False)
+    network = train(read_albums(albums(tmp_path / "train")), Recipe(epochs=1, batch=16, questions=6))
+    found = judge(network, album).logits[0]
+    cells_ = network.look({"side": album.side[0], "wrist": album.wrist[0]})
+    assert network.answer(cells_, [Question("door_open", ("microwave",))], "")[0] == pytest.approx(found, abs=1e-4)
