@@ -24,7 +24,6 @@ import remac_agents
 import remac_env
 from remac_agents.methods import METHODS
 from remac_agents.roles import Verdict, View
-from remac_agents.vision.weights import SHIPPED
 from remac_env.errors import OptionError
 from remac_env.rules.conditions import Condition
 
@@ -62,7 +61,6 @@ def test_pictures_follow_from_who_looks(agent: dict[str, Any]) -> None:
         jobs("CC", agent, obs="state")
 
 
-@pytest.mark.skipif(not SHIPPED.exists(), reason="make vision has not been run")
 def test_who_needs_small_pictures_is_drawn_small_ones() -> None:
     assert options_of("BASE,CC", {"checker": "vision"}) == {"BASE": ("state", 128), "CC": ("state+images", 96)}
     assert options_of("CC", {"checker": "vision"}, image_size=256) == {"CC": ("state+images", 256)}
