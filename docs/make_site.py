@@ -26,6 +26,7 @@ SITE = ROOT / "build" / "site"
 REFERENCE = {
     "environment": ("Making environments", ("remac_env", "remac_env.parallel", "remac_env.gym_view", "remac_env.aec",
                     "remac_env.options", "remac_env.vocabulary", "remac_env.errors")),
+    "integrations": ("Integrations", ("remac_env.integrations.sb3",)),
     "state": ("State and skills", ("remac_env.state", "remac_env.rules.scene", "remac_env.rules.outcomes",
               "remac_env.rules.conditions", "remac_env.rules.predicates", "remac_env.start")),
     "tasks": ("Tasks", ("remac_env.tasks.spec", "remac_env.tasks.goals")),

@@ -19,6 +19,7 @@ from document_pages import blocks
 import remac_agents
 import remac_env
 from remac_agents.planners.policy_file import read_policy
+from remac_env.errors import OptionError
 
 pytest.importorskip("torch", reason="torch is not installed: docs/learning.md says how")
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "rl"
@@ -59,7 +60,7 @@ def test_gymnasium_films_a_round_a_second(tmp_path: Path) -> None:
 
     env = RecordVideo(single(render_mode="work"), str(tmp_path), episode_trigger=lambda episode: True)
     env.reset(seed=4)
-    for command in ("navigate to cabinet", "open cabinet"):
+    for command in ("navigate to cabinet", "open cabinet door"):
         env.step(env.unwrapped.vocabulary.encode(command))  # type: ignore[attr-defined]
     env.close()
     film = cv2.VideoCapture(str(tmp_path / "rl-video-episode-0.mp4"))
@@ -109,15 +110,58 @@ def test_supersuit_wraps_the_flat_form() -> None:
             seen, _, _, _, infos = wrapped.step(actions)
 
 
+def test_a_team_is_one_policy_s_copies_for_stable_baselines_without_glue() -> None:
+    """Our "episode" in PettingZoo's infos is no episode of its monitor, which it reads after every step."""
+    contrib = pytest.importorskip("sb3_contrib")
+    from remac_env.integrations.sb3 import vec_env
+
+    kitchen: dict[str, Any] = {"backend": "symbolic", "masks": "feasible", "max_rounds": 4}
+    for policy, form in (("MlpPolicy", "flat"), ("MultiInputPolicy", "dict")):
+        envs = vec_env(TASK, robots=2, copies=2, seed=3, obs_format=form, **kitchen)
+        assert envs.num_envs == 4
+        model = contrib.MaskablePPO(policy, envs, n_steps=8, batch_size=8, n_epochs=1, seed=0, device="cpu")
+        model.learn(64)
+        assert model.ep_info_buffer and {tuple(sorted(info)) for info in model.ep_info_buffer} == {("l", "r", "t")}
+        assert {info["l"] for info in model.ep_info_buffer} <= {1, 2, 3, 4}
+        envs.close()
+
+
+def test_its_robots_are_told_what_the_parallel_environment_tells_them() -> None:
+    pytest.importorskip("stable_baselines3")
+    from remac_env.integrations.sb3 import vec_env
+
+    options: dict[str, Any] = {"backend": "symbolic", "obs_format": "flat", "max_rounds": 2, "reward": "progress"}
+    envs = vec_env(TASK, robots=2, copies=2, seed=7, **options)
+    kitchen = remac_env.parallel_env(TASK, robots=2, **options)
+    seen, (told, infos) = envs.reset(), kitchen.reset(seed=8)
+    assert np.array_equal(seen[2:], np.stack(list(told.values())))
+    begun = envs.venv.reset_infos[3]
+    assert begun["start"] == infos["robot_1"]["episode"] and "episode" not in begun
+    masks = envs.env_method("action_masks")
+    assert np.array_equal(masks[2], infos["robot_0"]["action_mask"].astype(bool))
+    tokens = [int(np.flatnonzero(mask)[5]) for mask in masks]
+    for last in (False, True):
+        seen, rewards, dones, told = envs.step(np.array(tokens))
+        own, paid, _, cut, infos = kitchen.step({"robot_0": tokens[2], "robot_1": tokens[3]})
+        assert dones.tolist() == [last] * 4 and rewards[2] == np.float32(paid["robot_0"])
+        assert told[3]["outcome"] == infos["robot_1"]["outcome"] and told[3]["TimeLimit.truncated"] is cut["robot_1"]
+    assert np.array_equal(told[2]["terminal_observation"], own["robot_0"]) and told[2]["episode"]["l"] == 2
+    assert told[2]["reset_info"]["start"]["seed"] != 8 and not np.array_equal(seen[2], own["robot_0"])
+    with pytest.raises(OptionError, match="copies 0"):
+        vec_env(TASK, copies=0)
+    with pytest.raises(OptionError, match="valid: 'rounds'"):
+        vec_env(TASK, clock="events")
+
+
 def test_the_python_of_the_page_runs() -> None:
     for needed in ("supersuit", "stable_baselines3"):
         pytest.importorskip(needed)
-    shown = [block for block in blocks("docs/learning.md") if block.language == "python" and "supersuit" in block.code]
+    shown = [block for block in blocks("docs/learning.md") if block.language == "python" and "vec_env" in block.code]
     assert shown
     for block in shown:
         space: dict[str, Any] = {"__name__": "page"}
         exec(compile(block.code, block.where, "exec"), space)  # noqa: S102
-        assert space["envs"].num_envs == 4 and space["model"].num_timesteps >= 32
+        assert space["envs"].num_envs == 8 and space["model"].num_timesteps >= 64
 
 
 @pytest.mark.long

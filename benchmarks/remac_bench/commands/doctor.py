@@ -10,7 +10,8 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from remac_bench.console import FAILED, MARKS, console
+from remac_bench.columns import show
+from remac_bench.console import FAILED, MARKS
 from remac_bench.errors import UsageError
 from remac_bench.flags import takes
 
@@ -38,7 +39,7 @@ def doctor(
     else:
         table = Table(box=box.SIMPLE_HEAD)
         for name in ("", "What", "Here", "For"):
-            table.add_column(name, overflow="fold")
+            table.add_column(name)
         group = None
         for finding in findings:
             if group not in (None, finding.group):
@@ -47,7 +48,7 @@ def doctor(
             table.add_row(
                 MARKS[finding.ok], escape(finding.name), escape(finding.value), escape(finding.purpose)
             )
-        console().print(table)
+        show(table)
     if any(finding.ok is False for finding in findings):
         raise typer.Exit(FAILED)
 

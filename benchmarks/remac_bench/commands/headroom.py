@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from remac_bench.console import console
+from remac_bench.columns import show
 from remac_bench.errors import UsageError
 from remac_bench.experiments.headroom import AGENTS, jobs_of, tables
 from remac_bench.runner import run_jobs
@@ -33,5 +33,4 @@ def headroom_command(given: Mapping[str, Any]) -> None:
     folder = Path(given["out"] or FOLDER)
     jobs = [job for name in chosen for job in jobs_of(name, range(given["count"]))]
     run_jobs(jobs, folder, Settings(workers=1))
-    for table in tables(list(Store(folder).read())):
-        console().print(table, crop=False)
+    show(*tables(list(Store(folder).read())))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from remac_bench.columns import show
 from remac_bench.command import Command, joined
 from remac_bench.console import console
 from remac_bench.errors import UsageError
@@ -108,7 +109,7 @@ def evaluate(
     chosen = choose(cells, _names(held_out, "--hold-out"))
     seeds = range(tried_from, tried_from + trials)
     scores = evaluate_all(_skills(skills, drives=False), weights, seeds, chosen, note=note, processes=processes)
-    console().print(_table(scores))
+    show(_table(scores))
 
 
 @app.command("record-checker", cls=Command)

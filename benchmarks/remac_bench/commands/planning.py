@@ -11,9 +11,10 @@ import typer
 
 import remac_env
 from remac_bench import agents
+from remac_bench.columns import show
 from remac_bench.command import joined
 from remac_bench.commands.reaching import Reach, tell_unscored
-from remac_bench.console import INTERRUPTED, console, plain
+from remac_bench.console import INTERRUPTED, plain
 from remac_bench.errors import UsageError
 from remac_bench.experiments.book import Book
 from remac_bench.experiments.desk import Desk, Result, Trial, Unscored
@@ -92,8 +93,7 @@ def experiment_command(context: typer.Context) -> None:
     reach.check(planners)
     results = _collected(EXPERIMENTS[name](planners, chosen, **where, reflectors=reflectors, book=book), book)
     trials = [result for result in results if isinstance(result, Trial)]
-    for part in tables(name, trials):
-        console().print(part, crop=False)
+    show(*tables(name, trials))
     _tell_usage(book)
     if file is not None and file != lines:
         file.write_text(json.dumps(as_json(name, trials, book.usage()), indent=1) + "\n", "utf-8")

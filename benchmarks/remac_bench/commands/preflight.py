@@ -11,7 +11,8 @@ from rich.table import Table
 
 from remac_agents.llm import ChatClient
 from remac_bench.agents import Access
-from remac_bench.console import MARKS, USAGE, console, plain
+from remac_bench.columns import show
+from remac_bench.console import MARKS, USAGE, plain
 from remac_bench.jobs import Job
 from remac_bench.preflight.estimates import measured
 from remac_bench.preflight.probes import Preflight, ask_all
@@ -54,7 +55,7 @@ def ask_and_show(clients: Sequence[ChatClient]) -> list[Preflight]:
     found = ask_all(clients)
     table = Table(box=box.SIMPLE_HEAD)
     for name in ("", "Model", "What", "Found"):
-        table.add_column(name, overflow="fold")
+        table.add_column(name)
     for client, preflight in zip(clients, found, strict=True):
         for number, probe in enumerate(preflight.probes):
             name = escape(probe.model) if not number else ""
@@ -63,7 +64,7 @@ def ask_and_show(clients: Sequence[ChatClient]) -> list[Preflight]:
             table.add_row(MARKS[None], "", "cost", episodes_told(client.endpoint.model, measured()))
         table.add_row("", "", "asked", _asked(preflight))
         table.add_section()
-    console().print(table)
+    show(table)
     return found
 
 

@@ -10,8 +10,8 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from remac_bench.columns import show
 from remac_bench.command import Command, joined
-from remac_bench.console import console
 from remac_bench.flags import takes
 from remac_bench.job_lists import parse_names, parse_seeds
 
@@ -33,11 +33,11 @@ def tasks(context: typer.Context, *, as_json: bool, extensions: list[str] | None
         return
     table = Table(box=box.SIMPLE_HEAD)
     for name in ("Task", "Goal", "Styles", "Layouts", "Paper's table", "Clock"):
-        table.add_column(name, no_wrap=name == "Task", overflow="fold")
+        table.add_column(name, no_wrap=name == "Task")
     for entry in entries:
         cells = [entry["name"], entry["goal"], ", ".join(entry["styles"]), ", ".join(entry["layouts"])]
         table.add_row(*(escape(cell) for cell in cells), "yes" if entry["in_table"] else "no", entry["clock"])
-    console().print(table)
+    show(table)
 
 
 @app.command("generate", cls=Command)

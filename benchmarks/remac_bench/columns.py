@@ -1,0 +1,62 @@
+"""Tables in terminals that are too narrow for them: no number and no name is ever broken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from remac_bench.console import console
+
+_AROUND = 3  # letters between the texts of two columns: a blank on each side, and a line
+
+
+def show(*tables: Table) -> None:
+    """Print tables as wide as the terminal takes them."""
+    made = console()
+    for table in tables:
+        for part in laid_out(table, made.width):
+            made.print(part, crop=False)
+
+
+def laid_out(table: Table, width: int) -> list[RenderableType]:
+    """The table with columns in which every word fits into a line; where that is too wide, its rows as lists."""
+    heads = [_text(column.header) for column in table.columns]
+    columns = [[_text(cell) for cell in column.cells] for column in table.columns]
+    least = [
+        max(_longest(text, whole=column.no_wrap) for text in (head, *texts))
+        for column, head, texts in zip(table.columns, heads, columns, strict=True)
+    ]
+    wanted = [max(_longest(text, whole=True) for text in (head, *texts))
+              for head, texts in zip(heads, columns, strict=True)]  # fmt: skip
+    room = width - _AROUND * len(least) - 1 - sum(least)
+    if room < 0:
+        return list(_lists(table, heads, columns))
+    for column, one, most in zip(table.columns, least, wanted, strict=True):
+        column.width = one + min(room, most - one)
+        room -= column.width - one
+    return [table]
+
+
+def _lists(table: Table, heads: Sequence[str], columns: Sequence[Sequence[str]]) -> Iterator[Text]:
+    if table.title:
+        yield Text(_text(table.title), style="italic")
+    for number in range(table.row_count):
+        yield Text("")
+        for head, texts in zip(heads, columns, strict=True):
+            if texts[number].strip():
+                name = " ".join(head.split())
+                yield Text(f"{name}: {texts[number]}" if name else texts[number], overflow="ignore")
+    if table.caption:
+        yield Text(f"\n{_text(table.caption)}", style="dim")
+
+
+def _text(cell: RenderableType | None) -> str:
+    return cell.plain if isinstance(cell, Text) else Text.from_markup(str(cell or "")).plain
+
+
+def _longest(text: str, *, whole: bool) -> int:
+    """Letters of the longest line, or of the longest word."""
+    return max((len(part) for part in (text.splitlines() if whole else text.split())), default=1)
