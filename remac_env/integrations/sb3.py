@@ -32,7 +32,7 @@ def vec_env(task: str, *, robots: int = 2, copies: int = 1, seed: int | None = N
     """`copies` kitchens whose robots are `robots * copies` environments, with the monitor around them.
 
     Every one sees and is told what its robot is: observations, action and reward as of `remac_env.parallel_env`. They
-    end and begin again together, as a team does. `env_method("action_masks")` is what MaskablePPO asks for. In the infos
+    end and begin again together, as a team does. `env_method("action_masks")` is what MaskablePPO asks for. In infos
     `terminal_observation`, `TimeLimit.truncated` and `is_success` are Stable-Baselines3's, `episode` its monitor's, and
     what else there is the kitchen's; its description of the start, elsewhere under "episode", is under "start".
 
