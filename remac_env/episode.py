@@ -58,6 +58,7 @@ class Terms:
     @cached_property
     def label(self) -> dict[str, Any]:
         """The episode's cell, seed and digest, as infos and records carry it."""
+        made = self.spec.generated
         return {
             "task": self.spec.name,
             "style": self.start.style,
@@ -67,7 +68,7 @@ class Terms:
             "digest": self.start.digest,
             "robots": len(self.scene.robots),
             "backend": self.options.backend,
-            **({"template": self.spec.generated["template"]} if self.spec.generated else {}),
+            **({} if not made else {"template": made["template"], "known_rounds": made["upper"]}),
         }
 
     @property

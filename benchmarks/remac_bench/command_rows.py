@@ -93,6 +93,10 @@ ROWS: dict[str, Row] = {
     "report.everything": Row(
         help="Every table with every column, not only the main ones.", default=False, values=Switch(), flag="--all"
     ),
+    "report.grade": Row(help="Only generated tasks of these grades: 3 or 3,4,5."),
+    "report.template": Row(
+        help="Only generated tasks of these templates: names or parts of them, separated by commas."
+    ),
     "report.csv": Row(help="Write FILE.csv with the results, or every table into a folder."),
     "report.pages": Row(
         help="Also write FOLDER/leaderboard.html with one page per episode.", default=True, values=Switch()

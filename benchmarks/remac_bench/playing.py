@@ -251,6 +251,8 @@ def make_record(
         near_misses=int(shared.get("near_misses", 0)),
         physics_steps=int(shared.get("physics_steps", 0)),
         problem=course.problem,
+        template=episode.get("template"),
+        known_rounds=episode.get("known_rounds"),
         littered=fallen(course.worlds),
         **proven(course.certificate),
         **course.shortest,

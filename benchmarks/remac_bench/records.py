@@ -184,6 +184,8 @@ class Record(Model):
             were scripted.
         suite, suite_version, suite_digest: the frozen list that the job belongs to, and the digest of its content;
             None for a job that was put together on the command line.
+        template, known_rounds: of a generated task: its template, and the rounds of the shortest plan that is known.
+            None in records from before 2026-11-30.
     """
 
     schema_version: int = Field(default=SCHEMA, alias="schema")
@@ -241,6 +243,8 @@ class Record(Model):
     optimum_seconds_lower: float | None = None
     littered: int = 0
     problem: str | None = None
+    template: str | None = None
+    known_rounds: int | None = None
     video: VideoEntry | None = None
     error: ErrorEntry | None = None
     options: dict[str, Any] = Field(default_factory=dict)

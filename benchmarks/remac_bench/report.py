@@ -22,6 +22,7 @@ from remac_bench.console import plain
 from remac_bench.errors import UsageError
 from remac_bench.judging.checkers import with_checkers
 from remac_bench.judging.episodes import code_note
+from remac_bench.judging.grades import chosen
 from remac_bench.judging.readers import with_readers
 from remac_bench.judging.results import results_sheets
 from remac_bench.metrics import Row, overall, summarise
@@ -38,7 +39,7 @@ COMPACT = (
 ALARMS = ("crashed", "infrastructure", "crash", "unclear", "unknown", "retries", "cannot_tell", "unmatched")
 """Columns that a terminal shows only where one of their numbers is not 0."""
 
-FIRST = ("results", "ranking", "blame")
+FIRST = ("grades", "learning", "results", "ranking", "blame")
 """Sheets that are shown without `--all`, by the beginning of their key."""
 
 ACROSS = 118
@@ -99,10 +100,20 @@ def main_table(folder: str | Path) -> list[RenderableType]:
     return tables(_with_overall(records), note=code_note(records))
 
 
-def read_board(*folders: str | Path) -> Board:
-    """All tables of folders together, the labels of `remac bench blame` among them; errors as of `read_records`."""
+def read_board(*folders: str | Path, grades: Sequence[str] = (), templates: Sequence[str] = ()) -> Board:
+    """All tables of folders together, the labels of `remac bench blame` among them; errors as of `read_records`.
+
+    Args:
+        grades, templates: only generated tasks of these grades, and of templates whose names hold one of these words.
+
+    Raises:
+        UsageError: also where no record is left.
+    """
     named = shlex.join(map(str, folders))
-    return judging.board(read_folders(folders), blames=read_labels(folders), folder=named)
+    records = chosen(read_folders(folders), grades=grades, templates=templates)
+    if not records:
+        raise UsageError("no record of these grades and templates is there; `remac bench report DIR --all` lists them")
+    return judging.board(records, blames=read_labels(folders), folder=named)
 
 
 def tables(rows: Sequence[Row], *, note: str = "") -> list[RenderableType]:

@@ -33,6 +33,7 @@ ROWS: dict[str, Row] = {
     "certify_objects.trials": Row(help="Seeds of each category.", default=3, values=_COUNT),
     "certify_objects.only": Row(help="Categories, separated by commas; empty for all.", default=""),
     "fit_memorised.seeds": _SEEDS.but(help="Starts to fit on.", default="40000:40200"),
+    "fit_generated.seeds": _SEEDS.but(help="Tasks of each grade to fit on.", default="41000:41040"),
     "forces.trials": Row(help="Runs of each chain.", default=5, values=_COUNT),
     "littered.trials": Row(help="Staged starts with each number of robots.", default=18, values=_COUNT),
     "makespans.robots": rows(Options)["robots"].but(default=1, help="How many."),

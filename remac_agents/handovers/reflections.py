@@ -20,8 +20,14 @@ class ReflectionHandover:
 
     needs_truth, needs_rules = False, True
 
+    def __init__(self, *, careful: bool = False) -> None:
+        """Args: careful: in the iteration that counts nothing is shared that no team has done before."""
+        self._careful = careful
+
     def share(self, request: HandoverRequest) -> Plan | None:
         """A plan for the team, or None where nothing is gained."""
+        if self._careful and request.untried:
+            return None
         names, facts = request.team, request.view.scene
         plans = [_prerequisites_first(request), share_out(parts_of(request.plan), names, facts, places=True)]
         found = [plan for plan in plans if plan is not None and plan.length < len(request.plan)]

@@ -23,7 +23,10 @@ def remac(run: MethodRun) -> Turns:
 def hand_over(run: MethodRun, single: tuple[Subtask, ...], helper: str) -> bool:
     """Share a proven plan with the helper and those beyond; False when no way to share it was found."""
     told, view = run.briefing, run.book.seen_by(run.roles.handover)
-    request = HandoverRequest(told.goal, single, told.lead, helper, run.lessons, told.commands, view, told.helpers)
+    untried = told.last and not any(len(r.initial_plan) > 1 and r.success for r in run.memory.runs(told.task))
+    request = HandoverRequest(
+        told.goal, single, told.lead, helper, run.lessons, told.commands, view, told.helpers, untried=untried
+    )
     reply = run.roles.handover.share(request)
     plan = (
         PlanError("none was found")

@@ -41,7 +41,8 @@ def members(words: str, facts: PublicScene) -> tuple[str, ...]:
     which, kind = match["which"], match["kind"]
     if which == "any" and (number := kind.partition(" ")[0]) in _NUMBERS:
         which, kind = number, kind.partition(" ")[2]
-    found = [name for name in facts.objects if any(_is_a(name, word) for word in (kind, kind.removesuffix("s")))]
+    forms = (kind, kind.removesuffix("s"), kind.removesuffix("es"))
+    found = [name for name in facts.objects if any(_is_a(name, word) for word in forms)]
     if which in ("every", "all"):
         return tuple(found)
     return tuple(found[: _NUMBERS.index(which) + 1 if which in _NUMBERS else 1])

@@ -1,6 +1,8 @@
 """A floor: a planner that knows one plan a task by heart. `benchmarks/fit_memorised.py` chose them on other seeds.
 
-It reads the goal sentence, finds the task whose sentence it is, and answers with its plan, whatever the kitchen.
+It reads the goal sentence, finds the task whose sentence it is, and answers with its plan, whatever the kitchen. Of
+generated tasks it knows one plan for each template and number of objects (`benchmarks/fit_generated.py`): the longest
+sentence that the goal begins with says which, and the objects that the goal means are put in in their order.
 """
 
 from __future__ import annotations
@@ -11,10 +13,13 @@ from functools import lru_cache
 from importlib import resources
 
 from remac_agents.plan import Commands, Plan
+from remac_agents.planners.common_sense import members
 from remac_agents.roles import PlanRequest
+from remac_env.rules.scene import PublicScene
 from remac_env.rules.subtasks import Subtask
 
 FILE = "memorised.toml"
+GENERATED = "memorised_generated.toml"
 
 _FIELD = re.compile(r"\\\{([a-z_]+)\\\}")
 
@@ -32,7 +37,30 @@ class MemorisedPlanner:
             if match is not None:
                 steps = [commands.parse(text.format(**match.groupdict())) for text in row]
                 return Plan.of({request.lead: [step for step in steps if isinstance(step, Subtask)]})
-        return Plan.of({request.lead: []})
+        meant = denoted(request.goal, request.facts)
+        row = recalled(_generated(), clauses(request.goal), len(meant))
+        steps = [commands.parse(text.format(*meant)) for text in row]
+        return Plan.of({request.lead: [step for step in steps if isinstance(step, Subtask)]})
+
+
+def denoted(goal: str, facts: PublicScene) -> tuple[str, ...]:
+    """The objects that the words for kinds in a goal sentence mean, in the order of the words and of the kitchen."""
+    words = re.findall(r"[a-z]+", goal.lower())
+    return tuple(dict.fromkeys(name for word in words for name in members(f"every {word}", facts)))
+
+
+def clauses(goal: str) -> str:
+    """A goal sentence with commas alone between its clauses, so that one begins as another that has more of them."""
+    return goal.replace(" and ", ", ")
+
+
+Known = tuple[tuple[str, int, tuple[str, ...]], ...]
+
+
+def recalled(known: Known, goal: str, size: int) -> tuple[str, ...]:
+    """The plan of the longest sentence that the goal begins with, for so many objects; else for the next fewer."""
+    fitting = [(len(said), n, row) for said, n, row in known if goal.startswith(said) and n <= size]
+    return max(fitting, key=lambda entry: entry[:2])[2] if fitting else ()
 
 
 def templated(row: list[str], nouns: dict[str, str]) -> list[str]:
@@ -52,3 +80,10 @@ def _learnt() -> tuple[tuple[str, tuple[str, ...]], ...]:
     """(goal sentence, commands), both with `{role}` fields; a task has one entry for each wording of its goal."""
     data = tomllib.loads(resources.files("remac_agents").joinpath("planners", FILE).read_text("utf-8"))
     return tuple((sentence, tuple(entry["plan"])) for entry in data["task"] for sentence in entry["sentences"])
+
+
+@lru_cache(maxsize=1)
+def _generated() -> Known:
+    """(beginning of the goal sentence, number of objects, commands with fields for them by their numbers)."""
+    data = tomllib.loads(resources.files("remac_agents").joinpath("planners", GENERATED).read_text("utf-8"))
+    return tuple((row["sentence"], row["objects"], tuple(row["plan"])) for row in data["template"])

@@ -206,6 +206,7 @@ class HandoverRequest:
         reflections: the recorded lessons that shaped it.
         view: the start of this episode.
         helpers: further robots that help.
+        untried: no other iteration follows, and no team has done this task yet.
     """
 
     goal: str
@@ -216,6 +217,7 @@ class HandoverRequest:
     commands: tuple[str, ...]
     view: View
     helpers: tuple[str, ...] = ()
+    untried: bool = False
 
     @property
     def team(self) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from remac_env.errors import OptionError
+from remac_env.generator.obstacles import untold
 from remac_env.kitchen.stated import stated_scene, stated_world
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.oracle import OraclePlan, problem_id, shortest
@@ -26,6 +27,7 @@ class Certified:
         lower, upper: rounds that no plan is shorter than, and that `plan` has.
         proof: "search" - the plan is a shortest one; "witness" - it is one that works.
         hidden: facts that no sentence tells: quirks, and objects of the goal that nobody sees at the start.
+        untold: things in the way that no sentence tells, for those who know everything too (`obstacles.untold`).
         problem: tasks that differ only in looks and names share it.
     """
 
@@ -35,12 +37,13 @@ class Certified:
     upper: int
     proof: str
     hidden: int
+    untold: int
     problem: str
 
     @property
     def told(self) -> dict[str, Any]:
         """What is proven, as values of JSON."""
-        names = ("lower", "upper", "proof", "hidden", "problem")
+        names = ("lower", "upper", "proof", "hidden", "untold", "problem")
         return {name: getattr(self, name) for name in names}
 
 
@@ -56,7 +59,8 @@ def certified(spec: TaskSpec, scene: Rules, world: WorldState, plan: OraclePlan,
     unseen = len(set(objects) - in_view(scene, world)) if scene.hides else 0
     return Certified(
         spec=spec, plan=plan, lower=lower, upper=plan.length, proof=proof,
-        hidden=len(spec.quirks) + unseen, problem=problem_id(scene, world, spec.goal),
+        hidden=len(spec.quirks) + unseen, untold=untold(scene, world, spec.goal),
+        problem=problem_id(scene, world, spec.goal),
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from remac_env.errors import SamplingError
 from remac_env.generator import pools
+from remac_env.generator.obstacles import crowd, put_away, shut_again
 from remac_env.generator.placing import Room, doors_and_switches, place_members, place_others
 from remac_env.generator.templates import Group, Template
 from remac_env.kitchen import layout as layouts
@@ -46,12 +47,17 @@ def draw(template: Template, grade: int, rng: np.random.Generator) -> TaskSpec:
     bare = build_scene(layout, {}, (), annexes=template.annexes, gives=template.gives)
     room = Room(bare, [slot for n in bare.fixtures if n in layout.fixtures and layout.fixtures[n].worktop
                        for slot in bare.fixtures[n].slots])  # fmt: skip
-    places = place_members(template, members, room, rng)
+    away = put_away(template, members, grade, rng)
+    places = place_members(template, members, room, rng, away=away)
+    filling = crowd(template, members, grade, room, _pool(template, objects), rng)
+    places |= filling
+    objects |= {noun: _pool(template, objects)[noun] for noun in filling}
     others = _others(template, objects, room.left, rng)
     places |= place_others(others, room, rng)
     objects |= {noun: category for noun, category in others.items() if noun in places}
-    doors, on = doors_and_switches(template, bare, places, rng)
-    goal = template.goal_of(members, further=_further(template, bare, rng))
+    doors, on = doors_and_switches(template, bare, places, rng, away=away)
+    further = shut_again(bare, places, away, grade, rng) or _further(template, bare, rng)
+    goal = template.goal_of(members, further=further)
     said = tuple(goal.told(wording) for wording in (1, 2, 3))
     return TaskSpec(
         name=NAME,
@@ -92,11 +98,17 @@ def _others(template: Template, objects: Mapping[str, str], room: int, rng: np.r
     kinds = {group.kind for group in template.groups}
     used = set(objects.values())
     spare = [name for name in SPARE if name not in used and name not in kinds]
-    pool = [(noun, c) for kind, nouns in pools.load().items() if kind not in kinds for noun, c in nouns.items()]
-    pool = [(noun, c) for noun, c in pool if c not in used and not catalogue.load()[c].holds]
+    pool = list(_pool(template, objects).items())
     count = int(rng.integers(OTHERS[0], OTHERS[1] + 1))
     drawn = [pool[at] for at in rng.permutation(len(pool))[:count]]
     return dict(([(name, name) for name in spare[:2]] + drawn)[: max(0, room)])
+
+
+def _pool(template: Template, objects: Mapping[str, str]) -> dict[str, str]:
+    """Objects that the task does not need, none of a kind or category that it does; no vessels."""
+    kinds, used = {group.kind for group in template.groups}, set(objects.values())
+    pool = [(noun, c) for kind, nouns in pools.load().items() if kind not in kinds for noun, c in nouns.items()]
+    return {noun: c for noun, c in pool if c not in used and not catalogue.load()[c].holds}
 
 
 def _verbs(template: Template, scene: Rules) -> dict[str, tuple[str, ...]]:

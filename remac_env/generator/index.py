@@ -22,6 +22,7 @@ class Entry:
     upper: int
     proof: str
     hidden: int
+    untold: int
     problem: str
 
 
@@ -32,7 +33,7 @@ def load() -> tuple[Entry, ...]:
     return tuple(
         Entry(
             int(row["grade"]), int(row["seed"]), row["template"], int(row["lower"]), int(row["upper"]), row["proof"],
-            int(row["hidden"]), row["problem"],
+            int(row["hidden"]), int(row["untold"]), row["problem"],
         )
         for row in csv.DictReader(text.splitlines())
     )  # fmt: skip

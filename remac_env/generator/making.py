@@ -12,6 +12,7 @@ from remac_env.errors import OptionError, SamplingError, check_choice, whole_num
 from remac_env.generator import templates
 from remac_env.generator.certified import Certified, certified, scene_of, with_others
 from remac_env.generator.drawing import draw
+from remac_env.generator.obstacles import obstructed, untold
 from remac_env.generator.quirking import with_quirks
 from remac_env.generator.templates import Template
 from remac_env.options import KNOWLEDGE, MAX_ROBOTS, MOST_QUIRKS
@@ -119,6 +120,8 @@ def _attempt(
     scene, world = scene_of(spec, robots, knowledge)
     if spec.goal.holds(scene, world):
         return "the goal held at the start"
+    if obstructed(row, grade) and not untold(scene, world, spec.goal):
+        return "nothing is in its way"
     plan = witness(scene, world, spec.goal)
     if plan is None:
         return "no plan was found"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -60,9 +60,17 @@ class Room:
 
 
 def place_members(
-    template: Template, members: Mapping[str, Sequence[str]], room: Room, rng: np.random.Generator
+    template: Template,
+    members: Mapping[str, Sequence[str]],
+    room: Room,
+    rng: np.random.Generator,
+    *,
+    away: Collection[str] = (),
 ) -> dict[str, Place]:
     """A place of its own for each object that the task needs.
+
+    Args:
+        away: those that are behind doors, as far as there is room, wherever the template has them.
 
     Raises:
         SamplingError: naming the object for which there is no room, and where.
@@ -74,6 +82,9 @@ def place_members(
     places: dict[str, Place] = {}
     for group in template.groups:
         for noun in members[group.kind]:
+            if noun in away and (free := room.free(stores, spare=1)):
+                places[noun] = room.take(free, rng)
+                continue
             at = str(rng.choice(list(group.at)))
             names = stores if at == HIDDEN else [at]
             if rng.random() < STRAY and (free := room.free(strays, spare=1)):
@@ -100,11 +111,17 @@ def place_others(others: Iterable[str], room: Room, rng: np.random.Generator) ->
 
 
 def doors_and_switches(
-    template: Template, scene: Rules, places: Mapping[str, Place], rng: np.random.Generator
+    template: Template,
+    scene: Rules,
+    places: Mapping[str, Place],
+    rng: np.random.Generator,
+    *,
+    away: Collection[str] = (),
 ) -> tuple[dict[str, Door], dict[str, tuple[str, ...]]]:
-    """How doors stand that are not closed, and which switches are on."""
+    """How doors stand that are not closed, and which switches are on. What is `away` is behind shut doors."""
     kinds = [group.kind for group in template.groups if HIDDEN in group.at]
     hiding = {scene.slots[place.where].fixture for place in places.values()} if kinds else set()
+    hiding |= {scene.slots[places[noun].where].fixture for noun in away}
     odds = list(DOORS.values())
     doors: dict[str, Door] = {}
     for name in (name for name, facts in scene.fixtures.items() if facts.door):

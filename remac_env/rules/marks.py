@@ -56,6 +56,8 @@ def given(rules: Rules, world: WorldState) -> WorldState:
         for obj, item in world.objects.items():
             if facts.gives in item.marks or item.place.relation in ("held", "floor"):
                 continue
+            if item.place.relation == "slot" and item.place.where not in facts.slots:
+                continue
             around = supports(rules, world, obj)
             bare = len(around) == 2 and facts.kind in rules.objects[obj].needs_vessel_in
             lit = not facts.switch_per_slot or any(slot in state.on for slot in around)

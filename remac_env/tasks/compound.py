@@ -162,7 +162,7 @@ class ForAll(_OfKind):
         if wording == 1:
             said = [goal.told(1) for goal in self.parts]
             return ", ".join(said[:-1]) + f"{' and ' if said[1:] else ''}{said[-1]}"
-        return self._said(f"all {self.kind}s" if wording == 2 else f"every {self.kind}", wording)
+        return self._said(f"all {_several(self.kind)}" if wording == 2 else f"every {self.kind}", wording)
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ class Count(_OfKind):
     def text(self) -> str:
         """The goal in plain English."""
         each = self.each.bind({EACH: self.kind}).text
-        return f"of {self.least} or more {self.kind}s it is so that {each}"
+        return f"of {self.least} or more {_several(self.kind)} it is so that {each}"
 
     def holds(self, scene: Rules, world: WorldState) -> bool:
         """Whether it holds of so many."""
@@ -197,7 +197,8 @@ class Count(_OfKind):
     def told(self, wording: int) -> str:
         """Of so many, whichever they are."""
         number = _NUMBERS[self.least] if self.least < len(_NUMBERS) else str(self.least)
-        some = {1: f"{number} of the {self.kind}s", 2: f"any {number} {self.kind}s", 3: f"{number} {self.kind}s"}
+        kinds = _several(self.kind)
+        some = {1: f"{number} of the {kinds}", 2: f"any {number} {kinds}", 3: f"{number} {kinds}"}
         return self._said(some[wording] if self.least > 1 else f"a {self.kind}", wording)
 
 
@@ -249,6 +250,10 @@ class Before(Goal):
             f"{first} the {self.name} and {then} it after that",
         )
         return how[wording - 1]
+
+
+def _several(kind: str) -> str:
+    return f"{kind}es" if kind.endswith("s") else f"{kind}s"
 
 
 def _reached(goal: Goal, scene: Rules, world: WorldState) -> float:

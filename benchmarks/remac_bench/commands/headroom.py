@@ -8,7 +8,7 @@ from typing import Any
 
 from remac_bench.columns import show
 from remac_bench.errors import UsageError
-from remac_bench.experiments.headroom import AGENTS, jobs_of, tables
+from remac_bench.experiments.headroom import AGENTS, FIRST_SEED, jobs_of, tables
 from remac_bench.runner import run_jobs
 from remac_bench.settings import Settings
 from remac_bench.store import Store
@@ -31,6 +31,7 @@ def headroom_command(given: Mapping[str, Any]) -> None:
     for name in chosen:
         check_choice("agent of headroom", name, AGENTS)
     folder = Path(given["out"] or FOLDER)
-    jobs = [job for name in chosen for job in jobs_of(name, range(given["count"]))]
+    seeds = range(FIRST_SEED, FIRST_SEED + given["count"])
+    jobs = [job for name in chosen for job in jobs_of(name, seeds)]
     run_jobs(jobs, folder, Settings(workers=1))
     show(*tables(list(Store(folder).read())))

@@ -16,9 +16,20 @@ Folder = Annotated[str, typer.Argument(help="The --out of a run.")]
 Folders = Annotated[list[str], typer.Argument(help="The --out of a run; of several, one report together.")]
 
 
-@takes("records.as_markdown", "report.everything", "report.csv", "report.pages", "report.out")
+@takes(
+    *("records.as_markdown", "report.everything", "report.grade", "report.template"),
+    *("report.csv", "report.pages", "report.out"),
+)
 def report(
-    folders: Folders, *, as_markdown: bool, everything: bool, csv: str | None, pages: bool, out: str | None
+    folders: Folders,
+    *,
+    as_markdown: bool,
+    everything: bool,
+    grade: str | None,
+    template: str | None,
+    csv: str | None,
+    pages: bool,
+    out: str | None,
 ) -> None:
     """Print the tables of records, and write them as pages: FOLDER/leaderboard.html, or OUT/leaderboard.html."""
     from remac_bench.report import board_markdown, board_tables, prepare_csv, read_board, write_csv
@@ -29,8 +40,8 @@ def report(
         prepare_folder(out, "--out")
     if len(folders) > 1 and pages and out is None:
         raise UsageError("--out is missing: a folder for the pages of several folders; or give --no-pages")
-    board = read_board(*folders)
-    if pages:
+    board = read_board(*folders, grades=_parts(grade), templates=_parts(template))
+    if pages and grade is None and template is None:  # the pages are of everything, and filter it themselves
         from remac_bench.pages import write_pages
 
         typer.echo(f"pages: {write_pages(out or folders[0], board, of=folders)}", err=True)
@@ -44,6 +55,10 @@ def report(
     screen = console()
     for part in board_tables(board, everything=everything):
         screen.print(part, crop=False)
+
+
+def _parts(given: str | None) -> list[str]:
+    return [part.strip() for part in (given or "").split(",") if part.strip()]
 
 
 @takes("records.as_markdown", "blame.rescue", "extensions")

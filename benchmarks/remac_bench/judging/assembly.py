@@ -11,6 +11,7 @@ from remac_bench.judging.audit import audit_sheets
 from remac_bench.judging.checkers import checkers_of, with_checkers
 from remac_bench.judging.episodes import code_note, distinct
 from remac_bench.judging.evolution import evolution_sheets
+from remac_bench.judging.grades import grade_sheets
 from remac_bench.judging.matrix import matrix_sheets
 from remac_bench.judging.published import paper_sheets, phase_sheets
 from remac_bench.judging.ranking import ranking_sheets
@@ -26,6 +27,7 @@ def assemble(records: Iterable[Record], *, blames: Sequence[Blame], title: str, 
     known = distinct(records)
     rows, over_all = summarise(known), overall(known)
     sheets: list[Sheet] = [
+        *grade_sheets(known, folder=folder),
         *matrix_sheets(rows, over_all, folder=folder),
         *results_sheets(rows, over_all, folder=folder),
         *ranking_sheets(known, folder=folder),

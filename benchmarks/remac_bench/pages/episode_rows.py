@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from remac_bench.blame.labels import Blame
 from remac_bench.judging.endings import ending
 from remac_bench.judging.episodes import cap_seconds, distinct, problem, setting, shared_key
+from remac_bench.judging.grades import grade_of
 from remac_bench.pages.episode_page import page_name
 from remac_bench.records import Record
 
-FILTERS = ("task", "method", "robots", "starts", "style", "layout", "result", "blame", "setting")
+FILTERS = ("task", "grade", "template", "method", "robots", "starts", "style", "layout", "result", "blame", "setting")
 """Facts of rows that the page can be filtered by."""
 
 
@@ -68,6 +69,8 @@ class _Numbers:
 def _facts(record: Record, blame: str) -> dict[str, str]:
     facts = {
         "task": record.task,
+        "grade": grade_of(record),
+        "template": record.template or "",
         "agent": record.agent,
         "method": record.method,
         "robots": str(record.robots),
