@@ -20,6 +20,7 @@ MOST_LINES = 20
 
 SAYS = {
     "checker": r"^1 of \d+ verdicts were wrong; the first:\nno shut door is in front of the microwave$",
+    "generated_task": r"^MugsAway passes every check: put every mug into the pantry or chest$",
     "fixture": r"^PotatoToDrawer passes every check$",
     "gymnasium_one_robot": r"^turn on stove -> success\nreward 1.0 terminated True$",
     "method": r"^success True after 6 rounds$",
@@ -33,7 +34,7 @@ SAYS = {
 """What each says at the end."""
 
 PUBLIC = re.compile(
-    r"gymnasium|numpy|pathlib|subprocess|sys|remac_env(\.testing|\.vocabulary|\.tasks\.(goals|spec))?|remac_agents(\.roles)?|remac_bench\.store"
+    r"gymnasium|numpy|pathlib|subprocess|sys|remac_env(\.testing|\.vocabulary|\.state|\.rules\.facts|\.tasks\.(goals|compound|setup|spec))?|remac_agents(\.roles)?|remac_bench\.store"
 )
 """What users import."""
 

@@ -263,6 +263,8 @@ FORGERIES: dict[str, Forgery] = {
     "layout": set_field(failure, "layout", "galley"),
     "digest": set_field(failure, "digest", "0" * 12),
     "problem": set_field(learner, "problem", "0" * 12),
+    "template": set_field(learner, "template", "clear the trolley"),
+    "known rounds": set_field(learner, "known_rounds", 99),
     "more rounds allowed": _more_rounds,
     "fewer iterations": _fewer_iterations,
     "rounds": set_field(learner, "rounds", 4),

@@ -82,3 +82,48 @@ def test_csv_holds_the_numbers(tmp_path: Path) -> None:
     report(tmp_path, "--csv", str(tmp_path / "sheets"))
     names = {path.stem for path in (tmp_path / "sheets").iterdir()}
     assert names == {sheet.key for sheet in read_board(tmp_path).sheets}
+
+
+def generated(folder: Path) -> None:
+    """Jobs of two iterations on generated tasks: what fails first succeeds then."""
+    Store(folder).append(
+        [
+            record(
+                job=f"{agent}{grade}{seed}", agent=agent, method=agent, task="Generated", seed=seed, iteration=at,
+                scored=at == 1, success=bool(at) and agent == "RE", rounds=12, known_rounds=8, problem=f"p{seed}",
+                template=("clear the trolley", "dishes done")[seed % 2],
+                options={"kitchen": {"grade": grade, "quirks": 2}, "agent": {}},
+            )
+            for agent in ("RE", "CC") for grade in (2, 3) for seed in range(4) for at in (0, 1)
+        ]
+    )  # fmt: skip
+
+
+def test_generated_tasks_have_tables_by_grade_by_template_and_a_learning_curve(tmp_path: Path) -> None:
+    generated(tmp_path)
+    sheets = {sheet.key: sheet for sheet in read_board(tmp_path).sheets}
+    told = {row["agent"].text: row for row in sheets["grades"].rows}
+    assert told["RE"]["grades-2"].text == "100% (4)" and told["CC"]["grades-3"].text == "0% (4)"
+    curve = {row["agent"].text: row for row in sheets["learning"].rows}
+    assert curve["RE"]["gain"].text == "+100 (+100 to +100)" and curve["CC"]["gain"].text == "+0 (+0 to +0)"
+    assert curve["RE"]["regret-1"].text == "0.50" and "regret-0" not in curve["RE"]
+    assert len(sheets["templates"].rows) == 2 * 2 * 2
+    text = report(tmp_path, "--no-pages")
+    assert "Success by grade" in text and "Learning curve" in text
+
+
+def test_a_report_may_be_of_some_grades_and_templates(tmp_path: Path) -> None:
+    generated(tmp_path)
+    (sheet, *_) = read_board(tmp_path, grades=["3"], templates=["trolley"]).sheets
+    assert [column.key for column in sheet.columns if column.key.startswith("grades")] == ["grades-3"]
+    assert {row["grades-3"].text for row in sheet.rows} == {"100% (2)", "0% (2)"}
+    result = CliRunner().invoke(app, ["bench", "report", str(tmp_path), "--template", "moon"])
+    assert result.exit_code != 0 and "no record of these grades" in result.output
+    assert "Grade 2" not in report(tmp_path, "--grade", "3", "--no-pages")
+
+
+def test_pages_filter_by_grade_and_template(tmp_path: Path) -> None:
+    generated(tmp_path)
+    report(tmp_path)
+    page = (tmp_path / "leaderboard.html").read_text("utf-8")
+    assert 'data-filter="grade"' in page and 'data-filter="template"' in page and "clear the trolley" in page

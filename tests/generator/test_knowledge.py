@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 
 import remac_env
+from remac_env.errors import SamplingError
+from remac_env.generator import templates
 from remac_env.kitchen import annexes
 from remac_env.parallel import KitchenParallelEnv
 from remac_env.tasks.spec import TaskSpec
@@ -110,3 +112,40 @@ def test_who_knows_everything_is_told_what_it_was_told_before() -> None:
     env = remac_env.parallel_env("HeatOnStove", robots=1, backend="symbolic", starts="mixed")
     _, infos = env.reset(seed=3)
     assert infos["robot_0"]["unseen"] == [] and "Nobody has seen" not in infos["robot_0"]["text"]
+
+
+def other_way_round(name: str, row: templates.Template) -> list[tuple[TaskSpec, TaskSpec]]:
+    """Tasks of a template, each with the one in which what two shut stores hide is exchanged; one is enough."""
+    for grade in sorted(row.sizes, reverse=True):
+        for seed in range(6):
+            try:
+                spec = remac_env.generate(grade, seed, template=name, knowledge="seen", robots=2 if row.team else 1)
+            except SamplingError:
+                continue
+            if len(hidden_in(spec)) > 1:
+                return [(spec, swapped(spec)[0])]
+    return []
+
+
+def test_most_templates_hide_something_in_two_stores() -> None:
+    stores = [name for name, facts in annexes.load().items() if facts.door]
+    rows = [row for row in templates.load().values() if not row.family]
+    assert sum(len(set(stores) & set(row.annexes)) > 1 for row in rows) > 20
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("name", [name for name, row in templates.load().items() if not row.family])
+def test_no_template_tells_what_nobody_has_seen(name: str) -> None:
+    """Masks, text, commands and both views of it: what one robot is given, and the state of all."""
+    row = templates.load()[name]
+    for one, other in other_way_round(name, row):
+        for masks in ("grammar", "feasible"):
+            envs = [kitchen(spec, robots=2 if row.team else 1, masks=masks) for spec in (one, other)]
+            told = [given(env, *env.reset(seed=0)) for env in envs]
+            assert told[0] == told[1] and envs[0].world != envs[1].world
+            for text in ("navigate to counter", "open cabinet door", *(f"navigate to {n}" for n in one.goal.names())):
+                lead, code = min(envs[0].agents), envs[0].vocabulary.encode
+                orders = {robot: code(text if robot == lead else "wait") for robot in envs[0].agents}
+                steps = [env.step(orders) for env in envs]
+                told = [given(env, step[0], step[4]) for env, step in zip(envs, steps, strict=True)]
+                assert told[0] == told[1], (text, masks)

@@ -27,8 +27,8 @@ CAPTION = (
 )
 LEARNING = (
     "Of jobs with several iterations, all of them finished. Regret: rounds beyond those of the shortest known plan, "
-    "over these, mean over successes. Gain: points of success that the last iteration has more than the first, job by job, "
-    "with the 95% interval over whole problems."
+    "over these, mean over successes. Gain: points of success that the last iteration has more than the first, "
+    "job by job, with the 95% interval over whole problems."
 )
 
 

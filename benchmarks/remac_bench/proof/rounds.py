@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -23,7 +23,7 @@ from remac_env.state import WorldState
 PLAYED: tuple[str, ...] = (
     *("style", "layout", "digest", "problem", "success", "end", "progress", "phases", "rounds", "outcomes", "worlds"),
     *("sim_seconds", "robot_contacts", "near_misses", "physics_steps", "littered", "goal", "timeline", "orders"),
-    *("skills", "pre_checks", "post_checks"),
+    *("skills", "pre_checks", "post_checks", "template", "known_rounds"),
     *("optimum_rounds", "optimum_lower", "optimum_proof", "optimum_seconds", "optimum_seconds_lower"),
 )
 """Fields that come out the same when the recorded subtasks are played again, whoever chose them. Of checks that is the
@@ -95,6 +95,7 @@ def play_rounds(env: Any, row: Record) -> dict[str, Any]:
         "worlds": worlds,
         "littered": fallen(worlds),
         "problem": problem_id(*start),
+        **{name: _noted(row, name, episode) for name in ("template", "known_rounds")},
         "skills": dict(getattr(env, "skills", {})),
         **_optimum(env, row, start),
         **{name: _truths(getattr(row, name), env, states) for name in ("pre_checks", "post_checks")},
@@ -103,6 +104,11 @@ def play_rounds(env: Any, row: Record) -> dict[str, Any]:
         "sim_seconds": round(float(shared["seconds"]), 6),
         **{name: int(shared[name]) for name in ("robot_contacts", "near_misses", "physics_steps")},
     }
+
+
+def _noted(row: Record, name: str, episode: Mapping[str, Any]) -> Any:
+    """What is known of a generated task, where the record has it: older ones do not."""
+    return episode.get(name) if name in row.model_fields_set else None
 
 
 def _optimum(env: Any, row: Record, start: tuple[Any, WorldState, Any]) -> dict[str, Any]:

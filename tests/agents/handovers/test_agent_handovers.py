@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from made_up_tasks import dough, towels
 
@@ -43,6 +45,13 @@ def test_what_comes_before_the_main_object_goes_to_the_helper(name: str, rounds:
     assert set(plan.robots) == {"robot_0", "robot_1"}
     if name == "reflections":
         assert plan.row("robot_0") == tuple(request((*ALONE[:4], "navigate aside")).plan)
+
+
+def test_a_careful_hand_over_tries_nothing_new_where_it_counts() -> None:
+    careful = make_role("handover", "reflections,careful=true")
+    assert isinstance(careful.share(request(ALONE)), Plan)
+    assert careful.share(replace(request(ALONE), untried=True)) is None
+    assert isinstance(make_role("handover", "reflections").share(replace(request(ALONE), untried=True)), Plan)
 
 
 @pytest.mark.parametrize("name", ["reflections", "search"])

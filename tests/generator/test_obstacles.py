@@ -1,0 +1,60 @@
+"""From grade 3 on something is in the way of a task that no sentence tells, and whoever reads the goal alone fails."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import remac_env
+from remac_env.generator import make, scene_of, templates
+from remac_env.generator.drawing import draw
+from remac_env.generator.making import candidates
+from remac_env.generator.obstacles import obstructed, untold
+from remac_env.rules.rounds import transition
+from remac_env.tasks.goals import Inside
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("grade", [3, 4, 5])
+def test_something_is_in_the_way_and_the_plan_gets_round_it(grade: int) -> None:
+    task = make(grade=grade, seed=3)
+    assert task.untold >= 1 and task.spec.generated["untold"] == task.untold
+    scene, world = scene_of(task.spec, 1, "full")
+    for joint in task.plan.rounds:
+        world, _ = transition(scene, world, joint)
+    assert task.spec.goal.holds(scene, world)
+
+
+def test_it_is_counted_by_what_has_to_be_done_about_it() -> None:
+    spec = remac_env.generate(1, 0, template="fruit into the pantry")
+    scene, world = scene_of(spec, 1, "full")
+    (noun,) = [name for name in spec.goal.names() if name in scene.objects]
+    shut = next(slot for slot, facts in scene.slots.items() if facts.fixture == "pantry")
+    assert untold(scene, world, Inside(noun, "trolley")) == 0
+    place = replace(world.objects[noun].place, relation="slot", where=shut)
+    behind = world.with_object(noun, place=place).with_fixture("pantry", door="closed")
+    assert untold(scene, behind, Inside(noun, "trolley")) == 1
+
+
+def test_teams_and_kitchens_of_physics_have_none_and_draw_as_ever() -> None:
+    rows = templates.load().values()
+    assert not any(obstructed(row, 5) for row in rows if row.team or row.family)
+    assert not any(obstructed(row, 2) for row in rows) and any(obstructed(row, 3) for row in rows)
+
+
+@pytest.mark.long
+def test_every_template_of_these_grades_can_have_something_in_its_way() -> None:
+    without = []
+    for grade in (3, 4, 5):
+        for row in candidates(grade, None, 1):
+            found = 0
+            for seed in range(12):
+                try:
+                    spec = draw(row, grade, np.random.default_rng(seed))
+                except remac_env.errors.SamplingError:
+                    continue
+                found += untold(*scene_of(spec, 1, "full"), spec.goal) > 0
+            without += [(row.name, grade)] if not found else []
+    assert without == []
