@@ -14,6 +14,7 @@ _PULLED = 0.002  # m by which an object is lifted that is pulled at
 _OFF = 0.15  # m at which glue is off in any case
 _GLUE = 120.0  # N that glue holds
 _STIFF, _DAMPED = 0.5, 0.3  # of what one step of 5 ms takes, per mass
+_IN_HAND = 0.3  # kg
 _COOLS = 30  # control periods for which a hand stays open that touched what is hot
 
 
@@ -37,7 +38,7 @@ class Sticks:
 
     @property
     def at_work(self) -> bool:
-        return self._touched and not self._loose
+        return (self._touched or self._pulled) and not self._loose
 
     def watch(self) -> None:
         if self._loose:
@@ -47,7 +48,6 @@ class Sticks:
             self._free = 0
             self._pulled = self._pulled or self._now - self._stands > _PULLED
         else:
-            self._around.simulation.data.xfrc_applied[self._body, 2] = 0.0
             self._free += 1
             if not self._pulled:
                 self._stands = self._now
@@ -55,7 +55,9 @@ class Sticks:
             self.struck.add(self._name)
         if (self._pulled and self._free >= LET_GO) or self._now - self._stands > _OFF:
             self._loose = True
-            self._around.simulation.data.xfrc_applied[self._body, 2] = 0.0
+        if not self.at_work:
+            self._around.simulation.data.xfrc_applied[self._body, :3] = 0.0
+        if self._loose:
             self._truth.mark(self._name, LOOSENED)
 
     def push(self) -> None:
@@ -63,8 +65,13 @@ class Sticks:
             return
         data, step = self._around.simulation.data, self._step
         lifted = max(0.0, self._now - self._stands)
-        force = self._mass * (_STIFF * lifted / step + _DAMPED * float(data.qvel[self._rise])) / step
+        # What is in a hand moves with its fingers, which weigh a kilogram each: stiff glue is stable then.
+        mass = max(self._mass, _IN_HAND) if self._touched else self._mass
+        force = mass * (_STIFF * lifted / step + _DAMPED * float(data.qvel[self._rise])) / step
         data.xfrc_applied[self._body, 2] = -min(max(force, 0.0), _GLUE) if lifted > 0.0 else 0.0
+        # Glue is tough: what fingers squeeze out does not hop away.
+        aside = -self._mass * _DAMPED / step * data.qvel[self._rise - 2 : self._rise]
+        data.xfrc_applied[self._body, :2] = aside if self._pulled else 0.0
 
 
 class Hot:
