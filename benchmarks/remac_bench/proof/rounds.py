@@ -191,14 +191,17 @@ def _wrong_usage(row: Record) -> Iterator[str]:
 
 def _readers(row: Record, job: Job) -> dict[str, Any]:
     """The roles of our own that read the truth and the rules, and whether code from outside was kept apart."""
-    from remac_agents.roles.grants import reads_rules, reads_truth
+    from remac_agents.roles.grants import reads_rules, reads_truth, weights
     from remac_agents.wiring.catalogue import ROLES
 
     if row.error is not None:
         return {}
     given = {role: str(job.agent[role]).partition(",")[0] for role in agents.ROLES if role in job.agent}
     others = [role for role, name in given.items() if name not in ROLES[role] or name == "human"]
-    known = replace(job, agent={name: value for name, value in job.agent.items() if name not in others})
+    if "model" in job.agent:
+        # A model fills them, and one without eyes is given a checker that knows: its provider's page says which.
+        others += [role for role in agents.ROLES if role not in given]
+    known = replace(job, agent={name: value for name, value in job.agent.items() if name not in (*others, "model")})
     roles = {name: role for name, role in make(known, {}).roles.named().items() if name not in others}  # type: ignore[attr-defined]
     found: dict[str, Any] = {}
     for field, reads in (("truth_readers", reads_truth), ("rule_readers", reads_rules)):
@@ -206,5 +209,6 @@ def _readers(row: Record, job: Job) -> dict[str, Any]:
         of_others = [name for name in told if name in others]
         ours = [name for name, role in roles.items() if reads(role)]
         found[field] = told if sorted(told) == sorted([*ours, *of_others]) else [*ours, *of_others]
+    found["weights"] = {name: digest for name, digest in row.weights.items() if name in others} | weights(roles)
     outside = plugins(job.agent, providers=job.access.providers)
     return found | ({"isolated": job.access.isolated} if outside else {} if others else {"isolated": None})
