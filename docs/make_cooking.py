@@ -13,7 +13,6 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-import make_animation as animation
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +40,8 @@ def main() -> None:
     parser.add_argument("--layout", default="one_wall_large")
     parser.add_argument("--style", default="scandinavian")
     given = parser.parse_args()
+    import make_animation as animation
+
     env = remac_env.parallel_env(given.task, robots=2, clock="events", layout=given.layout, style=given.style)
     moments = played(env, given.task, given.seed)
     animation.write(given.to, drawn(env, moments))
@@ -50,6 +51,8 @@ def main() -> None:
 
 def played(env: Any, task: str, seed: int) -> list[Moment]:
     """A plan in physics: moments evenly spread over the episode."""
+    import make_animation as animation
+
     plan = {robot: [" ".join(part.split()) for part in text.split(";")]
             for robot, text in tomllib.loads(PLANS.read_text("utf-8"))[task].items()}
     env.start_recording()
@@ -75,6 +78,8 @@ def played(env: Any, task: str, seed: int) -> list[Moment]:
 
 def drawn(env: Any, moments: list[Moment]) -> list[NDArray[np.uint8]]:
     """The moments as pictures, uint8 (height, width, 3)."""
+    import make_animation as animation
+
     start, layout = env.start, env.worlds.layout_of(env.start)
     objects = {noun: env.worlds.categories[name] for noun, name in start.categories.items()}
     spec = build_spec(

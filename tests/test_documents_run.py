@@ -13,6 +13,7 @@ from document_play import KEYS, Play, smaller
 ONLY_PARSED = {
     "make ": "installs everything; the targets are looked up",
     "pip ": "installs",
+    "python benchmarks/timed_physics.py": "plays in physics for minutes",
     "python benchmarks/model_costs.py": "counts for minutes and writes into the documents",
     "python benchmarks/": "measures for minutes",
     "python examples/rl/": "learns for minutes; tests/integrations learns less",
