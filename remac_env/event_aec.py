@@ -99,7 +99,7 @@ class KitchenEventAEC(AECEnv[str, Any, Any]):
             LifecycleError: before reset, after the end, or where robots may not be told to.
             UnknownNameError: for a robot that is not busy.
         """
-        if not self.agents or "stop" not in self.infos[robot if robot in self.infos else self.agents[0]]:
+        if not self.agents or not any("stop" in info for info in self.infos.values()):
             raise LifecycleError("stop() needs an episode under way with interrupts=True")
         busy = [name for name in self.kitchen.agents if not self.infos[name]["ready"]]
         if robot not in busy:

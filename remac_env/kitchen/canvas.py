@@ -17,19 +17,15 @@ Vector = Sequence[float]
 Make = tuple[str, str]
 """How doors and drawers are made: a name of style.PANELS, and one of style.PULLS."""
 
-COLLIDER_GROUP = 3
-DRAWN_GROUP = 1
+COLLIDER_GROUP, DRAWN_GROUP = 3, 1
 FINE_GROUP, COARSE_GROUP = 2, 4
 """Boards and bars are there twice: fine for large pictures, coarse for small ones. MuJoCo's viewer hides group 4."""
 DRAWN_GROUPS = (DRAWN_GROUP, FINE_GROUP, COARSE_GROUP)
-
 SWITCHED = "/glow_"
 """Between a switch's name and a number, in the names of geoms that are seen only while it is on."""
-
 # Who touches whom (contype/conaffinity): furniture 1/0, leaves of doors 1/1, things 2/3 and their feet 0/1, robots 4/7.
 FURNITURE_CONTYPE, FURNITURE_CONAFFINITY = 1, 0
-_FURNITURE_FRICTION = (0.8, 0.005, 0.0001)  # sliding, torsional, rolling
-_EDGE = 0.004
+_FURNITURE_FRICTION, _EDGE = (0.8, 0.005, 0.0001), 0.004  # sliding, torsional, rolling; m
 
 
 class _Coat(NamedTuple):

@@ -135,6 +135,7 @@ def _provable(record: Record) -> dict[str, Any]:
 
 
 def check_key(row: Record, job: Job) -> Iterator[str]:
+    """Whether a record bears the name of the job that its options make."""
     if job.key != row.job:
         yield f"job: its options make job {job.key}, it says {row.job}"
 

@@ -43,16 +43,22 @@ class Refuses(_OfSwitches):
 
 
 class Enabled(Refuses):
+    """Comes on only while another switch is on."""
+
     def allowed(self) -> bool:
         return self.around.on(self.quirk.other)
 
 
 class Guarded(Refuses):
+    """Comes on only while another door is shut."""
+
     def allowed(self) -> bool:
         return self.around.shut(self.quirk.other)
 
 
 class Attended(Refuses):
+    """Comes on only while somebody stands at another station."""
+
     def allowed(self) -> bool:
         return self.around.attended(self.quirk.other)
 
