@@ -20,6 +20,7 @@ from remac_agents.vision.questions import Question, question_of, robot_of
 from remac_agents.vision.weights import SHIPPED, kept_weights
 from remac_env.errors import OptionError
 from remac_env.rules.conditions import Condition, Denial
+from remac_env.rules.predicates import PREDICATES
 
 NOT_SEEN = "no picture shows it"
 NOT_SURE = "not sure"
@@ -104,8 +105,8 @@ def probabilities(logits: Numbers, temperature: float) -> tuple[float, float, fl
 
 def _carried(condition: Condition, question: Question, view: View) -> Verdict | None:
     """What follows for a thing from its being felt in a gripper: it is in no place, and on or in nothing."""
-    places = condition.predicate in ("placed", "inside", "directly_on")
-    if places and question.names[0] in view.holding.values():
+    row = PREDICATES.get(condition.predicate)
+    if row is not None and row.false_if_held and question.names[0] in view.holding.values():
         return Verdict(condition, False, "felt in the gripper")
     return None
 

@@ -46,6 +46,7 @@ class Predicate:
             that achieves it; None where no rule helps.
         settled: it hangs on where the other robots go in the same round, so that the round itself decides it.
         fixtures_always: it is true of every fixture, so that nobody need look.
+        false_if_held: it is false of an object in a gripper, whatever else is true of that.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Predicate:
     repair: str | None = None
     settled: bool = False
     fixtures_always: bool = False
+    false_if_held: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a row that lacks a part or contradicts itself."""
@@ -181,7 +183,7 @@ PREDICATES: dict[str, Predicate] = by_name("predicate", "sentence", (
     Predicate(
         name="placed", about=("thing",), test=_placed,
         sentence="the {0} is in its place: neither in a gripper nor on the floor",
-        repair="leave out if held", fixtures_always=True,
+        repair="leave out if held", fixtures_always=True, false_if_held=True,
     ),
     Predicate(
         name="accessible", about=("thing",), test=_accessible,
@@ -205,12 +207,12 @@ PREDICATES: dict[str, Predicate] = by_name("predicate", "sentence", (
     ),
     Predicate(
         name="inside", about=("object", "thing"), test=inside,
-        sentence="the {0} is on or in the {1}",
+        sentence="the {0} is on or in the {1}", false_if_held=True,
     ),
     Predicate(
         name="directly_on", about=("object", "vessel"),
         test=lambda rules, world, name, vessel: world.objects[name].place == Place("vessel", vessel),
-        sentence="the {0} lies on or in the {1} itself",
+        sentence="the {0} lies on or in the {1} itself", false_if_held=True,
     ),
     _door("door_open", "the {0} door is open", lambda door: door == "open"),
     _door("door_not_open", "the {0} door is not open yet", lambda door: door != "open", repair="leave out"),
