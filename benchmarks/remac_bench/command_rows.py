@@ -46,7 +46,8 @@ ROWS: dict[str, Row] = {
         help="Tell it a first iteration's plan and reflections.", default=False, values=Switch(), flag="--reflections"
     ),
     "plan.by": Row(
-        help="own: the planner's own first iteration; rule: a rule-based one.", default="rule", flag="--reflections-by"
+        help="own: the planner's own first iteration; rule: a rule-based one.", default="rule",
+        values=Choice(("own", "rule")), flag="--reflections-by",
     ),
     "plan.out": Row(help=_KEPT, values=File()),
     "experiment.planner": Row(
@@ -59,7 +60,8 @@ ROWS: dict[str, Row] = {
     "experiment.robots": Row(help="1, 2 or 1,2; by default 1.", values=Texts()),
     "experiment.starts": Row(help="paper, mixed or paper,mixed; by default paper.", values=Texts()),
     "experiment.reflections": Row(
-        help="own: what each planner itself learns in a first iteration; rule: what the rules learn.", default="rule"
+        help="own: what each planner itself learns in a first iteration; rule: what the rules learn.", default="rule",
+        values=Choice(("own", "rule")),
     ),
     "experiment.file": Row(
         help="Also write every trial and the cells; plans are kept in FILE.jsonl.", values=File(), flag="--json"
@@ -108,7 +110,10 @@ ROWS: dict[str, Row] = {
     "submit.out": Row(help="A new folder for the submission.", default=NEEDED),
     "submit.name": Row(help="The name under which it is listed on boards.", default=NEEDED),
     "submit.contact": Row(help="Whom to contact.", default=""),
-    "submit.kind": Row(help="standard, or custom: with your own roles or code.", default="standard"),
+    "submit.kind": Row(
+        help="standard, or custom: with your own roles or code.", default="standard",
+        values=Choice(("standard", "custom")),
+    ),
     "accept.reask": Row(help="Jobs whose models are asked again, with your keys.", default=0, values=Whole()),
     "accept.seed": Row(help="Which jobs are asked again.", default=0, values=_SEED),
     "board.out": Row(help="A new folder for the pages.", default=NEEDED),
@@ -120,7 +125,9 @@ ROWS: dict[str, Row] = {
     ),
     "learn.episodes": Row(help="Episodes of each skill.", default=200, values=_COUNT),
     "learn.first_seed": Row(help="The first of their seeds.", default=1000, values=_SEED),
-    "learn.cells": Row(help="table (styles and layouts of the tasks' table) or all.", default="table"),
+    "learn.cells": Row(
+        help="table (styles and layouts of the tasks' table) or all.", default="table", values=Choice(("table", "all"))
+    ),
     "learn.held_out": Row(
         help="Layouts and styles that are not recorded, so that skills can be measured in them.",
         default=("galley,g_shaped_small,coastal,modern_2,transitional_1",), values=Texts(), flag="--hold-out",

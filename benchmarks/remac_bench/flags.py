@@ -7,6 +7,7 @@ command says by name which flags it takes; nothing about a flag is said anywhere
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from remac_bench.console import clean_errors
 from remac_bench.script_rows import ROWS as SCRIPTS
 from remac_bench.settings import Settings
 from remac_env.errors import OptionError
-from remac_env.option_rows import Row, Texts, Values, rows
+from remac_env.option_rows import Choice, Row, Texts, Values, rows
 from remac_env.options import MAX_ROBOTS, Options
 
 HOMES: dict[str, Any] = {"kitchen": Options, "agent": AgentOptions, "access": Access, "settings": Settings}
@@ -158,13 +159,29 @@ def takes(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
                 raise TypeError(f"{command.__name__}: {name!r} is not a flag that it takes; valid: {', '.join(flags)}")
             if each.kind is each.POSITIONAL_OR_KEYWORD:
                 own.append(each.replace(annotation=hints[name]))
-        made = clean_errors(command)
+        made = clean_errors(_choosing(command, flags))
         signature = inspect.Signature([*own, *(flag.declared for flag in flags.values())])
         made.__signature__ = signature  # type: ignore[attr-defined]
         made.__annotations__ = {name: each.annotation for name, each in signature.parameters.items()}
         return made
 
     return wrap
+
+
+def _choosing(command: Callable[..., None], flags: Mapping[str, Flag]) -> Callable[..., None]:
+    """The command, which is not run where one of its flags is none of the choices that its row names.
+
+    Numbers are checked as they are parsed (`parsed`).
+    """
+    chosen = {name: flag for name, flag in flags.items() if isinstance(flag.row.values, Choice)}
+
+    @functools.wraps(command)
+    def checked(*args: Any, **given: Any) -> None:
+        for name in (name for name in chosen if name in given):
+            chosen[name].row.check(chosen[name].written.lstrip("-").replace("-", "_"), given[name])
+        command(*args, **given)
+
+    return checked
 
 
 def pick(given: Mapping[str, Any], home: str) -> dict[str, Any]:

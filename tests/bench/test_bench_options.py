@@ -26,7 +26,7 @@ import remac_agents
 import remac_env
 from remac_agents.options import AgentOptions
 from remac_env.errors import OptionError, UnknownNameError
-from remac_env.option_rows import NEEDED, Row, Text, Whole, option, rows
+from remac_env.option_rows import NEEDED, Choice, Row, Text, Whole, option, rows
 from remac_env.options import Options
 
 SCRIPTS = sorted(path.stem for path in (ROOT / "benchmarks").glob("*.py") if "run_script(main)" in path.read_text())
@@ -153,6 +153,44 @@ def test_flag_and_keyword_refuse_a_wrong_value_with_the_same_words(home: str, na
     (flag,) = (flag for flag in TABLE.values() if (flag.home, flag.keyword) == (home, name))
     by_flag = remac("bench", "run", "--out", "never", f"{flag.written}=-7")
     assert by_flag.exit_code == 2 and told(by_flag.stderr) == told(str(by_keyword.value)) != ""
+
+
+ROWS = {(flag.parameter, flag.row.help): flag.row for flag in TABLE.values()}
+CHOSEN = [
+    (words, command, name, written, row.values.names)
+    for words, command in every_command()
+    for name, info, _ in flags_of(command)
+    for written in [next((w for w in (info.default, *(info.param_decls or ())) if isinstance(w, str)), f"--{name}")]
+    if isinstance((row := ROWS[name, info.help]).values, Choice)
+]
+
+
+@pytest.mark.parametrize(
+    ("words", "command", "name", "written", "valid"), CHOSEN, ids=[f"{each[0]} {each[3]}" for each in CHOSEN]
+)
+def test_every_command_refuses_what_is_none_of_the_choices_and_names_them(
+    words: str, command: Any, name: str, written: str, valid: tuple[Any, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before it does anything: what else it must be given it is not given here."""
+    with pytest.raises(typer.Exit) as refused:
+        command(**{name: "odd"})
+    told = " ".join(capsys.readouterr().err.split())
+    assert refused.value.exit_code == 2
+    assert f"unknown {written.lstrip('-').replace('-', '_')} 'odd'; valid: {', '.join(map(str, valid))}" in told
+
+
+def test_choices_are_refused_on_command_lines_too(tmp_path: Path) -> None:
+    from test_bench_cli import remac
+
+    out = ("--out", str(tmp_path / "never"))
+    for line in (
+        ("learn", "record-checker", "--backend", "dream", *out), ("learn", "record", "--format", "rlds", *out),
+        ("learn", "record", "--pictures", "odd", *out), ("learn", "record", "--cells", "some", *out),
+    ):  # fmt: skip
+        found = remac(*line)
+        assert found.exit_code == 2 and f"unknown {line[2][2:]} {line[3]!r}; valid: " in found.stderr, found.stderr
+    assert not (tmp_path / "never").exists()
+    assert {words for words, *_ in CHOSEN} >= {"learn record", "learn record-checker", "bench run", "pddl", "plan"}
 
 
 def test_an_unknown_keyword_gets_the_valid_ones() -> None:

@@ -30,7 +30,6 @@ from remac_env.options import STARTS
 from remac_env.tasks import get
 
 OFFLINE = ("literal", "oracle", "random", "noop")
-WHOSE = ("own", "rule")
 
 
 def plan_command(context: typer.Context) -> None:
@@ -45,7 +44,6 @@ def plan_command(context: typer.Context) -> None:
     load_extensions(given["extensions"] or ())
     cell = Cell(**{field.name: given[field.name] for field in fields(Cell) if field.name in given})
     taught, by = given["taught"], given["by"]
-    check_choice("reflections-by", by, WHOSE)
     own = taught and by == "own"
     reach = Reach.of(context)
     named = reach.routed(given["planner"] or "literal")
@@ -79,7 +77,6 @@ def experiment_command(context: typer.Context) -> None:
     find_local_modules()
     load_extensions(given["extensions"] or ())
     check_choice("experiment", name, EXPERIMENTS)
-    check_choice("reflections", given["reflections"], WHOSE)
     chosen, where = _tasks(given), _where(given)
     reach = Reach.of(context)
     planners = {text: reach.fill("planner", text) for text in map(reach.routed, given["planner"] or OFFLINE)}
