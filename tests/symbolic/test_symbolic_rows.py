@@ -265,7 +265,7 @@ def lists(source: str, where: str) -> Iterator[Listed]:
 def test_no_module_keeps_a_list_of_skills_or_predicates_of_its_own() -> None:
     code = [path for package in ("remac_env", "remac_agents", "benchmarks/remac_bench")
             for path in sorted((ROOT / package).rglob("*.py"))]  # fmt: skip
-    # dispatch.py is the controllers' table, of motions, and checker_scenes.py that of what shows a condition in a picture;
+    # dispatch.py is the table of motions, and checker_scenes.py that of what shows a condition in a picture;
     # some faults of plans happen to be called as predicates are.
     own = ("dispatch.py", "checker_scenes.py", "faults.py")
     code = [path for path in code if path.parent.name != "rules" and path.name not in own]
