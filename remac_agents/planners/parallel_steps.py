@@ -83,7 +83,7 @@ def _sequence(rules: Rules, world: WorldState, steps: Sequence[Step]) -> WorldSt
 
 
 def _command(rules: Rules, world: WorldState, step: Step) -> Subtask:
-    command = step.command(rules, world)
+    command = step.command(rules, world) or step.in_its_stead(rules)
     if command is None:
         raise StepError(f"its step {step.skill} {step.target} of {step.robot}: no command of this kitchen does that")
     return command

@@ -21,7 +21,7 @@ from remac_env.rules.rounds import at_rest
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
 from remac_env.state import FrozenMap, ObjectState, Place, RobotState, WorldState, base_place
-from remac_env.tasks.goals import Goal
+from remac_env.tasks.goals import Goal, Inside
 from remac_env.tasks.spec import Role, TaskSpec
 
 CLOSED_AT_RESET = 0.02
@@ -78,7 +78,7 @@ def sample(
     check_choice("naming", naming, NAMINGS)
     bodies.get(body)
     rng = generator(seed, "start", spec.name, layout.name, style, starts)
-    names, things = _choose_things(spec, categories, naming, rng)
+    names, things = _choose_things(spec, layout, categories, naming, rng)
     others = _choose_distractors(spec, layout, categories, things, rng)
     extra = generator(seed, "vessels", spec.name, layout.name, style, starts)
     things |= _with_vessels(others, layout, categories, things, extra)
@@ -123,7 +123,7 @@ def _drawn(
 
 
 def _choose_things(
-    spec: TaskSpec, categories: Mapping[str, Category], naming: str, rng: np.random.Generator
+    spec: TaskSpec, layout: Layout, categories: Mapping[str, Category], naming: str, rng: np.random.Generator
 ) -> tuple[dict[str, str], dict[str, Category]]:
     """What the object of each role is called, and the categories of the objects by what they are called."""
     names: dict[str, str] = {}
@@ -134,10 +134,21 @@ def _choose_things(
         if not options:
             such = f" that is {' and '.join(role.needs)}" if role.needs else ""
             raise SamplingError(f"{spec.name}: no category of the catalogue{such} can be the {noun!r}")
-        obj = options[int(rng.integers(len(options)))]
+        drawn = int(rng.integers(len(options)))
+        # The draw is kept, and what is too big for its place makes way for the next that is not: other starts stay.
+        in_turn = [*options[drawn:], *options[:drawn]]
+        obj = next((each for each in in_turn if _fits(spec, layout, role, each)), in_turn[0])
         names[role.name] = obj.name if naming == "category" else noun
         things[names[role.name]] = obj
     return names, things
+
+
+def _fits(spec: TaskSpec, layout: Layout, role: Role, category: Category) -> bool:
+    """Whether a thing of this category goes into every fixture into which the goal wants the role's object."""
+    inside = (atom for atom in spec.goal.atoms() if isinstance(atom, Inside))
+    wanted = (atom.container for atom in inside if atom.name == f"{{{role.name}}}")
+    fixtures = (layout.fixtures[name] for name in wanted if name in layout.fixtures)
+    return all(each.kind not in category.too_big_for and each.takes(category.size) for each in fixtures)
 
 
 def _choose_distractors(

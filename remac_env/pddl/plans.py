@@ -39,6 +39,15 @@ class Step:
                 return Subtask("navigate to", noun)
         return None
 
+    def in_its_stead(self, rules: Rules) -> Subtask | None:
+        """For a drive to one of a fixture's several stations where no command leads: the drive to that fixture.
+
+        The kitchen itself chooses among them, and there is room to put down where it leads. None for anything else.
+        """
+        if self.skill != "navigate to":
+            return None
+        return next((Subtask("navigate to", n) for n in rules.fixtures if self.target in rules.stations_of(n)), None)
+
 
 def read_plan(text: str, rules: Rules) -> list[Step]:
     """The steps of a plan as planners print it: `12.001: (action arguments) [6.000]`, or `(action arguments)`.

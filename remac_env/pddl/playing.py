@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from remac_env.pddl.plans import Step
+from remac_env.rules.subtasks import WAIT
 
 NEAR = 0.05
 """s by which a planner's times may be apart that mean the same: planners part what follows by a thousandth."""
@@ -25,10 +26,11 @@ def play_plan(env: Any, plan: Sequence[Step], *, seed: int) -> Played:
     """Reset a kitchen (`clock="events"`) and carry a plan out.
 
     Each robot takes its steps in order. A step begins once all has ended that ends before it by the plan, so that it
-    may begin sooner or later than the plan says.
+    may begin sooner or later than the plan says. Where nothing goes on, and no command leads to the station of the
+    next drive, it is the drive to the fixture there (`Step.in_its_stead`); a step that no command does ends the plan.
     """
     _, infos = env.reset(seed=seed)
-    left, over = list(plan), set[int]()
+    left, over = set(range(len(plan))), set[int]()
     at: dict[str, tuple[int, str]] = {}
     failed: list[str] = []
     while env.agents:
@@ -39,16 +41,32 @@ def play_plan(env: Any, plan: Sequence[Step], *, seed: int) -> Played:
                 failed += [f"{text}: {info['outcome']['reason']}"] if info["outcome"]["reason"] else []
         if not left and not at and not any(info["processes"] for info in infos.values()):
             break
+        due = _due(plan, left, over, [robot for robot, info in infos.items() if info["ready"]])
+        rules = env.start.scene
+        orders = {plan[n].robot: (n, plan[n].command(rules, env.world)) for n in due}
+        goes_on = bool(at) or any(info["processes"] for info in infos.values())
+        if due and not goes_on and all(command is None for _, command in orders.values()):
+            orders = {plan[n].robot: (n, plan[n].in_its_stead(rules)) for n in due[:1]}
+            if orders[plan[due[0]].robot][1] is None:
+                failed.append(f"{plan[due[0]].skill} {plan[due[0]].target}: no command does that")
+                break
         tokens = {robot: info["continue"] for robot, info in infos.items()}
-        for robot in [robot for robot, info in infos.items() if info["ready"]]:
-            number, step = next(((n, s) for n, s in enumerate(plan) if s in left and s.robot == robot), (-1, None))
-            command = None
-            if step is not None and all(n in over for n, s in enumerate(plan) if s.at + s.seconds <= step.at + NEAR):
-                command = step.command(env.start.scene, env.world)
-            if command is not None and step is not None:
-                left.remove(step)
+        tokens |= {robot: env.vocabulary.encode(WAIT.text) for robot, info in infos.items() if info["ready"]}
+        for robot, (number, command) in orders.items():
+            if command is not None:
+                left.discard(number)
                 at[robot] = (number, command.text)
-            tokens[robot] = env.vocabulary.encode("wait" if command is None else command.text)
+                tokens[robot] = env.vocabulary.encode(command.text)
         _, _, _, _, infos = env.step(tokens)
     info = next(iter(infos.values()))
     return Played(bool(info["success"]), float(info["seconds"]), tuple(failed))
+
+
+def _due(plan: Sequence[Step], left: set[int], over: set[int], robots: Sequence[str]) -> list[int]:
+    """The steps that may begin now: each such robot's next one, where all has ended that ends before it."""
+    nexts = (next((n for n in sorted(left) if plan[n].robot == robot), None) for robot in robots)
+    return [
+        n
+        for n in nexts
+        if n is not None and all(m in over for m, s in enumerate(plan) if s.at + s.seconds <= plan[n].at + NEAR)
+    ]

@@ -11,7 +11,7 @@ from remac_bench import judging, report
 from remac_bench.board import Board, Sheet
 from remac_bench.judging.alarms import derailments, detour_tokens, detours, tally
 from remac_bench.judging.endings import ending
-from remac_bench.judging.episodes import idle_share, setting
+from remac_bench.judging.episodes import cap_seconds, idle_share, setting
 from remac_bench.judging.published import published
 from remac_bench.judging.ranking import compare, ranks
 from remac_bench.judging.statistics import wilson
@@ -134,6 +134,20 @@ def test_failures_count_at_the_cap_where_survivors_are_not_to_be_preferred() -> 
     assert row.seconds_all == pytest.approx((60 + 2 * 20 * 9) / 3)  # the table's longest skill takes 9 s
     assert row.scr == pytest.approx(11 / (14 + 7)), "the crash has done nothing of a plan as long as the others'"
     assert row.scr_all == pytest.approx((1 + 0.25 + 0) / 3)
+
+
+@pytest.mark.parametrize(
+    ("task", "most", "cap"), [("SupperInTime", 300.0, 100.0), ("SupperInTime", 60.0, 60.0), ("HeatBoth", 300.0, 300.0),
+                              ("TaskOfAnotherPackage", 200.0, 200.0)]
+)  # fmt: skip
+def test_by_the_event_clock_the_cap_is_the_tasks_deadline_where_that_is_sooner(
+    task: str, most: float, cap: float
+) -> None:
+    options = {"kitchen": {"clock": "events", "max_seconds": most}}
+    late = record(job="a", task=task, clock="events", success=False, sim_seconds=cap, options=options)
+    assert cap_seconds(late) == cap
+    (row,) = summarise([late])
+    assert row.seconds_all == cap
 
 
 def test_a_planner_without_a_first_plan_has_no_ipl_at_the_cap_either() -> None:

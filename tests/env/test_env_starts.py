@@ -355,3 +355,21 @@ def test_targets_suit_their_task(task: str) -> None:
         assert category.attributes >= set(role.needs)
         seen.add(category.name)
     assert len(seen) > 3, seen
+
+
+@pytest.mark.parametrize("layout", ["one_wall_large", "galley"])
+def test_what_is_too_big_for_its_place_is_not_drawn(layout: str) -> None:
+    """A drumstick is meat that freezes, and does not go into a microwave: the next that does takes its place."""
+    task = remac_env.parallel_env("FrozenInTime", backend="symbolic", clock="events", starts="paper", layout=layout)
+    drawn = set()
+    for seed in range(20):
+        task.reset(seed=seed)
+        rules = task.start.scene
+        for atom in task.goal.atoms():
+            if isinstance(atom, Inside):
+                assert rules.fixtures[atom.container].kind not in rules.objects[atom.name].too_big_for
+        drawn.add(rules.objects["meat"].category)
+    assert "drumstick" not in drawn and len(drawn) > 1
+    defrost = remac_env.parallel_env("DefrostInBowl", backend="symbolic", starts="paper", layout=layout)
+    kinds = {defrost.reset(seed=seed) and defrost.start.categories.get("meat") for seed in range(40)}
+    assert "drumstick" in kinds, "where it goes in, it is drawn as before"

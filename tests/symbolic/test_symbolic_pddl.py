@@ -15,7 +15,7 @@ from remac_env.pddl.actions import Action, actions
 from remac_env.pddl.plans import Step
 from remac_env.pddl.writing import _neat, _now, _static, _wanted
 from remac_env.rules.rounds import transition
-from remac_env.rules.subtasks import WAIT
+from remac_env.rules.subtasks import WAIT, Subtask
 
 TASKS = remac_env.tasks()
 
@@ -121,6 +121,36 @@ def test_a_plan_is_read_and_played_back() -> None:
     worse = [step for step in plan if step.skill != "open door"]
     told = play_plan(env, worse, seed=1)
     assert not told.success and any("door_closed" in each for each in told.failed)
+
+
+ELSEWHERE = """0.000: (drive-by-aside-to-by-sink robot_0) [6.000]
+6.001: (turn-on-faucet robot_0 by-sink) [7.000]
+13.002: (pick-up-from-vessel robot_0 by-sink eggplant bowl slot-sink_0 sink n0 n1) [8.000]
+21.003: (drive-by-sink-to-by-microwave robot_0) [6.000]
+27.004: (drive-by-microwave-to-by-counter_island_right robot_0) [6.000]
+33.005: (place robot_0 by-counter_island_right eggplant slot-island_3 counter) [9.000]
+42.006: (drive-by-counter_island_right-to-by-microwave robot_0) [6.000]
+48.007: (pick-up robot_0 by-microwave meat slot-microwave_0 microwave) [8.000]
+56.008: (drive-by-microwave-to-by-sink robot_0) [6.000]
+62.009: (place-into-vessel robot_0 by-sink meat bowl slot-sink_0 sink n0 n1) [9.000]
+"""
+"""A plan of Kairos' for DefrostInBowl: no command leads to the right of the island, as nothing stands there."""
+
+
+def test_a_drive_where_no_command_leads_is_the_drive_to_the_fixture_there() -> None:
+    env = remac_env.parallel_env(
+        "DefrostInBowl", robots=1, backend="symbolic", clock="events", starts="mixed", layout="one_wall_large"
+    )
+    env.reset(seed=51)
+    rules, plan = env.start.scene, read_plan(ELSEWHERE, env.start.scene)
+    drive = plan[4]
+    assert drive.command(rules, env.world) is None and drive.in_its_stead(rules) == Subtask("navigate to", "counter")
+    assert all(step.in_its_stead(rules) is None for step in plan if step.skill != "navigate to")
+    played = play_plan(env, plan, seed=51)
+    assert (played.success, played.seconds, played.failed) == (True, 71.0, ())
+    nowhere = Step(0.0, "robot_0", "navigate to", "moon", 6.0)
+    ended = play_plan(env, [nowhere], seed=51)
+    assert (ended.success, ended.seconds, ended.failed) == (False, 0.0, ("navigate to moon: no command does that",))
 
 
 @pytest.mark.parametrize("line", ["(fly robot_0)", "open the door", "(open-cabinet robot_0)", "1: 2: (done)"])

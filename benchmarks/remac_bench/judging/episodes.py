@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from remac_bench.records import Record
+from remac_env.errors import UnknownNameError
 from remac_env.options import Options
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import DONE, WAIT
@@ -60,11 +61,23 @@ def cap_rounds(record: Record) -> int:
 def cap_seconds(record: Record) -> float:
     """The cap in simulated seconds: every round as long as the longest skill takes by the skill table.
 
-    Under the event clock it is the kitchen's own.
+    Under the event clock it is when the kitchen ends the episode: by its own, or at the task's deadline.
     """
     if record.clock == "events":
-        return float(record.options.get("kitchen", {}).get("max_seconds", Options.max_seconds))
+        kitchen = float(record.options.get("kitchen", {}).get("max_seconds", Options.max_seconds))
+        return min(kitchen, deadline_of(record.task))
     return cap_rounds(record) * LONGEST
+
+
+def deadline_of(task: str) -> float:
+    """s after which a task is too late; infinite where it has no deadline of its own, or is not installed here."""
+    from remac_env.tasks import get
+
+    try:
+        spec = get(task)
+    except UnknownNameError:
+        return math.inf
+    return math.inf if spec.deadline is None else spec.deadline
 
 
 def idle_share(record: Record) -> float | None:
