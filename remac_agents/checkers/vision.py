@@ -1,7 +1,7 @@
 """The checker that is a small network with eyes: it judges what the side and wrist pictures show, without any key.
 
 What a gripper feels it is told, as every checker is. It cannot tell what it is not sure of, what has not been learnt,
-what is a matter of knowledge, and what leaves nothing to see.
+what leaves nothing to see, and, unless it is given the rules, what is a matter of knowledge.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from remac_agents.checkers.felt import untold
+from remac_agents.checkers.knowledge import ruled
 from remac_agents.roles import StopEpisode, Verdict, View
 from remac_agents.vision.network import CAMERAS, SIZE, Numbers
 from remac_agents.vision.pictures import fitted
@@ -24,6 +25,7 @@ from remac_env.rules.predicates import PREDICATES
 
 NOT_SEEN = "no picture shows it"
 NOT_SURE = "not sure"
+BY_RULE = "by the rules, from what is seen"
 
 Cells = Mapping[str, Numbers]
 
@@ -37,9 +39,11 @@ class VisionChecker:
         weights: a file that `remac learn train-checker` wrote; by default what comes with the package.
         sure: the probability from which on it gives a verdict; by default what was found on kitchens kept for that,
             for each predicate.
+        rules: whether it is given the rules, by which it judges conditions of knowledge from what it sees.
 
     Raises:
-        OptionError: for weights that cannot be used, or a probability that is not within 0..1.
+        OptionError: for weights that cannot be used, a probability that is not within 0..1, or rules that are neither
+            true nor false.
     """
 
     needs_truth = needs_rules = False
@@ -47,12 +51,14 @@ class VisionChecker:
     picture_size = SIZE
     """Pixels of a side of the pictures that it makes use of."""
 
-    def __init__(self, *, weights: str | Path | None = None, sure: float | None = None) -> None:
+    def __init__(self, *, weights: str | Path | None = None, sure: float | None = None, rules: bool = False) -> None:
+        if not isinstance(rules, bool):
+            raise OptionError(f"rules {rules!r} is not valid; valid: true or false")
         if sure is not None and not (isinstance(sure, int | float) and 0.0 <= sure <= 1.0):
             raise OptionError(f"sure {sure!r} is not valid; valid: a probability, 0..1")
         found = kept_weights(SHIPPED if weights is None else weights)
         self._about, self._network, self._sure = found.about, found.network, sure
-        self.sha256 = found.sha256
+        self.sha256, self.needs_rules = found.sha256, rules
 
     def check(self, conditions: Sequence[Condition], view: View) -> list[Verdict]:
         """One verdict a condition, in order.
@@ -70,6 +76,9 @@ class VisionChecker:
         told = untold(condition, view)
         if told.value is not None:
             return told
+        if self.needs_rules and view.rules is not None and condition.kind == "known":
+            value = ruled(condition, view.rules, view.holding, lambda asked: self._verdict(asked, view, looked).value)
+            return Verdict(condition, value, NOT_SURE if value is None else BY_RULE)
         question = question_of(condition)
         if question is None:
             return Verdict(condition, None, NOT_SEEN)

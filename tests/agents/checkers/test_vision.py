@@ -25,7 +25,7 @@ from remac_env.rules.conditions import condition, denied
 from remac_env.rules.predicates import PREDICATES
 from remac_env.rules.scene import public_scene
 
-WORDS = Words(predicates(), ("bowl", "counter", "faucet", "fish", "sink"))
+WORDS = Words(predicates(), ("bowl", "counter", "faucet", "fish", "meat", "sink"))
 DARK, BRIGHT = np.zeros((SIZE, SIZE, 3), np.uint8), np.full((SIZE, SIZE, 3), 255, np.uint8)
 
 
@@ -52,10 +52,10 @@ def weights_of(arrays: Mapping[str, np.ndarray], *, least: float = 0.9) -> Weigh
 
 @pytest.fixture
 def made(tmp_path: Path) -> Any:
-    def make(*args: Any, sure: float | None = None, **options: Any) -> VisionChecker:
+    def make(*args: Any, sure: float | None = None, rules: bool = False, **options: Any) -> VisionChecker:
         path = tmp_path / f"{len(list(tmp_path.iterdir()))}.npz"
         save_weights(path, weights_of(arrays_of(*args, **options)))
-        return VisionChecker(weights=path, sure=sure)
+        return VisionChecker(weights=path, sure=sure, rules=rules)
 
     return make
 
@@ -114,6 +114,29 @@ def test_what_is_felt_or_known_or_never_learnt_is_not_looked_for(made: Any, view
     assert values(checker, view, *unknown) == [None] * len(unknown)
     told = {verdict.reason for verdict in checker.check(unknown, view)}
     assert told == {"no picture shows it", "it never learnt what 'microwave' is"}
+
+
+def test_with_the_rules_it_knows_what_needs_a_vessel_and_sees_whether_there_is_one(made: Any) -> None:
+    env = suite_kitchen("DefrostInBowl", robots=1)
+    env.reset(seed=3)
+    rules = env.start.scene
+    food = next(name for name, facts in rules.objects.items() if "sink" in facts.needs_vessel_in)
+    view = View("defrost", public_scene(rules), {"robot_0": food}, images=seen(["robot_0"], DARK), robot="robot_0")
+    asked, told = condition("no_vessel_needed", "robot_0", "sink"), replace(view, rules=rules)
+    nothing_there, there = made((0.0, 9.0, 0.0), rules=True), made((9.0, 0.0, 0.0), rules=True)
+    assert values(nothing_there, told, asked, denied(asked)) == [False, True]
+    assert values(there, told, asked) == [True] and values(made((0.0, 0.0, 9.0), rules=True), told, asked) == [None]
+    assert values(made((0.0, 9.0, 0.0)), told, asked) == [None], "the rules are for those who declare them"
+    assert nothing_there.needs_rules and not nothing_there.needs_truth
+
+
+def test_reports_say_that_it_was_given_the_rules() -> None:
+    obs, infos = suite_kitchen("DefrostInBowl", robots=1).reset(seed=1)
+    for checker, given in (("vision,rules=true", True), ("vision", False)):
+        agent = remac_agents.make("CC", checker=checker)
+        agent.reset({robot: {**told, **dict.fromkeys(CAMERAS, DARK)} for robot, told in obs.items()}, infos)
+        report = agent.report()
+        assert ("checker" in report.rule_readers) is given and "checker" not in report.truth_readers
 
 
 def test_without_pictures_the_episode_ends_and_nobody_is_to_blame(made: Any, view: View) -> None:
@@ -228,6 +251,7 @@ def test_files_that_are_none_are_refused(tmp_path: Path, data: bytes) -> None:
 
 @pytest.mark.parametrize(("options", "said"), [
     ({"weights": "nowhere.npz"}, "cannot be read"), ({"sure": 2.0}, "0..1"), ({"sure": "very"}, "0..1"),
+    ({"rules": "some"}, "true or false"),
 ])  # fmt: skip
 def test_wrong_options_are_refused(options: dict[str, Any], said: str) -> None:
     with pytest.raises(OptionError, match=said):
