@@ -12,12 +12,12 @@ from remac_env.kitchen.fixtures.base import WALL_Y, Fixture, Slot
 from remac_env.kitchen.floor import TALL, Floor
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import Frame
+from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
+from remac_env.robots.footprints import radius, width
 
-STATION_GAP = 0.84
-"""Least distance between two stations of a layout file, m: two bases 0.48 m wide, two swinging elbows and a margin."""
-
-BASE_RADIUS = 0.49
-"""Distance of the farthest corner of a robot's base from the axis of its arm, m."""
+ELBOW_ROOM = 0.36
+"""Between two bases at neighbouring stations, m: two swinging elbows and a margin."""
 
 WORK_HALF, WORK_DEPTH = 0.42, 1.30
 """Floor that a robot at work uses in front of its wall, m: to both sides of its station, and from the fronts on."""
@@ -32,6 +32,8 @@ _BESIDE, _BEHIND = 0.30, 0.42  # m from the floor of a working robot at which th
 _PARKED = 0.80  # m from the axis of a parked robot at which another one's axis may pass
 _FRONT_SLACK = 0.06  # m by which fridges and handles stand out of the line of fronts
 _TOUCH = 0.001  # fixtures that reach this little, m, into one another merely touch
+
+Corner = tuple[float, float]
 
 
 def check(layout: Layout, file: str) -> None:
@@ -49,19 +51,24 @@ def check(layout: Layout, file: str) -> None:
         check_team(replace(layout, asides=layout.team_asides), file)
 
 
-def check_places(layout: Layout, file: str) -> None:
-    """Raise KitchenFileError where robots have no room to stand, or cannot pass one that works or is parked."""
-    _check_stations(layout, file)
-    _check_ways(layout, file)
+def station_gap(body: str = STANDARD) -> float:
+    """Least distance between two stations of a layout file, m."""
+    return width(bodies.get(body).footprint) + ELBOW_ROOM
 
 
-def check_team(layout: Layout, file: str) -> None:
-    """Raise KitchenFileError unless robots on all parking places have room there, and out of there.
+def check_places(layout: Layout, file: str, body: str = STANDARD) -> None:
+    """Raise KitchenFileError where robots of a body cannot stand, or cannot pass one that works or is parked."""
+    _check_stations(layout, file, body)
+    _check_ways(layout, file, radius(bodies.get(body).footprint))
+
+
+def check_team(layout: Layout, file: str, body: str = STANDARD) -> None:
+    """Raise KitchenFileError unless robots of a body on all parking places have room there, and out of there.
 
     Each reaches all stations while all others are parked, also while one of them works at any station.
     """
-    check_places(layout, file)
-    space = floor(layout)
+    check_places(layout, file, body)
+    space = floor(layout, radius(bodies.get(body).footprint))
     for own in layout.asides:
         others = [place for place in layout.asides if place is not own]
         for worker in (None, *others):
@@ -113,11 +120,11 @@ def within(place: Station, block: Block) -> bool:
     return block.low[0] < place.x < block.high[0] and block.low[1] < place.y < block.high[1]
 
 
-def floor(layout: Layout, radius: float = BASE_RADIUS) -> Floor:
-    """The floor of a layout, for robots that need `radius`, m, around their axis."""
+def floor(layout: Layout, around: float) -> Floor:
+    """The floor of a layout, for robots that need so much, m, around their axis."""
     blocks = [block for fixture in layout.fixtures.values() for block in world_blocks(layout, fixture)]
     (left, right), front = layout.room.x, layout.room.front - FREE_FRONT
-    return Floor((left, front), (right, WALL_Y), blocks, radius)
+    return Floor((left, front), (right, WALL_Y), blocks, around)
 
 
 def _check_references(fixture: Fixture, layout: Layout, file: str) -> None:
@@ -169,12 +176,8 @@ def _check_room(fixture: Fixture, layout: Layout, file: str) -> None:
             or block.low[2] < -_TOUCH
             or block.high[2] > height + _TOUCH
         ):
-            raise KitchenFileError(
-                file,
-                f"fixtures.{fixture.name}",
-                f"{_shown_block(block)} leaves the room",
-                f"x {_shown(layout.room.x)} y {_shown((layout.room.front, WALL_Y))} z {_shown((0.0, height))}",
-            )
+            valid = f"x {_shown(layout.room.x)} y {_shown((layout.room.front, WALL_Y))} z {_shown((0.0, height))}"
+            raise KitchenFileError(file, f"fixtures.{fixture.name}", f"{_shown_block(block)} leaves the room", valid)
 
 
 def _check_apart(first: Fixture, second: Fixture, layout: Layout, file: str) -> None:
@@ -202,21 +205,18 @@ def _check_sweep(fixture: Fixture, layout: Layout, file: str) -> None:
             raise KitchenFileError(file, f"fixtures.{fixture.name}", f"its door swings into fixture {other.name}")
 
 
-def _check_stations(layout: Layout, file: str) -> None:
+def _check_stations(layout: Layout, file: str, body: str) -> None:
     """Stations lie apart, and the floor that a robot uses there is free."""
+    gap, around_axis = station_gap(body), radius(bodies.get(body).footprint)
     places = (*layout.stations.values(), *layout.asides)
     for first, second in combinations(places, 2):
-        if first.distance(second) < STATION_GAP - 1e-9:
-            raise KitchenFileError(
-                file,
-                f"stations.{second.name}",
-                f"{first.distance(second):.3f} m from station {first.name}",
-                f"at least {STATION_GAP} m apart",
-            )
+        if first.distance(second) < gap - 1e-9:
+            problem = f"{first.distance(second):.3f} m from station {first.name}"
+            raise KitchenFileError(file, f"stations.{second.name}", problem, f"at least {gap:g} m apart")
     users = {station: fixture.name for fixture in layout.fixtures.values() for station in fixture.stations}
     for station in places:
         user = f" (where robots use fixture {users[station.name]})" if station.name in users else ""
-        low, high = _stance(layout, station, skilled=_skilled(layout, station.name))
+        low, high = _stance(layout, station, around_axis, skilled=_skilled(layout, station.name))
         if low[0] < layout.room.x[0] or high[0] > layout.room.x[1] or high[1] > WALL_Y:
             raise KitchenFileError(file, f"stations.{station.name}", f"x {station.x:g} is too near a side wall{user}")
         if station.y < (front := layout.room.front - FREE_FRONT):
@@ -243,32 +243,33 @@ def _skilled(layout: Layout, station: str) -> bool:
     )
 
 
-def _stance(layout: Layout, station: Station, *, skilled: bool) -> tuple[tuple[float, float], tuple[float, float]]:
+def _stance(layout: Layout, station: Station, around: float, *, skilled: bool) -> tuple[Corner, Corner]:
     """Low and high corner (x, y), world frame, of the floor that must be free for a robot to stand and work."""
     if not station.wall:
-        return (station.x - BASE_RADIUS, station.y - BASE_RADIUS), (station.x + BASE_RADIUS, station.y + BASE_RADIUS)
+        return (station.x - around, station.y - around), (station.x + around, station.y + around)
     frame = layout.facing(station)
     x, y = frame.local(station.x, station.y)
     half = STANCE_HALF if skilled else WORK_HALF
-    front = min(-_FRONT_SLACK, y + BASE_RADIUS) if y < 0 else y
+    front = min(-_FRONT_SLACK, y + around) if y < 0 else y
     block = frame.block(Block((x - half, min(-WORK_DEPTH, y - WORK_HALF), 0.0), (x + half, front, 1.0)))
     return block.low[:2], block.high[:2]
 
 
-def _check_ways(layout: Layout, file: str) -> None:
+def _check_ways(layout: Layout, file: str, around_axis: float) -> None:
     """Every place is reached from every other, also while another robot works or is parked anywhere."""
-    space = floor(layout)
+    space = floor(layout, around_axis)
     places = (*layout.stations.values(), *layout.asides)
     users = {station: fixture.name for fixture in layout.fixtures.values() for station in fixture.stations}
-    _check_reached(space, places, users, file, "")
+    lane = f"{2 * around_axis:.2f} m of free floor all the way"
+    _check_reached(space, places, users, file, lane)
     for other in places:
         around = in_use(layout, other)
         rest = [p for p in places if p is not other and not within(p, around)]
-        _check_reached(space.without(around.low[:2], around.high[:2]), rest, users, file, other.name)
+        _check_reached(space.without(around.low[:2], around.high[:2]), rest, users, file, lane, other.name)
 
 
 def _check_reached(
-    space: Floor, places: Iterable[Station], users: dict[str, str], file: str, blocker: str
+    space: Floor, places: Iterable[Station], users: dict[str, str], file: str, lane: str, blocker: str = ""
 ) -> None:
     """Raise for the first place that cannot be reached from the one before all others."""
     first, *rest = places
@@ -277,10 +278,8 @@ def _check_reached(
         if not space.holds(cells, (place.x, place.y)):
             used = f" (fixture {users[place.name]})" if place.name in users else ""
             cause = f" past a robot at {blocker}: two robots cannot pass" if blocker else ""
-            raise KitchenFileError(
-                file, f"stations.{place.name}", f"cannot be reached from {first.name}{cause}{used}",
-                f"{2 * BASE_RADIUS:.2f} m of free floor all the way",
-            )  # fmt: skip
+            problem = f"cannot be reached from {first.name}{cause}{used}"
+            raise KitchenFileError(file, f"stations.{place.name}", problem, lane)
 
 
 def _slot_span(slot: Slot, axis: int) -> tuple[float, float]:

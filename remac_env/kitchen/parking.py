@@ -12,7 +12,10 @@ from math import pi
 
 from remac_env.errors import KitchenFileError
 from remac_env.kitchen.floor_plan import Layout, Station
-from remac_env.kitchen.layout_checks import BASE_RADIUS, FREE_FRONT, check_team, floor
+from remac_env.kitchen.layout_checks import FREE_FRONT, check_places, check_team, floor
+from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
+from remac_env.robots.footprints import radius
 
 LEAST_APART, MOST_APART = 1.1, 1.4
 """Between the axes of two robots in a row, m."""
@@ -23,32 +26,43 @@ _STEP = 0.1  # m between rows that are looked at
 
 
 @cache
-def for_robots(layout: Layout, robots: int) -> Layout:
-    """The layout with a parking place for each of so many robots; the same one where it has them.
+def for_robots(layout: Layout, robots: int, body: str = STANDARD) -> Layout:
+    """The layout with a parking place for each of so many robots of a body; the same one where it has them.
 
     Raises:
-        KitchenFileError: where its file has too few, and there is no room for a row of them.
+        KitchenFileError: where its file has too few, and there is no room for a row of them; or where robots of another
+            body than the standard one, for which layouts are checked when they are read, have no room in it.
     """
     if robots <= len(layout.asides):
+        if body != STANDARD:
+            check_places(layout, _file(layout, body), body)
         return layout
     if robots <= len(layout.team_asides):
-        return replace(layout, asides=layout.team_asides[:robots])
+        made = replace(layout, asides=layout.team_asides[:robots])
+        if body != STANDARD:
+            check_team(made, _file(layout, body), body)
+        return made
     problem = f"none, and no row of {robots} parking places has room in front of the room"
-    for places in _rows(layout, robots):
+    for places in _rows(layout, robots, body):
         made = replace(layout, asides=places)
         try:
-            check_team(made, f"{layout.name}.toml")
+            check_team(made, _file(layout, body), body)
         except KitchenFileError as error:
             problem = str(error)
         else:
             return made
-    raise KitchenFileError(f"{layout.name}.toml", "team_asides", problem)
+    raise KitchenFileError(_file(layout, body), "team_asides", problem)
 
 
-def _rows(layout: Layout, robots: int) -> Iterator[tuple[Station, ...]]:
+def _file(layout: Layout, body: str) -> str:
+    """What errors call the layout's file; with the body, unless that is the standard one."""
+    return f"{layout.name}.toml" + (f" (body {body!r})" if body != STANDARD else "")
+
+
+def _rows(layout: Layout, robots: int, body: str) -> Iterator[tuple[Station, ...]]:
     """Rows of robots side by side that face the back wall, nearest first."""
     (left, right), front = layout.room.x, layout.room.front
-    room = right - left - 2 * (BASE_RADIUS + _OFF)
+    room = right - left - 2 * (radius(bodies.get(body).footprint) + _OFF)
     apart = min(MOST_APART, room / (robots - 1)) if robots > 1 else MOST_APART
     if apart < LEAST_APART:
         return

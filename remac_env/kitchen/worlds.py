@@ -37,7 +37,7 @@ class Worlds:
 
     def layout_of(self, start: Start) -> Layout:
         """The layout of a start, with a parking place for each of its robots."""
-        return for_robots(self.layout(start.layout, start.style), len(start.scene.robots))
+        return for_robots(self.layout(start.layout, start.style), len(start.scene.robots), start.body)
 
 
 class TaskWorlds(Worlds):
@@ -113,7 +113,7 @@ class TaskWorlds(Worlds):
             if layout not in (None, *self.spec.layouts):
                 told = f"{self.spec.name} states its start; valid: {self.spec.layouts[0]}"
                 raise OptionError(f"layout {layout!r} is not that of the task: {told}")
-            room = for_robots(self.layout(layout or picks[1], style), len(robots))
+            room = for_robots(self.layout(layout or picks[1], style), len(robots), body)
             start, names = stated_start(
                 self.spec, self.spec.setup, room, self.categories, style=style, seed=seed, robots=robots,
                 perception_noise=perception_noise, knowledge=self.spec.knowledge or knowledge,
@@ -121,7 +121,7 @@ class TaskWorlds(Worlds):
             return replace(start, body=body), names
         return sample(
             self.spec,
-            for_robots(self.layout(layout or picks[1], style), len(robots)),
+            for_robots(self.layout(layout or picks[1], style), len(robots), body),
             self.categories,
             style=style,
             starts=starts,

@@ -17,6 +17,8 @@ APART = 0.75
 CLEAR = 0.6
 """m between the middles of two bases, of about half a metre, that pass one another."""
 
+FOOTPRINT = bodies.get().footprint
+
 
 def nearest(departure: Departure, goal: str, other: np.ndarray) -> dict[str, float]:
     """How near (m) the middle of a base comes to ``other`` (2,) at the best way of each sort."""
@@ -41,8 +43,9 @@ def test_somebody_behind_a_robot_is_passed_along_the_wall(name: str) -> None:
             continue
         q = np.zeros(11)
         q[:3] = place.x, place.y, place.yaw
-        alone = nearest(Departure(layout, place, q), goal.name, behind)
-        beside = nearest(Departure(layout, place, q, standing=(np.array([*behind, 0.0]),)), goal.name, behind)
+        alone = nearest(Departure(layout, place, q, footprint=FOOTPRINT), goal.name, behind)
+        there = (np.array([*behind, 0.0]),)
+        beside = nearest(Departure(layout, place, q, footprint=FOOTPRINT, standing=there), goal.name, behind)
         assert max(alone.values()) < CLEAR < beside["along the wall"], (place.name, goal.name)
         passed += 1
     assert passed > 0

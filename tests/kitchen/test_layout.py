@@ -106,7 +106,7 @@ def test_stations_conflict_when_near(layout: layouts.Layout) -> None:
 
 def test_robots_have_room(layout: layouts.Layout) -> None:
     for first, second in combinations((*layout.stations.values(), *layout.asides), 2):
-        assert first.distance(second) >= layout_checks.STATION_GAP - 1e-9
+        assert first.distance(second) >= layout_checks.station_gap() - 1e-9
 
 
 def test_mappings_cannot_be_changed(layout: layouts.Layout) -> None:

@@ -58,7 +58,8 @@ class Drives:
             if robot != here.robot.name:
                 here.clear.checker.mark(here.sensed.geoms(body), IGNORED)  # it goes where that robot goes
         layout, standing, litter = here.kitchen.layout, self._standing(), self._litter(here)
-        start = Departure(layout, here.place, here.robot.q, self._rooms, standing, litter)
+        footprint = here.robot.body.footprint
+        start = Departure(layout, here.place, here.robot.q, self._rooms, standing, litter, footprint=footprint)
         return Driver(here, ways_to(start, drive_goal.goal, here.robot.body), Outline.of(here), drive_goal.goal)
 
     def _standing(self) -> tuple[Array, ...]:

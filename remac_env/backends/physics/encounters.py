@@ -7,10 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from remac_env.backends.physics.routes import Outline
+from remac_env.robots.footprints import cores
 from remac_env.robots.rotation import Array
 
-_CORE = 0.23  # m: circles of this radius lie within the base, see remac_env.robots.panda.model
-_CORES = np.array([[-0.18, 0.0], [-0.09, 0.0]])  # their middles in the frame of the base, m
 _BLOCK = 48  # moments of one way looked at together, which bounds memory
 
 
@@ -25,8 +24,8 @@ class Encounter:
         self, ways: tuple[Array, Array], outlines: tuple[Outline, Outline], apart: float,
         clear: Callable[[int, int], bool],
     ) -> None:
-        cores = [_circled(_CORES, way) for way in ways]
-        self._meet = _gaps(cores[0], cores[1]) < 2.0 * _CORE + apart
+        (one, one_radius), (other, other_radius) = (cores(outline.footprint) for outline in outlines)
+        self._meet = _gaps(_circled(one, ways[0]), _circled(other, ways[1])) < one_radius + other_radius + apart
         self._near = _near(ways, outlines, apart)
         self._last = tuple(len(way) - 1 for way in ways)
         self._clear, self._known = clear, dict[tuple[int, int], bool]()

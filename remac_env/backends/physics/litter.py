@@ -12,6 +12,7 @@ from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.skill import Steps
 from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.kitchen.blocks import Block
+from remac_env.robots.footprints import middle_and_half
 from remac_env.robots.rotation import Array
 
 PUSH = 150.0
@@ -21,7 +22,6 @@ _PATIENCE = 3  # control periods of it
 _SLOWER = 2  # times as long as usual takes a drive that pushes
 _RETREAT = 16  # control periods by which a drive that was stopped goes back
 _NEAR = 0.03  # m between objects, or an object and a base, that press on one another
-_BASE_MIDDLE, _BASE_HALF = np.array([-0.135, 0.0]), np.array([0.285, 0.24])  # m, see remac_env.robots.panda
 
 
 def lying(here: Workspace) -> frozenset[str]:
@@ -49,9 +49,10 @@ def pressed(here: Workspace) -> frozenset[str]:
     places = {body: here.sensed.in_room(body).position[:2] for body in lying(here)}
     x, y, yaw = here.robot.standing
     turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    middle, half = middle_and_half(here.robot.body.footprint)
 
     def at_base(body: str) -> bool:
-        out = np.abs(turn @ (places[body] - [x, y]) - _BASE_MIDDLE) - _BASE_HALF
+        out = np.abs(turn @ (places[body] - [x, y]) - middle) - half
         return float(np.linalg.norm(np.maximum(out, 0.0))) < _reach(here, body) + _NEAR
 
     found = {body for body in places if at_base(body)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise, product
 
 import numpy as np
@@ -15,17 +15,17 @@ from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.frame import Frame
-from remac_env.kitchen.layout_checks import BASE_RADIUS, floor
+from remac_env.kitchen.layout_checks import floor
 from remac_env.robots.body import Body
+from remac_env.robots.footprints import Footprint, radius
 from remac_env.robots.rotation import Array
 
 LANES = (-1.15, -1.3, -1.5, -1.7, -1.9, -2.1, -2.3, -2.5, -2.7, -2.9)  # y of the arm axis before a wall, m
 _CROSSINGS = (-1.15, -1.4, -1.8, -2.3)  # the same for the two walls of a drive from one to another
 _SLIDES = (0.5, -0.5, 1.0, -1.0)  # m along a wall before a robot leaves it, or after it has come to it
-_ROOMY = BASE_RADIUS + 0.10  # m around the axis on ways that turn corners
+_ROOMY = 0.10  # m beyond the base that must be free around the axis on ways that turn corners
 _HALF_TURN = 2.0  # rad from which on a turn may as well go the other way round
 _STANDING = (0.20, 0.32, 0.14)  # m: half the side of the square that a standing robot takes, as tried in turn
-_GROWTH = BASE_RADIUS  # m by which obstacles on the floor grow for such ways
 
 
 @dataclass(frozen=True)
@@ -41,12 +41,13 @@ class Departure:
     """From where a robot drives: the layout, its place there and its configuration (n,).
 
     obstacles: floor to keep off; litter: the same, of objects on it. standing: where other robots stand, poses (3,) or
-    configurations (n,).
+    configurations (n,). footprint: of its base.
     """
 
     layout: Layout
     place: Station
     q: Array
+    footprint: Footprint = field(kw_only=True)
     obstacles: tuple[Block, ...] = ()
     standing: tuple[Array, ...] = ()
     litter: tuple[Block, ...] = ()
@@ -138,11 +139,12 @@ def _turned(q: Array, like: Array) -> Array:
 
 def _around(start: Departure, goal: Station, end: Array, half: float) -> Path | None:
     """A way around corners, which turns while it goes: out of the station, over free floor, and in."""
-    space = floor(start.layout, _ROOMY)
+    growth = radius(start.footprint)
+    space = floor(start.layout, growth + _ROOMY)
     taken = (Block((x - half, y - half, 0.0), (x + half, y + half, 1.0)) for x, y, *_ in start.standing)
     for block in (*start.obstacles, *start.litter, *taken):
         low, high = block.low, block.high
-        space = space.without((low[0] - _GROWTH, low[1] - _GROWTH), (high[0] + _GROWTH, high[1] + _GROWTH))
+        space = space.without((low[0] - growth, low[1] - growth), (high[0] + growth, high[1] + growth))
     q, layout = start.q, start.layout
     out = _moved(q, layout.facing(start.place), q, _CROSSINGS[0]) if start.place.wall else q
     before = _moved(end, layout.facing(goal), end, _CROSSINGS[0]) if goal.wall else end
@@ -182,10 +184,14 @@ def _count(start: Array, corner: Array, body: Body) -> int:
 
 @dataclass(frozen=True)
 class Outline:
-    """A robot with its arm held still, seen from above: boxes (n, 2) around its parts in the frame of its base."""
+    """A robot with its arm held still, seen from above: boxes (n, 2) around its parts in the frame of its base.
+
+    footprint: of the base alone.
+    """
 
     low: Array
     high: Array
+    footprint: Footprint
 
     @staticmethod
     def of(here: Workspace) -> Outline:
@@ -194,7 +200,7 @@ class Outline:
         q[:3] = 0.0
         here.clear.checker.pose(q)
         low, high = here.clear.checker.extent()
-        return Outline(low[:, :2], high[:, :2])
+        return Outline(low[:, :2], high[:, :2], here.robot.body.footprint)
 
     def corners(self, bases: Array) -> Array:
         """Corners (t, 4 n, 2) of the boxes, in the world, for base poses (t, 3)."""

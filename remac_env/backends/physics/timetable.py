@@ -188,7 +188,10 @@ class Timetable(Drives):
         """The quickest way of one robot while others stand in these configurations."""
         driver, (place, q) = self.drivers[name], start
         around = (*standing.values(), *self._standing())
-        leaves = Departure(driver.here.kitchen.layout, place, q, self._rooms, around, self._litter(driver.here))
+        leaves = Departure(
+            driver.here.kitchen.layout, place, q, self._rooms, around, self._litter(driver.here),
+            footprint=driver.here.robot.body.footprint,
+        )  # fmt: skip
         still = [(other, _still(at)) for other, at in standing.items()]
         for way in ways_to(leaves, goal, driver.here.robot.body):
             if self._path(driver, way) and all(
