@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 NEEDED = (
     *("remac_env/py.typed", "remac_agents/py.typed", "remac_bench/py.typed"),
     *("remac_env/nouns.toml", "remac_agents/prompts/", "remac_bench/suite_files/paper.toml", "remac_bench/pages/"),
-    "remac_env/kitchen/fixtures/certified.toml",
+    "remac_env/kitchen/fixtures/certified/panda.toml",
 )
 """Files, or beginnings of names, that a wheel must hold."""
 

@@ -2,7 +2,8 @@
 
 A variant stands alone at a plain wall with worktops beside it; robots of both names do the trials of module_trials.toml
 there, every arrival off by up to 0.02 m and 0.03 rad, all links colliding. What came of it goes to
-kitchen/fixtures/certified.toml, beside the variants, and layouts take no others. `--check 5` proves a few again.
+kitchen/fixtures/certified/<body>.toml, beside the variants; layouts take no others than those of the standard body.
+`--check 5` proves a few again.
 """
 
 from __future__ import annotations
@@ -23,18 +24,19 @@ from rich.table import Table
 
 from remac_env.kitchen.fixtures import Fixture, certificates
 from remac_env.kitchen.fixtures.certificates import Certificate, Skill
+from remac_env.robots import bodies
 from remac_env.seeding import generator
 
 # By how much a proof that is made again may leave what was found before: stance and reach in m, pitch in rad.
 _STANCE_SLACK, _REACH_SLACK, _PITCH_SLACK = 0.15, 0.10, 0.45
 _HEAD = (
-    "# What has been proven of each make, written by `python benchmarks/certify_modules.py`. certificates.py says what",
+    "# What is proven of each variant, written by `python benchmarks/certify_modules.py`. certificates.py says what",
     "# the figures mean. m and rad, from the middle of the fixture, the line of fronts and the floor.",
 )
 
 
-def certificate(kind: str, make: str, found: Iterable[Found]) -> Certificate:
-    """The certificate of a variant from all that was found."""
+def certificate(kind: str, make: str, found: Iterable[Found], body: str) -> Certificate:
+    """The certificate of a variant from all that was found with a body."""
     layout, parts = any_layout(kind, make), defaultdict(list)
     for part in found:
         if part.skill:
@@ -49,6 +51,8 @@ def certificate(kind: str, make: str, found: Iterable[Found]) -> Certificate:
             high=(max(x for x, _ in slots), max(y for _, y in slots), fixture.slots[0].center[2]),
         )
     return Certificate(
+        body,
+        bodies.get(body).fingerprint,
         kind,
         make,
         measures=certificates.measures_hash(kind, make),
@@ -60,14 +64,17 @@ def certificate(kind: str, make: str, found: Iterable[Found]) -> Certificate:
     )
 
 
-@takes("certify_modules.only", "certify_modules.rounds", "certify_modules.check", "certify_modules.first_seed")
-def main(*, only: str, rounds: int, check: int, first_seed: int) -> None:
+@takes(
+    "certify_modules.only", "certify_modules.rounds", "certify_modules.check", "certify_modules.first_seed",
+    "certify_modules.body",
+)  # fmt: skip
+def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> None:
     """Print a table of every variant and skill, and every failure."""
-    console = make_console()
+    console, file = make_console(), certificates.FOLDER / f"{bodies.get(body).name}.toml"
     wanted = [name.strip() for name in only.split(",") if name.strip()]
     chosen = [(k, m) for k, m in makes() if not wanted or k in wanted or f"{k}.{m}" in wanted]
     if check:
-        problems = _checked(chosen, check, first_seed)
+        problems = _checked(chosen, check, first_seed, body)
         for problem in problems:
             console.print(problem)
         console.print(f"{check} trials proven again, {len(problems)} differences")
@@ -75,29 +82,31 @@ def main(*, only: str, rounds: int, check: int, first_seed: int) -> None:
     proofs: dict[tuple[str, str], Certificate] = {}
     for kind, make in chosen:
         found = []
-        for trial in trials(kind, make, first_seed, rounds):
+        for trial in trials(kind, make, first_seed, rounds, body):
             parts = run(trial)
             found += parts
             for part in parts:
                 if part.problem:
                     console.print(f"{kind}.{make} {trial.robot} seed {trial.seed}: {part.problem}")
-        proofs[kind, make] = certificate(kind, make, found)
-    if certificates.FILE.exists():
-        proofs = {**certificates.load(), **proofs}
+        proofs[kind, make] = certificate(kind, make, found, body)
+    proofs = {**certificates.load(body), **proofs}
     ordered = [proofs[name] for name in makes() if name in proofs]
-    certificates.FILE.write_text("\n".join(as_toml(ordered)) + "\n", encoding="utf-8")
-    console.print(_shown(ordered))
+    file.write_text("\n".join(as_toml(ordered)) + "\n", encoding="utf-8")
+    console.print(_shown(ordered, body))
 
 
-def _checked(chosen: Sequence[tuple[str, str]], count: int, seed: int) -> list[str]:
+def _checked(chosen: Sequence[tuple[str, str]], count: int, seed: int, body: str) -> list[str]:
     """Prove a seeded few again, from new seeds, and name what is not as certified."""
-    known, chance, problems = certificates.load(), generator(seed, "modules"), []
+    known, chance, problems = certificates.load(body), generator(seed, "modules"), []
     for _ in range(count):
         kind, make = chosen[int(chance.integers(len(chosen)))]
+        if (kind, make) not in known:
+            problems.append(f"{kind}.{make}: not proven with body {body!r}")
+            continue
         proof = known[kind, make]
         if proof.colliders != colliders_hash(kind, make):
             problems.append(f"{kind}.{make}: its colliders have changed since the proof")
-        runs = trials(kind, make, seed + 1000)
+        runs = trials(kind, make, seed + 1000, body=body)
         trial = runs[int(chance.integers(len(runs)))]
         for part in run(trial):
             label = f"{kind}.{make} {trial.robot} seed {trial.seed}: {part.skill}"
@@ -153,8 +162,10 @@ def _sweep(fixture: Fixture) -> Any:
 
 
 def as_toml(proofs: Iterable[Certificate]) -> Iterator[str]:
-    """Lines of a TOML file that :mod:`remac_env.kitchen.fixtures.certificates` reads."""
+    """Lines of a TOML file, all of one body, that :mod:`remac_env.kitchen.fixtures.certificates` reads."""
+    proofs = list(proofs)
     yield from _HEAD
+    yield f'\nbody = "{proofs[0].body}"\nfingerprint = "{proofs[0].fingerprint}"'
     for proof in proofs:
         yield f"\n[{proof.kind}.{proof.make}]"
         yield f'measures = "{proof.measures}"'
@@ -175,9 +186,9 @@ def as_toml(proofs: Iterable[Certificate]) -> Iterator[str]:
             yield f"floor = [{_list(skill.floor[0])}, {_list(skill.floor[1])}]"
 
 
-def _shown(proofs: Iterable[Certificate]) -> Table:
-    heads = ("make", "skill", "successes", "stance x", "stance y", "reach", "pitch", "approach")
-    table = Table(*heads, title="Certified variants, m and rad")
+def _shown(proofs: Iterable[Certificate], body: str) -> Table:
+    heads = ("variant", "skill", "successes", "stance x", "stance y", "reach", "pitch", "approach")
+    table = Table(*heads, title=f"Variants certified with body {body}, m and rad")
     for proof in proofs:
         for name, skill in proof.skills.items():
             (left, near, _), (right, far, _) = skill.stances

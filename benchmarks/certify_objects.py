@@ -50,7 +50,7 @@ def steps(category: str) -> list[str]:
     return [text.format(category) for text in chain]
 
 
-def trial(category: str, seed: int) -> str:
+def trial(category: str, seed: int, body: str) -> str:
     """Run the chain once: "" where every step succeeded at its first try, else the first failure."""
     roles = [Role("thing", (category,))]
     if catalogue.get(category).small:
@@ -60,7 +60,7 @@ def trial(category: str, seed: int) -> str:
     )
     worlds = _Only(spec)
     start, _ = worlds.start(
-        seed, style=None, layout=None, starts="paper", robots=(ROBOT,), perception_noise=0.0
+        seed, style=None, layout=None, starts="paper", robots=(ROBOT,), perception_noise=0.0, body=body
     )
     backend = PhysicsBackend()
     backend.reset(start)
@@ -72,18 +72,18 @@ def trial(category: str, seed: int) -> str:
     return ""
 
 
-@takes("certify_objects.trials", "script.first_seed", "certify_objects.only")
-def main(*, trials: int, first_seed: int, only: str) -> None:
+@takes("certify_objects.trials", "script.first_seed", "certify_objects.only", "certify_objects.body")
+def main(*, trials: int, first_seed: int, only: str, body: str) -> None:
     """Print a table of categories and every failure."""
     console = make_console()
     names = [name.strip() for name in only.split(",") if name.strip()] or list(catalogue.load())
     failures: dict[str, list[str]] = defaultdict(list)
     for name in names:
         for seed in range(first_seed, first_seed + trials):
-            if problem := trial(name, seed):
+            if problem := trial(name, seed, body):
                 failures[name].append(problem)
                 console.print(f"{name}: {problem}")
-    table = Table("category", "trials", "without a failure", title="Handling objects in physics")
+    table = Table("category", "trials", "without a failure", title=f"Handling objects in physics with body {body}")
     for name in names:
         table.add_row(name, str(trials), str(trials - len(failures[name])))
     console.print(table)

@@ -10,9 +10,8 @@ import mujoco
 import numpy as np
 
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.robots import bodies
+from remac_env.robots.body import Body
 
-BODY = bodies.get()
 _STRAIGHT = 0.006  # m by which a straight approach may stray
 
 
@@ -29,9 +28,10 @@ class Touch:
 class Recorder:
     """Notes at every control step where the robot stands, what its fingers touch, and where its hand is."""
 
-    def __init__(self, backend: PhysicsBackend, robot: str, targets: Sequence[str]) -> None:
+    def __init__(self, backend: PhysicsBackend, robot: str, body: Body, targets: Sequence[str]) -> None:
         self.model, self.data, self.robot = backend.model, backend.data, robot
-        self._fingers = [self.model.body(f"{robot}/{part}").id for part in BODY.fingers]
+        self._base = body.joints[:3]
+        self._fingers = [self.model.body(f"{robot}/{part}").id for part in body.fingers]
         self._targets = {self.model.body(name).id: name for name in targets}
         base, box = geoms(self.model, f"{robot}/base"), mujoco.mjtGeom.mjGEOM_BOX
         self._boxes = [geom for geom in base if self.model.geom_type[geom] == box]
@@ -46,7 +46,7 @@ class Recorder:
         data, site = self.data, self.data.site(f"{self.robot}/grip")
         self.grips.append(site.xpos.copy())
         self.ways.append(site.xmat.reshape(3, 3)[:, 2].copy())
-        self.stands.append(np.array([data.joint(f"{self.robot}/{part}").qpos[0] for part in BODY.joints[:3]]))
+        self.stands.append(np.array([data.joint(f"{self.robot}/{part}").qpos[0] for part in self._base]))
         for box in self._boxes:
             reach = np.abs(data.geom_xmat[box].reshape(3, 3)) @ self.model.geom_size[box]
             self.low = np.minimum(self.low, (data.geom_xpos[box] - reach)[:2])

@@ -22,6 +22,8 @@ from remac_env.kitchen.layout_checks import STANCE_HALF
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.facts import Rules
 from remac_env.rules.subtasks import Subtask
 from remac_env.seeding import digest
@@ -62,7 +64,10 @@ slots = [{slots}]
 
 @dataclass(frozen=True)
 class Trial:
-    """One run: the variant, where a wall is near, the slot of a worktop, what is done, by whom, from which seed."""
+    """One run: the variant, where a wall is near, the slot of a worktop, what is done, by whom, from which seed.
+
+    body: what kind of robot it is.
+    """
 
     kind: str
     make: str
@@ -73,6 +78,7 @@ class Trial:
     steps: tuple[str, ...]
     robot: str
     seed: int
+    body: str
 
 
 @dataclass(frozen=True)
@@ -170,10 +176,10 @@ def colliders_hash(kind: str, make: str) -> str:
     return digest(values)
 
 
-def trials(kind: str, make: str, first_seed: int, rounds: int = 1) -> list[Trial]:
+def trials(kind: str, make: str, first_seed: int, rounds: int = 1, body: str = STANDARD) -> list[Trial]:
     """All runs that certify a variant, both robots in turn; as many rounds of them, each with other seeds."""
     if rounds > 1:
-        return [trial for number in range(rounds) for trial in trials(kind, make, first_seed + 100 * number)]
+        return [trial for number in range(rounds) for trial in trials(kind, make, first_seed + 100 * number, body=body)]
     table, found = tables()[kind], []
     for slot in [tuple(place) for place in table.get("slots", ())] or [None]:
         for entry in table["trials"]:
@@ -185,7 +191,7 @@ def trials(kind: str, make: str, first_seed: int, rounds: int = 1) -> list[Trial
                     # Each object with a wall on either side, and each robot equally often on each.
                     beside = SIDES[(len(found) + len(found) // 2) % 2]
                     door, seed = entry.get("door", 0.0), first_seed + len(found)
-                    found.append(Trial(kind, make, beside, slot, things, door, steps, robot, seed))
+                    found.append(Trial(kind, make, beside, slot, things, door, steps, robot, seed, body))
     return found
 
 
@@ -199,14 +205,15 @@ def run(trial: Trial) -> list[Found]:
     spec = TaskSpec("Module", ("", "", ""), _Never("nothing"), roles, fixtures=(), distractors=(0, 0), nouns=nouns)
     worlds = _Module(spec, layout)
     start, _ = worlds.start(
-        trial.seed, style="modern_1", layout=None, starts="paper", robots=(trial.robot,), perception_noise=0.0
-    )
-    backend = PhysicsBackend(worlds)
+        trial.seed, style="modern_1", layout=None, starts="paper", robots=(trial.robot,), perception_noise=0.0,
+        body=trial.body,
+    )  # fmt: skip
+    backend, body = PhysicsBackend(worlds), bodies.get(trial.body)
     world, found = backend.reset(_arranged(start, trial)), []
     for text in trial.steps:
         subtask = worlds.vocabulary.subtask(worlds.vocabulary.encode(text))
         here, held = world.robots[trial.robot].station == STATION, world.robots[trial.robot].holding
-        recorder = Recorder(backend, trial.robot, _targets(fixture, subtask, held))
+        recorder = Recorder(backend, trial.robot, body, _targets(fixture, subtask, held))
         backend.watch = recorder
         result = backend.run_round({trial.robot: subtask})
         world, outcome = result.world, result.outcomes[trial.robot]

@@ -55,6 +55,10 @@ class RenderingError(RemacError, RuntimeError):
     """No picture can be made with the settings at hand; the message names the fix."""
 
 
+class UncertifiedWarning(UserWarning):
+    """A kitchen in physics whose fixtures were never proven with the body of its robots."""
+
+
 class PhysicsError(RemacError, RuntimeError):
     """MuJoCo raised a warning or produced a value that is not finite."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -12,13 +13,15 @@ import certify_modules
 import module_trials
 import pytest
 
-from remac_env.errors import KitchenFileError
+from remac_env.errors import KitchenFileError, UncertifiedWarning
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.fixtures import certificates, models
 from remac_env.kitchen.fixtures.base import ONE_MAKE
 from remac_env.kitchen.fixtures.certificates import Certificate
+from remac_env.robots import bodies
+from remac_env.robots.panda.body import Panda
 from remac_env.state import FrozenMap
 
 NAME = "one_wall_large"
@@ -120,9 +123,9 @@ def test_a_proof_can_be_made_again() -> None:
 
 
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
-    path = tmp_path / "certified.toml"
+    path = tmp_path / "panda.toml"
     path.write_text("\n".join(certify_modules.as_toml(KNOWN.values())), encoding="utf-8")
-    assert certificates.load(path) == KNOWN
+    assert certificates.read(path) == KNOWN
 
 
 # -- what layouts are refused ------------------------------------------------------------------------------------------
@@ -144,7 +147,7 @@ def test_every_layout_with_every_style_is_accepted(name: str) -> None:
 
 def test_a_make_without_a_certificate_is_refused(layout: layouts.Layout) -> None:
     known = {name: proof for name, proof in KNOWN.items() if name != CABINET}
-    text = r"odd\.toml: fixtures\.cabinet\.model: .*left_bar.*has no certificate; valid: right_bar"
+    text = r"odd\.toml: fixtures\.cabinet\.model: .*left_bar.*has no certificate for body 'panda'; valid: right_bar"
     with pytest.raises(KitchenFileError, match=text):
         certificates.check(layout, "odd.toml", known)
     certificates.check(layout, "odd.toml", KNOWN)
@@ -153,6 +156,35 @@ def test_a_make_without_a_certificate_is_refused(layout: layouts.Layout) -> None
 def test_a_make_that_has_changed_is_refused(layout: layouts.Layout) -> None:
     with pytest.raises(KitchenFileError, match=r"left_bar.*measures have changed.*double_bar"):
         certificates.check(layout, "odd.toml", known_with(measures="0" * 12))
+
+
+def test_a_proof_with_another_body_is_refused(layout: layouts.Layout) -> None:
+    with pytest.raises(KitchenFileError, match=r"left_bar.*its proof is of body 'low panda', not 'panda'"):
+        certificates.check(layout, "odd.toml", known_with(body="low panda"))
+    with pytest.raises(KitchenFileError, match=r"left_bar.*body 'panda' has changed since the proof"):
+        certificates.check(layout, "odd.toml", known_with(fingerprint="0" * 12))
+
+
+def test_another_body_trusts_no_proof_of_the_pandas(layout: layouts.Layout) -> None:
+    low = Panda(name="low panda", mount_height=0.62)
+    bodies.register_body(low)
+    try:
+        assert certificates.load(low.name) == {}
+        with pytest.raises(KitchenFileError, match="it has no certificate for body 'low panda'"):
+            certificates.check(layout, "odd.toml", body=low.name)
+        with pytest.raises(KitchenFileError, match="its proof is of body 'panda', not 'low panda'"):
+            certificates.check(layout, "odd.toml", KNOWN, body=low.name)
+        used = certificates.uncertified(layout, low.name)
+        assert {"cabinet", "microwave", "stove"} <= set(used) and "fridge" not in used
+        with pytest.warns(UncertifiedWarning, match="'low panda' nothing is .*cabinet.*certified with: panda"):
+            certificates.warn_uncertified(layout, low.name)
+        own = {name: replace(proof, body=low.name, fingerprint=low.fingerprint) for name, proof in KNOWN.items()}
+        certificates.check(layout, "odd.toml", own, body=low.name)
+    finally:
+        bodies._BODIES.pop(low.name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        certificates.warn_uncertified(layout, bodies.STANDARD)
 
 
 def test_a_make_that_failed_is_refused(layout: layouts.Layout) -> None:
@@ -170,7 +202,7 @@ def test_a_station_off_its_place_is_refused(layout: layouts.Layout) -> None:
 
 
 def test_a_cabinet_of_another_size_or_height_is_refused() -> None:
-    refused(changed("cabinet", "z", "[1.37, 1.95]"), r"fixtures\.cabinet: the make 'left_bar' is .*valid: .*1\.350")
+    refused(changed("cabinet", "z", "[1.37, 1.95]"), r"fixtures\.cabinet: the variant 'left_bar' is .*valid: .*1\.350")
 
 
 def test_floor_that_is_not_free_is_refused(layout: layouts.Layout) -> None:
@@ -193,11 +225,15 @@ def test_a_slot_out_of_reach_is_refused(layout: layouts.Layout) -> None:
 
 def test_a_malformed_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "bad.toml"
-    path.write_text("[cabinet.left_bar]\nmeasures = 3\n", encoding="utf-8")
+    head = 'body = "bad"\nfingerprint = "0"\n'
+    path.write_text(f"{head}[cabinet.left_bar]\nmeasures = 3\n", encoding="utf-8")
     with pytest.raises(KitchenFileError, match=r"bad\.toml: cabinet\.left_bar"):
-        certificates.load(path)
+        certificates.read(path)
     with pytest.raises(KitchenFileError, match=r"none\.toml: file: cannot be read"):
-        certificates.load(tmp_path / "none.toml")
+        certificates.read(tmp_path / "none.toml")
+    path.write_text(head.replace("bad", "panda"), encoding="utf-8")
+    with pytest.raises(KitchenFileError, match=r"bad\.toml: body: .*panda.*valid: bad"):
+        certificates.read(path)
 
 
 def test_loading_needs_no_simulator_and_no_file_at_import() -> None:

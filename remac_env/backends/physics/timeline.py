@@ -23,6 +23,7 @@ from remac_env.backends.physics.stage import pose_start
 from remac_env.backends.physics.team import Team
 from remac_env.backends.physics.truth import Truth
 from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.fixtures.certificates import warn_uncertified
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import Worlds
@@ -69,6 +70,7 @@ class Timeline:
         check_controllers(controllers, len(start.scene.robots))
         self.start, self._controllers = start, controllers
         self._layout: Layout = worlds.layout_of(start)
+        warn_uncertified(self._layout, start.body)
         self._objects: dict[str, Category] = {n: worlds.categories[name] for n, name in start.categories.items()}
         robots = tuple(start.scene.robots)
         built_in = tuple(quirk for quirk in start.scene.quirks if QUIRKS[quirk.kind].fills)
