@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from remac_agents.roles.grants import reads_truth
 from remac_agents.text.options import FORM, read_value, split_options
+from remac_agents.text.printable import type_name, words
 from remac_agents.wiring.from_file import load_file
 from remac_env.errors import OptionError, UnknownNameError
 from remac_env.plugins import group_of, installed
@@ -237,6 +238,8 @@ def _find(role: str, name: str) -> Any:
     address = ROLES[role].get(name) or installed(group_of(role)).get(name, name)
     source, colon, attribute = address.rpartition(":")
     is_module = all(part.isidentifier() for part in source.split("."))
+    if not (colon and is_module) and name not in ROLES[role] and name in installed(group_of(role)):
+        raise UnknownNameError(f"{role} {name!r}: its entry point leads to {address!r}; valid: {FORMS[0]}")
     if not colon or not (is_module or source.endswith(".py")):
         forms = (*FORMS, *(MODEL_FORMS * (role in MODEL_ROLES)), *(PLANNER_FORMS * (role == "planner")))
         more = f"; options: {FORM}" if "," in name else ""
@@ -253,6 +256,11 @@ def _load(role: str, address: str, name: str = "") -> Any:
         module = load_file(source) if source.endswith(".py") else importlib.import_module(source)
     except (ImportError, OSError, SyntaxError, ValueError) as error:
         raise UnknownNameError(f"{role} {name!r} cannot be imported: {error}") from error
+    except (Exception, SystemExit) as error:
+        if name in ROLES[role] or name not in installed(group_of(role)):
+            raise  # what a user's own file raises is theirs to see
+        told = f"{type_name(error)}: {words(error)}"
+        raise UnknownNameError(f"{role} {name!r} cannot be imported: {told}") from error
     if not hasattr(module, attribute):
         public = [word for word, value in vars(module).items() if callable(value) and not word.startswith("_")]
         there = ", ".join(public) or "nothing"

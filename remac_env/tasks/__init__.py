@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from remac_env.errors import OptionError, check_choice
+from remac_env.errors import OptionError, UnknownNameError, check_choice
 from remac_env.plugins import load_tasks
 from remac_env.tasks import generated
 from remac_env.tasks.defrost_in_bowl import SPEC as _DEFROST
@@ -40,14 +40,20 @@ def names() -> tuple[str, ...]:
 
 
 def get(name: str) -> TaskSpec:
-    """The task of that name, `Generated` among them; UnknownNameError lists the others."""
+    """The task of that name, `Generated` among them.
+
+    Raises:
+        UnknownNameError: for another name; it lists the tasks, and the installed packages whose tasks cannot be had.
+    """
     name = python_value(name)
     if name == generated.SPEC.name:
         return generated.SPEC
-    if name not in (*known(), *timed()):
-        load_tasks()
+    missing = load_tasks() if name not in (*known(), *timed()) else ()
     every = _SPECS | _TIMED
-    check_choice("task", name, every)
+    try:
+        check_choice("task", name, every)
+    except UnknownNameError as error:
+        raise UnknownNameError("; ".join((str(error), *missing))) from None
     return every[name]
 
 
