@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import zipfile
 import zlib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,18 @@ UNREADABLE = (
     *(zipfile.BadZipFile, zlib.error, NotImplementedError),
 )
 """What NumPy, zipfile, json and texts of wrong types raise for a file that is damaged."""
+
+
+def read_bytes(path: str | Path, most: int) -> bytes:
+    """A file that has no more bytes than it may have.
+
+    Raises:
+        OptionError: if it has more.
+        OSError: if it cannot be read.
+    """
+    if Path(path).stat().st_size > most:
+        raise OptionError(f"it has more than {most} bytes")
+    return Path(path).read_bytes()
 
 
 def unpacked(data: bytes, most: int) -> dict[str, NDArray[Any]]:

@@ -10,12 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from remac_agents.checkers.felt import untold
 from remac_agents.checkers.knowledge import ruled
 from remac_agents.roles import StopEpisode, Verdict, View
-from remac_agents.vision.network import CAMERAS, SIZE, Numbers
+from remac_agents.vision.network import CAMERAS, SIZE, Numbers, likely
 from remac_agents.vision.pictures import fitted
 from remac_agents.vision.questions import Question, question_of, robot_of
 from remac_agents.vision.weights import SHIPPED, kept_weights
@@ -88,8 +86,8 @@ class VisionChecker:
         if unknown := self._network.words.unknown(question):
             return Verdict(condition, None, f"it never learnt what {unknown!r} is")
         answers = (self._said(question, robot, view, looked) for robot in _whose(condition, view))
-        value, likely = next((said for said in answers if said[0] is not None), (None, 0.0))
-        return Verdict(condition, value, NOT_SURE if value is None else f"seen, {100 * likely:.0f}% sure")
+        value, share = next((said for said in answers if said[0] is not None), (None, 0.0))
+        return Verdict(condition, value, NOT_SURE if value is None else f"seen, {100 * share:.0f}% sure")
 
     def _said(
         self, question: Question, robot: str, view: View, looked: dict[str, Cells]
@@ -98,18 +96,11 @@ class VisionChecker:
         if robot not in looked:
             looked[robot] = self._network.look({camera: fitted(view.images[robot][camera]) for camera in CAMERAS})
         logits = self._network.answer(looked[robot], [question], view.holding.get(robot) or "")[0]
-        true, false, _ = probabilities(logits, self._about.temperature)
+        true, false, _ = likely(logits, self._about.temperature).tolist()
         least = self._about.least[question.predicate] if self._sure is None else (self._sure, self._sure)
         if true >= max(least[0], false):
             return True, true
         return (False, false) if false >= least[1] else (None, 0.0)
-
-
-def probabilities(logits: Numbers, temperature: float) -> tuple[float, float, float]:
-    """How likely true, false and hidden are."""
-    powers = np.exp((logits - logits.max()) / temperature)
-    true, false, hidden = (powers / powers.sum()).tolist()
-    return true, false, hidden
 
 
 def _carried(condition: Condition, question: Question, view: View) -> Verdict | None:

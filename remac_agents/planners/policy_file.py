@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.array_files import UNREADABLE, unpacked
+from remac_env.array_files import UNREADABLE, read_bytes, unpacked
 from remac_env.errors import OptionError
 from remac_env.files import prepare_file
 from remac_env.observation import Facts
@@ -131,9 +131,7 @@ def read_policy(path: str | Path, *, sha256: str = "") -> Policy:
         OptionError: if it cannot be read, has another digest, or is no such policy.
     """
     try:
-        if Path(path).stat().st_size > MAX_BYTES:
-            raise OptionError(f"it has more than {MAX_BYTES} bytes")
-        data = Path(path).read_bytes()
+        data = read_bytes(path, MAX_BYTES)
         found = hashlib.sha256(data).hexdigest()
         if sha256 and sha256 != found:
             raise OptionError(f"sha256 {sha256!r} is not that of this file; its own is {found}")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,6 +134,12 @@ class Network:
             values = values.T.reshape(-1, side, side)
             near = values if number < CELLS else near
         return near.reshape(len(near), -1).T + self.arrays[f"{camera}_places"], values
+
+
+def likely(logits: NDArray[Any], temperature: float) -> NDArray[Any]:
+    """How likely true, false and hidden are, (..., 3), from logits of this shape."""
+    powers = np.exp((logits - logits.max(axis=-1, keepdims=True)) / temperature)
+    return np.asarray(powers / powers.sum(axis=-1, keepdims=True))
 
 
 def convolved(values: Numbers, weights: Numbers, stride: int) -> Numbers:

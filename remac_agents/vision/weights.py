@@ -20,7 +20,7 @@ import numpy as np
 
 from remac_agents.vision.network import ANSWERS, LARGEST, SIZE, Network, Numbers, Picture, Words
 from remac_agents.vision.questions import Question, predicates
-from remac_env.array_files import UNREADABLE, unpacked
+from remac_env.array_files import UNREADABLE, read_bytes, unpacked
 from remac_env.errors import OptionError
 from remac_env.files import prepare_file
 
@@ -106,9 +106,7 @@ def read_weights(path: str | Path) -> Weights:
         OptionError: if it cannot be read, is damaged, or was made for other questions or another player.
     """
     try:
-        if Path(path).stat().st_size > LARGEST:
-            raise OptionError(f"it has more than {LARGEST} bytes")
-        data = Path(path).read_bytes()
+        data = read_bytes(path, LARGEST)
         arrays = unpacked(data, _UNPACKED)
         about = _about(json.loads(str(arrays.pop("about"))))
         side, wrist, answer = (arrays.pop(f"sample_{name}") for name in ("side", "wrist", "answer"))

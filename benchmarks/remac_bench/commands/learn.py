@@ -14,7 +14,6 @@ from remac_bench.command import Command, joined
 from remac_bench.console import console
 from remac_bench.errors import UsageError
 from remac_bench.flags import takes
-from remac_env.errors import check_choice
 
 if TYPE_CHECKING:
     from remac_bench.learning.evaluate import Score
@@ -45,8 +44,6 @@ def record(
     from remac_bench.learning.lerobot import Dataset
     from remac_bench.learning.sessions import record_all, record_dataset
 
-    check_choice("--format", format, ("hdf5", "lerobot"))
-    check_choice("--pictures", pictures, ("none", "images", "videos"))
     if format == "hdf5" and pictures == "videos":
         raise UsageError("--pictures videos: HDF5 keeps images; valid: images, or --format lerobot")
     chosen = _skills(skills, drives=False)
@@ -85,8 +82,8 @@ def train(
     recipe = Recipe(epochs=epochs, width=width, chunk=chunk, execute=execute)
     check_sizes(recipe)
     chosen = _skills(skills, drives=False)
-    runs = [train_skill(skill, demos, weights, recipe) for skill in chosen]
-    for line in chain.from_iterable([train_together(chosen, demos, weights, recipe)] if together else runs):
+    every = (train_skill(skill, demos, weights, recipe) for skill in chosen)
+    for line in train_together(chosen, demos, weights, recipe) if together else chain.from_iterable(every):
         console().print(line)
 
 

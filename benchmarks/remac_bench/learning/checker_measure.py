@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_agents.vision.network import ANSWERS, CAMERAS, Network
+from remac_agents.vision.network import ANSWERS, CAMERAS, Network, likely
 from remac_agents.vision.questions import Question
 from remac_bench.learning.checker_files import Album, answers
 
@@ -38,8 +38,7 @@ class Judged:
 
     def likely(self, temperature: float) -> Floats:
         """How likely true, false and hidden are, (m, 3)."""
-        powers = np.exp((self.logits - self.logits.max(axis=1, keepdims=True)) / temperature)
-        return np.asarray(powers / powers.sum(axis=1, keepdims=True))
+        return likely(self.logits, temperature)
 
 
 def judge(network: Network, album: Album) -> Judged:

@@ -146,7 +146,6 @@ def read_demos(files: Iterable[Path]) -> Iterator[Demo]:
 def _read(group: Any) -> Demo:
     told = {name: value.item() if hasattr(value := group.attrs[name], "item") else value for name in _TOLD}
 
-
     def whole(name: str) -> Any:
         return np.concatenate([group[f"obs/{name}"][:], group[f"next_obs/{name}"][-1:]])
 

@@ -35,6 +35,7 @@ Outcomes = Mapping[str, Mapping[str, Any]]
 TIMES = ("began", "ended")
 """Fields of outcomes that records from before 2026-11-30 lack."""
 
+
 def read_job(record: Record) -> Job:
     """The job that a record belongs to, by the options that the record holds.
 

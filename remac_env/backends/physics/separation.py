@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from remac_env.backends.physics.simulation import Simulation
+from remac_env.robots.footprints import Footprint, radius
 from remac_env.robots.rotation import Array
 
 NEAR_MISS = 0.05  # m
@@ -156,13 +157,13 @@ class Separation:
                 model.geom_conaffinity[geoms] = model.body_conaffinity[body] = meets
 
 
-def bases_apart(one: Array, other: Array, footprint: tuple[tuple[float, float], tuple[float, float]]) -> float:
+def bases_apart(one: Array, other: Array, footprint: Footprint) -> float:
     """Least distance (m) between two bases with this footprint, seen from above; 0 where they overlap.
 
     ``one``, ``other``: poses (3,), x and y in m and the heading in rad.
     """
     (x0, y0), (x1, y1) = footprint
-    if math.hypot(one[0] - other[0], one[1] - other[1]) > 2.0 * math.hypot(max(-x0, x1), max(-y0, y1)) + _NEAR:
+    if math.hypot(one[0] - other[0], one[1] - other[1]) > 2.0 * radius(footprint) + _NEAR:
         return math.inf
     low, high, corners = np.array([x0, y0]), np.array([x1, y1]), np.array([[x0, y0], [x0, y1], [x1, y0], [x1, y1]])
     least, overlap = math.inf, True

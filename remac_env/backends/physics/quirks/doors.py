@@ -13,7 +13,6 @@ _SWUNG = 0.25  # rad at which a door that comes open is left to itself
 _SWING = 0.8  # rad/s with which doors fall shut and come open
 
 
-
 class _OfDoor:
     """What has to do with a door: a drive at each of its leaves."""
 

@@ -18,7 +18,6 @@ _IN_HAND = 0.3  # kg
 _COOLS = 30  # control periods for which a hand stays open that touched what is hot
 
 
-
 class Sticks:
     """Glue holds it down until it has been pulled at and let go."""
 

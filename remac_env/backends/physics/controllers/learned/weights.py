@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from remac_env.array_files import UNREADABLE, unpacked
+from remac_env.array_files import UNREADABLE, read_bytes, unpacked
 from remac_env.backends.physics.controllers.learned.network import LARGEST, Network, Numbers
 from remac_env.backends.physics.controllers.learned.seen import VERSION, Entry, entries, taught
 from remac_env.errors import OptionError
@@ -130,9 +130,7 @@ def read_weights(path: str | Path) -> Weights:
         OptionError: if it cannot be read, is damaged, or was made for another observation, body or player.
     """
     try:
-        if Path(path).stat().st_size > LARGEST:
-            raise OptionError(f"it has more than {LARGEST} bytes")
-        data = Path(path).read_bytes()
+        data = read_bytes(path, LARGEST)
         arrays = unpacked(data, LARGEST)
         about = _about(json.loads(str(arrays.pop("about"))))
         numbers = {name: _numbers(name, array) for name, array in arrays.items()}
