@@ -19,10 +19,9 @@ def check_actions(actions: Mapping[str, Any], agents: Sequence[str]) -> dict[str
     """
     if not isinstance(actions, Mapping):
         raise ActionError(f"actions must map agents to tokens, got {type(actions).__name__}; agents: {list(agents)}")
-    missing = [name for name in agents if name not in actions]
-    strange = [name for name in actions if name not in agents]
-    if missing or strange:
-        problem = f"missing {missing}, unexpected {strange}"
+    if set(actions) != set(agents):
+        missing = [name for name in agents if name not in actions]
+        problem = f"missing {missing}, unexpected {[name for name in actions if name not in agents]}"
         raise ActionError(f"actions for the wrong agents: {problem}; agents: {list(agents)}")
     return {name: check_token(actions[name], name) for name in agents}
 

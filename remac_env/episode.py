@@ -114,7 +114,7 @@ class Episode:
     @property
     def unseen(self) -> frozenset[str]:
         """The objects that nobody on the team has seen; none with knowledge="full"."""
-        return frozenset(self.world.objects) - self.seen
+        return frozenset(self.world.objects) - self.seen if self.terms.scene.hides else frozenset()
 
     @property
     def known(self) -> WorldState:
@@ -122,8 +122,10 @@ class Episode:
         return as_known(self.world, self.seen)
 
     def _look_about(self) -> None:
-        now = in_view(self.terms.scene, self.world) if self.terms.scene.hides else frozenset(self.world.objects)
-        self.seen |= now
+        if self.terms.scene.hides:
+            self.seen |= in_view(self.terms.scene, self.world)
+        elif not self.seen:
+            self.seen = frozenset(self.world.objects)
 
     def advance(self, subtasks: Mapping[str, Subtask], invalid: Mapping[str, Outcome], result: RoundResult) -> None:
         """Take over a round's result and judge it."""

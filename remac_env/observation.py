@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.rules.facts import ASIDE, Rules
 from remac_env.rules.skills import marks
-from remac_env.state import FixtureState, FrozenMap, ObjectState, WorldState
+from remac_env.state import FixtureState, FrozenMap, ObjectState, RobotState, WorldState
 from remac_env.vocabulary import Vocabulary
 
 _DOORS = ("closed", "ajar", "open")
@@ -20,18 +20,18 @@ _BLOCKS = 2  # of robots at least: the robot itself, then another one (zeros whe
 
 @dataclass(frozen=True, slots=True)
 class _Things:
-    """What all robots see alike of one state of the objects and fixtures.
+    """What robots see of one state of the objects and fixtures.
 
-    values: (size,). held: for each held object the place of "held by oneself", and who holds it. at_station: for each
-    station the positions of the objects that are used from it.
+    values: for each robot, (size,), wherever the robots are. at_station: for each station the positions of the objects
+    that are used from it. ones: where the robots were -> for each of them the places of the ones in the robots' blocks.
     """
 
     scene: Rules
     objects: FrozenMap[ObjectState]
     fixtures: FrozenMap[FixtureState]
-    values: NDArray[np.float32]
-    held: list[tuple[int, str]]
+    values: dict[str, NDArray[np.float32]]
     at_station: dict[str, list[int]]
+    ones: dict[FrozenMap[RobotState], dict[str, NDArray[np.intp]]] = field(default_factory=dict)
 
     def are(self, scene: Rules, world: WorldState) -> bool:
         """Whether this is the very state of the objects in that world: equal ones are not looked for."""
@@ -74,15 +74,13 @@ class Facts:
         if things is None or not things.are(scene, world):
             # Most rounds move robots alone: what was seen of the objects last time is then seen again.
             things = self._things = self._see_things(scene, world)
-        blocks = {name: self._robot(scene, world, name, things) for name in scene.robots}
+        ones = things.ones.get(world.robots)
+        if ones is None:
+            ones = things.ones[world.robots] = self._see_robots(scene, world, things)
         told: dict[str, NDArray[np.float32]] = {}
         for robot in robots:
-            ones = blocks[robot] + [place + (holder != robot) for place, holder in things.held]
-            others = (name for name in scene.robots if name != robot)
-            for index, name in zip(range(1, self._blocks), others, strict=False):
-                ones += [index * self._robot_size + place for place in blocks[name]]
-            values = told[robot] = things.values.copy()
-            values[ones] = 1.0
+            values = told[robot] = things.values[robot].copy()
+            values[ones[robot]] = 1.0
         return told
 
     def _see_things(self, scene: Rules, world: WorldState) -> _Things:
@@ -115,15 +113,24 @@ class Facts:
                 ones.append(start + 1 + _DOORS.index(state.door))
             if state.on:
                 ones.append(start + 1 + len(_DOORS))
-        values = np.zeros(self.size, dtype=np.float32)
-        values[ones] = 1.0
-        return _Things(scene, objects, world.fixtures, values, held, at_station)
+        values = {robot: np.zeros(self.size, dtype=np.float32) for robot in scene.robots}
+        for robot in scene.robots:
+            values[robot][ones + [place + (holder != robot) for place, holder in held]] = 1.0
+        return _Things(scene, objects, world.fixtures, values, at_station)
 
-    def _robot(self, scene: Rules, world: WorldState, robot: str, things: _Things) -> list[int]:
+    def _see_robots(self, scene: Rules, world: WorldState, things: _Things) -> dict[str, NDArray[np.intp]]:
+        blocks = {name: self._block(scene, world.robots[name], things) for name in scene.robots}
+        ones: dict[str, NDArray[np.intp]] = {}
+        for robot in scene.robots:
+            order = [robot, *(name for name in scene.robots if name != robot)]
+            ones[robot] = np.concatenate([blocks[name] + i * self._robot_size for i, name in enumerate(order)])
+        return ones
+
+    def _block(self, scene: Rules, state: RobotState, things: _Things) -> NDArray[np.intp]:
         """Places of the ones in a robot's block, from the beginning of the block."""
-        state = world.robots[robot]
-        ones = [0] if state.station == ASIDE else [1 + self._at[name] for name in scene.used_from(state.station)]
+        aside = state.station == ASIDE
+        ones = [0] if aside else [1 + self._at[name] for name in scene.used_from(state.station)]
         ones += [1 + index for index in things.at_station.get(state.station, ())]
         if state.holding is not None:
             ones.append(1 + self._at[state.holding] + len(self.objects))
-        return ones
+        return np.array(ones, dtype=np.intp)

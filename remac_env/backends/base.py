@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -31,12 +31,15 @@ class Counters:
     near_misses: int = 0
 
     def __add__(self, other: Counters) -> Counters:
-        return Counters(
+        return self if other is NOTHING_COUNTED else Counters(
             self.control_steps + other.control_steps,
             self.physics_steps + other.physics_steps,
             self.robot_contacts + other.robot_contacts,
             self.near_misses + other.near_misses,
         )
+
+
+NOTHING_COUNTED = Counters()
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,7 @@ class RoundResult:
     world: WorldState
     outcomes: Mapping[str, Outcome]
     seconds: float
-    counters: Counters = field(default_factory=Counters)
+    counters: Counters = NOTHING_COUNTED
 
 
 class Backend(Protocol):

@@ -9,7 +9,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.backends.base import Counters, RoundResult, Start, check_all_idle, check_busy, check_idle
+from remac_env.backends.base import (
+    NOTHING_COUNTED,
+    Counters,
+    RoundResult,
+    Start,
+    check_all_idle,
+    check_busy,
+    check_idle,
+)
 from remac_env.errors import LifecycleError, OptionError
 from remac_env.rules.claims import Claim, settle_claims
 from remac_env.rules.facts import Process, Rules
@@ -125,9 +133,8 @@ class SymbolicBackend:
         check_idle(subtasks, start.scene.robots, ())
         # What begins together and is alone comes true together, so that nothing has to be carried over one by one.
         told, _, _, self._world = self._foretold(start.scene, world, subtasks)
-        self._clock = max((outcome.ended for outcome in told.values()), default=self._clock)
-        world = self._came_to_rest(start)
-        return RoundResult(world, told, max((o.seconds for o in told.values()), default=0.0))
+        self._clock = max([self._clock, *[outcome.ended for outcome in told.values()]])
+        return RoundResult(self._came_to_rest(start), told, max([0.0, *[outcome.seconds for outcome in told.values()]]))
 
     def kept(self) -> Kept:
         """The moment at hand, for `put_back`: what a search goes on from. Slips are not among it."""
@@ -169,7 +176,7 @@ class SymbolicBackend:
     @property
     def counters(self) -> Counters:
         """Nothing is counted."""
-        return Counters()
+        return NOTHING_COUNTED
 
     def positions(self) -> None:
         """Nothing is simulated."""

@@ -58,7 +58,8 @@ class Goal(ABC):
 
     def beyond(self, scene: Rules, world: WorldState) -> bool:
         """Whether an object that it cannot do without lies where no robot can reach it: a rule, not a search."""
-        return any(base_place(world, name) == FLOOR for name in self.names() if name in scene.objects)
+        objects = scene.objects
+        return any(base_place(world, name).relation == FLOOR.relation for name in self.names() if name in objects)
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,10 @@ class _Atom(Goal):
 
     def names(self) -> tuple[str, ...]:
         """The objects and fixtures that the goal speaks of."""
+        return self._names
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
         return tuple(str(v) for k, v in self._fields().items() if k in _NAME_FIELDS and v)
 
 
