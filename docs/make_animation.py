@@ -9,6 +9,7 @@ that follows the robots, as near as it can be while both are in the picture.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +20,12 @@ from numpy.typing import NDArray
 
 import remac_env
 from remac_env.kitchen import style
-from remac_env.kitchen.builder import build_spec
+from remac_env.kitchen.builder import build_spec, show_switches
 from remac_env.oracle import solve
 from remac_env.pictures import Moment
 from remac_env.rendering.cameras import axes, fitted
-from remac_env.rendering.renderer import BEAUTY, Renderer
+from remac_env.rendering.renderer import BEAUTY, Quality, Renderer
+from remac_env.rendering.signs import Signs
 
 FILE = Path(__file__).parent / "pictures" / "team.webp"
 SIZE = (640, 360)
@@ -50,48 +52,65 @@ AROUND, SMOOTH = 10, 6.0
 
 def main() -> None:
     """Play, draw and write the animation."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--to", type=Path, default=FILE)
-    parser.add_argument("--task", default="OpenCabinetPnP")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--layout", default="one_wall_small")
-    parser.add_argument("--style", default="scandinavian")
+    kitchen = {"task": "OpenCabinetPnP", "seed": 0, "layout": "one_wall_small"}
+    make(carried_out, __doc__, size=SIZE, quality=BEAUTY, to=FILE, **kitchen)
+
+
+def make(
+    play: Callable[[Any, str, int], None],
+    told: str | None,
+    *,
+    clock: str = "rounds",
+    size: tuple[int, int],
+    quality: Quality,
+    **usual: Any,
+) -> None:
+    """Let `play` play the episode that the command line names, in physics; draw and write it.
+
+    `usual`: what is made where the command line says nothing.
+    """
+    parser = argparse.ArgumentParser(description=told, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name, value in {**usual, "style": "scandinavian"}.items():
+        parser.add_argument(f"--{name}", type=type(value), default=value)
     given = parser.parse_args()
-    env, moments = played(given.task, given.seed, layout=given.layout, style=given.style)
-    write(given.to, drawn(env, moments))
+    env = remac_env.parallel_env(given.task, robots=2, clock=clock, layout=given.layout, style=given.style)
+    env.start_recording()
+    play(env, given.task, given.seed)
+    moments = env._pictures._tape.frames
+    spread = [moments[at] for at in np.linspace(0, len(moments) - 1, FRAMES).round().astype(int)]
+    write(given.to, drawn(env, spread, size=size, quality=quality))
     env.close()
     print(f"{given.to}: {given.to.stat().st_size / 1e6:.2f} MB")
 
 
-def played(task: str, seed: int, **kitchen: Any) -> tuple[Any, list[Moment]]:
-    """A team's shortest plan in physics: the environment, and moments evenly spread over the episode."""
-    env = remac_env.parallel_env(task, robots=2, **kitchen)
-    env.start_recording()
+def carried_out(env: Any, task: str, seed: int) -> None:
+    """A team's shortest plan."""
     env.reset(seed=seed)
     for joint in solve(env.start.scene, env.world, env.goal).rounds:
         env.step({name: env.vocabulary.encode(subtask.text) for name, subtask in joint.items()})
-    moments = env._pictures._tape.frames
-    return env, [moments[at] for at in np.linspace(0, len(moments) - 1, FRAMES).round().astype(int)]
 
 
-def drawn(env: Any, moments: list[Moment]) -> list[NDArray[np.uint8]]:
-    """The moments as pictures, uint8 (height, width, 3)."""
-    start = env.start
+def drawn(env: Any, moments: list[Moment], *, size: tuple[int, int], quality: Quality) -> list[NDArray[np.uint8]]:
+    """The moments as pictures, uint8 (height, width, 3), with water, flames and what takes its time."""
+    start, layout = env.start, env.worlds.layout_of(env.start)
     categories = {noun: env.worlds.categories[name] for noun, name in start.categories.items()}
     spec = build_spec(
-        env.worlds.layout(start.layout, start.style), robots=start.scene.robots, objects=categories,
-        style=style.load(start.style), looks=True,
-    )  # fmt: skip
+        layout, robots=start.scene.robots, objects=categories, style=style.load(start.style), looks=True
+    )
     turn = axes(np.array(VIEW), np.array([0.0, 0.0, 1.0]))
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, turn.ravel())
     holder = spec.worldbody.add_body(name="near", mocap=True)
     holder.add_camera(name="near", fovy=FIELD, quat=quaternion)
+    signs = Signs(start.scene, layout, categories)
+    signs.add_to(spec)
     model = spec.compile()
     data, pictures = mujoco.MjData(model), []
     places = followed([_robots(model, data, moment, start.scene.robots) for moment in moments], turn)
-    with Renderer(model, *SIZE, quality=BEAUTY) as renderer:
+    with Renderer(model, *size, quality=quality) as renderer:
         for moment, place in zip(moments, places, strict=True):
+            show_switches(model, frozenset().union(*(state.on for state in moment.world.fixtures.values())))
+            signs.show(model, moment.world, moment.slow)
             data.qpos[:] = moment.positions
             data.mocap_pos[0] = place
             mujoco.mj_kinematics(model, data)

@@ -11,6 +11,7 @@ from remac_env.kitchen.canvas import SWITCHED, Canvas
 from remac_env.kitchen.fixtures.filling import fill
 from remac_env.kitchen.fixtures.room import Face
 from remac_env.kitchen.floor_plan import Layout, Wall
+from remac_env.kitchen.marked import marked
 from remac_env.kitchen.style import Style, load
 from remac_env.robots import bodies
 from remac_env.robots.body import Body
@@ -96,11 +97,9 @@ def _face(layout: Layout, wall: Wall) -> Face:
 
 def show_switches(model: mujoco.MjModel, on: frozenset[str]) -> None:
     """Make water, flames and lamps of the switches in `on` visible in a model with looks, and all others invisible."""
-    for geom in range(model.ngeom):
-        switch, mark, _ = model.geom(geom).name.partition(SWITCHED)
-        if mark:
-            material = model.geom_matid[geom]
-            model.geom_rgba[geom, 3] = model.mat_rgba[material, 3] if switch in on else 0.0
+    for geom, switch in marked(model, SWITCHED):
+        material = model.geom_matid[geom]
+        model.geom_rgba[geom, 3] = model.mat_rgba[material, 3] if switch in on else 0.0
 
 
 def _set_physics(spec: mujoco.MjSpec) -> None:

@@ -26,7 +26,7 @@ from remac_env.robots import bodies
 from remac_env.rules.facts import ASIDE
 from remac_env.rules.marks import SEASONED, WASHED
 from remac_env.start import Start
-from remac_env.state import WorldState
+from remac_env.state import FixtureState, ObjectState, WorldState
 
 RENDER_SIZE = (768, 432)
 """Width and height of `render()` and of videos, pixels."""
@@ -68,6 +68,7 @@ class Stage:
         self._signs.add_to(spec)
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)
+        self._state: tuple[Mapping[str, FixtureState], Mapping[str, ObjectState]] | None = None  # that is shown
         self._renderers: dict[tuple[int, int, Quality], Renderer] = {}
         self._drawn: dict[Shot, Picture] = {}  # of the present pose: robots share the view of the whole kitchen
 
@@ -174,9 +175,12 @@ class Stage:
 
     def _show_state(self, world: WorldState, slow: Slow) -> None:
         """Water, flames and lamps of what is on, grains and stains, and what takes its time."""
-        show_switches(self._model, frozenset().union(*(state.on for state in world.fixtures.values())))
-        show_seasoned(self._model, {noun for noun, item in world.objects.items() if SEASONED in item.marks})
-        show_stains(self._model, {noun for noun, item in world.objects.items() if WASHED in item.marks})
+        state = world.fixtures, world.objects
+        if state != self._state:
+            self._state = state
+            show_switches(self._model, frozenset().union(*(state.on for state in world.fixtures.values())))
+            show_seasoned(self._model, {noun for noun, item in world.objects.items() if SEASONED in item.marks})
+            show_stains(self._model, {noun for noun, item in world.objects.items() if WASHED in item.marks})
         self._signs.show(self._model, world, slow)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import mujoco
 
+from remac_env.kitchen.marked import marked
 from remac_env.kitchen.materials import add_material
 from remac_env.kitchen.mesh import add_mesh
 from remac_env.kitchen.objects.catalogue import Category
@@ -56,18 +57,14 @@ def _draw_grains(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category:
 
 def show_seasoned(model: mujoco.MjModel, seasoned: Collection[str]) -> None:
     """Make the grains on these objects visible in a model with looks, and those on all others invisible."""
-    for geom in range(model.ngeom):
-        noun, mark, _ = model.geom(geom).name.partition(SEASONED_GEOM)
-        if mark:
-            model.geom_rgba[geom, 3] = float(noun in seasoned)
+    for geom, noun in marked(model, SEASONED_GEOM):
+        model.geom_rgba[geom, 3] = float(noun in seasoned)
 
 
 def show_stains(model: mujoco.MjModel, clean: Collection[str]) -> None:
     """Make the stains on these objects invisible in a model with looks, and those on all others visible."""
-    for geom in range(model.ngeom):
-        noun, mark, _ = model.geom(geom).name.partition(STAINED_GEOM)
-        if mark:
-            model.geom_rgba[geom] = [*STAIN.color, float(noun not in clean)]
+    for geom, noun in marked(model, STAINED_GEOM):
+        model.geom_rgba[geom] = [*STAIN.color, float(noun not in clean)]
 
 
 def _draw_colliders(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category: Category) -> None:
