@@ -17,7 +17,10 @@ from remac_bench.pages.rendering import render
 from remac_bench.records import Record
 from remac_bench.report import ALARMS, COMPACT, LEGEND
 
-SCRIPTS = ("tables.js", "statistics.js", "episodes.js", "filters.js", "counting.js", "compare.js", "copying.js")
+SCRIPTS = (
+    *("tables.js", "statistics.js", "episodes.js", "address.js", "filters.js"),
+    *("counting.js", "compare.js", "copying.js"),
+)
 
 COUNTED = (MATRIX, "ranking", "results")
 """Sheets, by the beginning of their key, that the page counts again when it is filtered."""

@@ -64,13 +64,13 @@
   };
 
   if (section) {
-    const now = remac.address.read();
-    sides.forEach((select, index) => {
-      const wanted = now.get(select.dataset.side);
+    sides.forEach((select) => select.addEventListener("change", () => { remac.address.write({ [select.dataset.side]: select.value }); compare(); }));
+    remac.readers.push((now) => sides.forEach((select, index) => {
+      const wanted = now[select.dataset.side];
       const names = all("option", select).map((option) => option.value);
+      if (wanted && !names.includes(wanted)) remac.address.wrong("No agent here is called", wanted);
       select.value = names.includes(wanted) ? wanted : names[index];
-      select.addEventListener("change", () => { remac.address.write({ [select.dataset.side]: select.value }); compare(); });
-    });
+    }));
     differing.addEventListener("change", compare);
     section.hidden = false;
     remac.listeners.push(compare);

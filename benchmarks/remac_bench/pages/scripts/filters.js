@@ -7,6 +7,8 @@
   const told = form.querySelector("output");
   // What an episode came to is what is counted; the others say which episodes there are.
   const OUTCOMES = ["result", "blame"];
+  // The agents that are compared stand in the address, too.
+  const SIDES = ["first", "second"];
 
   const chosen = () => Object.fromEntries(fields.map((field) => [field.dataset.filter, field.value.trim()]).filter(([, text]) => text));
   const known = (name) => new Set(all("option", document.getElementById(`choices-${name}`)).map((option) => option.value));
@@ -14,12 +16,20 @@
   const lower = Object.fromEntries(Object.entries(choices).map(([name, each]) => [name, new Set([...each].map((text) => text.toLowerCase()))]));
 
   // A name that there is means itself; other words mean every name that holds one of them.
+  const wordsOf = (wanted) => wanted.toLowerCase().split(",").map((word) => word.trim()).filter((word) => word);
   const matches = (name, fact = "", wanted) => {
     if (choices[name].has(wanted)) return fact === wanted;
-    const words = wanted.toLowerCase().split(",").map((word) => word.trim()).filter((word) => word);
+    const words = wordsOf(wanted);
     return words.some((word) => (lower[name].has(word) ? fact.toLowerCase() === word : fact.toLowerCase().includes(word)));
   };
   const fits = (facts, wanted) => Object.entries(wanted).every(([name, text]) => matches(name, facts[name], text));
+
+  // Words that nothing here holds: a filter that leaves no episode says why.
+  const strangers = (name, wanted) => {
+    if (choices[name].has(wanted)) return [];
+    const names = [...lower[name]];
+    return wordsOf(wanted).filter((word) => !names.some((each) => each.includes(word)));
+  };
 
   const split = (wanted) => {
     const entries = Object.entries(wanted);
@@ -50,29 +60,20 @@
       each.row.hidden = !(each.there && each.hit);
     }
     filterRows(wanted);
+    remac.address.say(Object.entries(wanted).flatMap(([name, text]) => strangers(name, text).map((word) => [`No ${name} here is called`, word])));
     const count = remac.episodes.filter((each) => each.scored && !each.row.hidden).length;
     told.textContent = `${count} scored episode${count === 1 ? "" : "s"}`;
     remac.view = { wanted, any: Object.keys(wanted).length > 0, outcome: Object.values(outcome).join(", ") };
     for (const listener of remac.listeners) listener();
   };
   remac.listeners = [];
+  remac.readers = [];
 
-  // The address: #task=HeatOnStove&result=success; first and second are the agents that are compared.
-  remac.address = {
-    read: () => new URLSearchParams(location.hash.includes("=") ? location.hash.slice(1) : ""),
-    write: (changes) => {
-      const now = remac.address.read();
-      for (const [name, text] of Object.entries(changes)) {
-        if (text) now.set(name, text); else now.delete(name);
-      }
-      const hash = now.toString();
-      if (hash || location.hash.includes("=")) history.replaceState(null, "", hash ? `#${hash}` : "#");
-    },
-  };
   const write = () => remac.address.write(Object.fromEntries(fields.map((field) => [field.dataset.filter, field.value.trim()])));
   const read = () => {
-    const now = remac.address.read();
-    for (const field of fields) field.value = now.get(field.dataset.filter) ?? "";
+    const now = remac.address.read([...Object.keys(choices), ...SIDES]);
+    for (const field of fields) field.value = now[field.dataset.filter] ?? "";
+    for (const reader of remac.readers) reader(now);
     apply();
   };
 
@@ -83,7 +84,7 @@
       waiting = setTimeout(() => { write(); apply(); }, choices[field.dataset.filter].has(field.value) ? 0 : 150);
     });
   }
-  form.addEventListener("reset", () => setTimeout(() => { write(); apply(); }));
+  form.addEventListener("reset", () => setTimeout(() => { remac.address.forget(SIDES); apply(); }));
   form.addEventListener("submit", (event) => event.preventDefault());
   window.addEventListener("hashchange", read);
   form.hidden = false;
