@@ -1,7 +1,8 @@
 # make demo       install, run the four tasks with four methods in physics, print the table, write records and videos
 # make test       install, lint, type-check and run the fast tests
 # make test-all   the same with the long tests, and robosuite's
-# make rl         install torch and libraries for learners apart, and run the tests and examples of learning there
+# make rl         install torch and libraries for learners apart, and run the tests and examples of learning there;
+#                 make rl-install without the tests
 # make docs       install what builds the site apart, and build it into build/site
 # make learned    train the weights that come with the package, from nothing, and measure them
 # make vision     the same for the checker that sees
@@ -26,7 +27,7 @@ LOADERS := .venv-loaders
 REPOSITORY ?=
 
 .PHONY: demo test test-all rl learned vision loaders docs inspect pddl ray wheel versions robosuite robosuite-test tables tables-check lint
-.PHONY: install clean
+.PHONY: install rl-install clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -78,6 +79,8 @@ $(RL)/.installed: pyproject.toml
 	$(RL)/bin/pip install --quiet --disable-pip-version-check torch==2.13.0
 	$(RL)/bin/pip install --quiet --disable-pip-version-check --editable ".[rl]" pytest pytest-xdist hypothesis
 	touch $@
+
+rl-install: $(RL)/.installed
 
 rl: $(RL)/.installed
 	$(RL)/bin/python -m pytest -n 2 tests/integrations/test_learning.py

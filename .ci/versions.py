@@ -3,7 +3,8 @@
     python .ci/versions.py [--only 3.11-oldest] [--processes 2]
 
 Each gets an environment in a temporary folder and the fast tests that need no physics. Pythons are looked for as
-python3.X on the path and below ~/.pyenv; one that is not there is named and left out.
+python3.X on the path and below ~/.pyenv. One that is not there is named, and the exit code is 1 as where tests fail:
+what was not tried is not known to work.
 """
 
 from __future__ import annotations
@@ -40,8 +41,11 @@ def main() -> int:
             if given.only not in (None, name):
                 continue
             python = found(version)
-            told = "not there" if python is None else tried(python, oldest(project) if age == "oldest" else [], given)
-            failed += not told.endswith("passed")
+            if python is None:
+                passed, told = False, f"not tried: no python{version} on the path, and none below ~/.pyenv/versions"
+            else:
+                passed, told = tried(python, oldest(project) if age == "oldest" else [], given)
+            failed += not passed
             print(f"{name}: {told}", flush=True)
     return 1 if failed else 0
 
@@ -58,8 +62,8 @@ def found(version: str) -> str | None:
     return str(below[-1]) if below else shutil.which(f"python{version}")
 
 
-def tried(python: str, pins: list[str], given: argparse.Namespace) -> str:
-    """Install and test; the last line of the tests, or of what failed before."""
+def tried(python: str, pins: list[str], given: argparse.Namespace) -> tuple[bool, str]:
+    """Install and test: whether all is well, and the last line of the tests, or the errors of what failed."""
     with tempfile.TemporaryDirectory() as folder:
         made = f"{folder}/env/bin/python"
         quiet = ["--quiet", "--disable-pip-version-check", *pins]
@@ -74,8 +78,8 @@ def tried(python: str, pins: list[str], given: argparse.Namespace) -> str:
             )
             if done.returncode:
                 bad = [told for told in done.stdout.splitlines() if told.startswith(("ERROR", "FAILED", "E  "))]
-                return f"{' '.join(line[1:4])} failed: {'; '.join(bad[-4:]) or done.stdout[-300:]}"
-        return "passed"
+                return False, f"{' '.join(line[1:4])} failed: {'; '.join(bad[-8:]) or done.stdout[-300:]}"
+        return True, done.stdout.rstrip().rpartition("\n")[2]
 
 
 if __name__ == "__main__":

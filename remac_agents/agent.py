@@ -60,6 +60,10 @@ class Agent:
         self._success = False
         self._iteration = 0
 
+    def __repr__(self) -> str:
+        roles = ", ".join(f"{name} {type(role).__name__}" for name, role in self.roles.named().items())
+        return f"<Agent {self.method.name}: {roles}>"
+
     @property
     def picture_viewers(self) -> tuple[str, ...]:
         """The roles that the method asks and that look at pictures: their kitchen needs obs="state+images"."""

@@ -78,6 +78,10 @@ class Vocabulary:
         self._word_tokens = {word: len(self._subtasks) + place for place, word in enumerate(self.words)}
         self._targets = tuple((s.text, s.target, SKILLS[s.skill].target) for s in self._subtasks)
 
+    def __repr__(self) -> str:
+        words = f" and {len(self.words)} words" if self.words else ""
+        return f"<Vocabulary of {len(self._subtasks)} subtasks{words}, version {self.version}>"
+
     def __len__(self) -> int:
         return len(self._subtasks) + len(self.words)
 

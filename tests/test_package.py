@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import re
 import sys
@@ -14,6 +15,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 LINKS = "See [start](docs/start.md#play), [there](https://a.org) and [below](#x).\n"
+INNER = ("Limiter", "Manners")
+"""Public classes of which users see no instance."""
 README = f"# X\n\n![a robot](docs/pictures/a.webp)\n\n{LINKS}"
 
 
@@ -65,3 +68,23 @@ def test_the_workflow_runs_what_is_supported() -> None:
     workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text("utf-8")
     assert re.findall(r'"(3\.\d+)"', workflow.partition("python: [")[2].partition("]")[0]) == named
     assert ".ci/run" in workflow and project["requires-python"] == f">={named[0]}"
+
+
+def test_a_python_that_is_not_there_is_said_and_is_no_pass(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    script = loaded(".ci/versions.py")
+    monkeypatch.setattr(script, "found", lambda version: None if version == "3.12" else f"python{version}")
+    monkeypatch.setattr(script, "tried", lambda python, pins, given: (True, "5 passed in 1.00s"))
+    monkeypatch.setattr(sys, "argv", ["versions.py"])
+    assert script.main() == 1
+    told = capsys.readouterr().out
+    assert "3.12-newest: not tried: no python3.12 on the path" in told and "3.13-newest: 5 passed" in told
+
+
+@pytest.mark.parametrize("name", ["remac_env.vocabulary", "remac_agents", "remac_agents.llm", "remac_bench.store"])
+def test_public_objects_say_what_they_are(name: str) -> None:
+    shown = {word: each for word, each in vars(importlib.import_module(name)).items() if not word.startswith("_")}
+    own = [each for each in shown.values() if isinstance(each, type) and each.__module__.startswith("remac_")]
+    silent = [each.__name__ for each in own if each.__repr__ is object.__repr__ and not hasattr(each, "_is_protocol")]
+    assert own and [each for each in silent if each not in INNER] == []

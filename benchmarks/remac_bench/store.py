@@ -30,6 +30,9 @@ class Store:
         self.folder = Path(folder)
         self.path = self.folder / FILE
 
+    def __repr__(self) -> str:
+        return f"Store({str(self.folder)!r})"
+
     def append(self, records: Sequence[Record]) -> None:
         """Write the records of one finished job in one piece, and wait until the disk has them.
 

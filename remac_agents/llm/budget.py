@@ -56,6 +56,10 @@ class Budget:
         self._spent = Spent()
         self._open = Spent()
 
+    def __repr__(self) -> str:
+        bounds = ", ".join(f"{name}={bound}" for name, bound in self._bounds.items() if bound is not None)
+        return f"<Budget {bounds or 'without bounds'}; spent {self.spent}>"
+
     @property
     def spent(self) -> Spent:
         """What has been booked so far."""

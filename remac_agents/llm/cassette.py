@@ -64,6 +64,9 @@ class Cassette:
         except OSError as error:
             raise OptionError(f"cassette {self.path}: {error}; valid: a file of recorded exchanges") from error
 
+    def __repr__(self) -> str:
+        return f"<Cassette {str(self.path)!r}, mode {self.mode!r}, {len(self)} answers>"
+
     def __len__(self) -> int:
         return sum(len(outcomes) for outcomes in self._told.values())
 

@@ -64,6 +64,9 @@ class Memory:
         self._file = None if path is None else MemoryFile(Path(path))
         self._own: list[Run] = []
 
+    def __repr__(self) -> str:
+        return f"<Memory of {len(self)} runs>"
+
     def __len__(self) -> int:
         return len(self.all_runs())
 

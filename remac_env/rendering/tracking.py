@@ -39,6 +39,8 @@ _SIDE, _BEHIND, _ABOVE = 0.80, -0.40, 0.62  # from the hand to its camera: to th
 _GAP = 0.15  # m from a camera to walls
 _WIDER = 1.25  # times as far away as one moment of a shot wants its camera, the others may want it
 _WANDERS = 0.25  # m that a hand may be from the middle of where it is in a shot
+_STILL = 0.03  # m: who moves less than this is taken for one that waits,
+_WAITS = 12  # frames before and after, in a video of 15 a second
 _EVEN = 6  # frames before and after one over which a camera moves on, in a video of 15 a second
 
 
@@ -46,11 +48,11 @@ _EVEN = 6  # frames before and after one over which a camera moves on, in a vide
 class Seen:
     """What is to be in the pictures of one moment, world frame, m.
 
-    work: corners of the robots and of what they may work at, (n, 3). hands: robot -> its hand's middle, (3,). backs:
-    robot -> the direction from its hand to its camera, (3,), a unit.
+    work: robot -> corners of it and of what it may work at, its hand's middle last, (n, 3). hands: robot -> its hand's
+    middle, (3,). backs: robot -> the direction from its hand to its camera, (3,), a unit.
     """
 
-    work: Floats
+    work: Mapping[str, Floats]
     hands: Mapping[str, Floats]
     backs: Mapping[str, Floats]
 
@@ -67,12 +69,15 @@ def look(data: mujoco.MjData, layout: Layout, robots: Sequence[str]) -> Seen:
     """What is to be seen in a pose whose positions have been computed."""
     hands = {robot: data.body(f"{robot}/hand").xpos.copy() for robot in robots}
     backs = {robot: _over_shoulder(hands[robot], layout, facing_of(data, robot)) for robot in robots}
-    work = [point for robot in robots for point in _corners(data, robot)]
-    return Seen(np.array([*work, *hands.values()]), hands, backs)
+    work = {robot: np.array([*_corners(data, robot), hands[robot]]) for robot in robots}
+    return Seen(work, hands, backs)
 
 
 def aimed(moments: Sequence[Seen], layout: Layout) -> list[dict[str, Aim]]:
-    """For each moment of a film, camera -> its aim. Robots, and what they work at, are in every picture of FOLLOW."""
+    """For each moment of a film, camera -> its aim.
+
+    Robots at work, and what they work at, are in every picture of FOLLOW; so are those that only wait where all do.
+    """
     if not moments:
         return []
     cameras = {FOLLOW: _following([moment.work for moment in moments])}
@@ -106,13 +111,15 @@ def _over_shoulder(hand: Floats, layout: Layout, facing: Floats) -> Floats:
     return _unit(facing @ np.array([side * _SIDE, _BEHIND, _ABOVE]))
 
 
-def _following(work: Sequence[Floats]) -> list[Aim]:
-    """As near as the camera can be while all is in the picture.
+def _following(robots: Sequence[Mapping[str, Floats]]) -> list[Aim]:
+    """As near as the camera can be while all who are at work are in the picture.
 
     The places from which a point is in a picture taken in one direction are convex. A shot is taken from where all is
     seen that is seen in it and just before and after it; so a mean of such places near in time sees all of its moment.
     """
     turn = axes(_BACK, _UP)
+    busy = [_busy(robots, at) for at in range(len(robots))]
+    work = [np.concatenate([points[name] for name in names]) for points, names in zip(robots, busy, strict=True)]
 
     def eye(first: int, end: int) -> Floats:
         points = np.concatenate(work[max(0, first) : end])
@@ -121,6 +128,9 @@ def _following(work: Sequence[Floats]) -> list[Aim]:
     away = [float(eye(index, index + 1) @ _BACK - (work[index] @ _BACK).max()) for index in range(len(work))]
 
     def fits(first: int, end: int) -> bool:
+        # A long shot is not to be as wide as those just before it, in which others were at work.
+        if end - first > _EVEN and len(set(busy[max(0, first - _EVEN) : end + _EVEN])) > 1:
+            return False
         points = np.concatenate(work[first:end])
         return float(eye(first, end) @ _BACK - (points @ _BACK).max()) <= _WIDER * min(away[first:end])
 
@@ -130,6 +140,13 @@ def _following(work: Sequence[Floats]) -> list[Aim]:
         for place in [eye(first - _EVEN, end + _EVEN)] * (end - first)
     ]  # fmt: skip
     return [Aim(place, _BACK) for place in _evened(places)]
+
+
+def _busy(robots: Sequence[Mapping[str, Floats]], at: int) -> tuple[str, ...]:
+    """The robots that move just before or after a moment; all where none does."""
+    around, now = robots[max(0, at - _WAITS) : at + _WAITS + 1], robots[at]
+    moved = {name: max(float(np.abs(moment[name] - now[name]).max()) for moment in around) for name in now}
+    return tuple(name for name, by in moved.items() if by > _STILL) or tuple(now)
 
 
 def _close(hands: Floats, backs: Floats, layout: Layout) -> list[Aim]:

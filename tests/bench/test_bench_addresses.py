@@ -1,9 +1,8 @@
-"""Addresses of the leaderboard that somebody else wrote, in a real Chromium: text stays text, and what is no use is said."""
+"""Addresses of the leaderboard that somebody else wrote, in a real Chromium: text stays text, the useless is said."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 

@@ -297,6 +297,15 @@ def test_an_episode_page_gives_the_command_that_plays_it_again(run: Path) -> Non
     assert "not recorded" in made(page(record(), folder=run))["Date"]
 
 
+@pytest.mark.long
+def test_a_replay_can_be_filmed(run: Path, tmp_path: Path) -> None:
+    each = next(r for r in read_records(run) if r.method == "CC")
+    film = tmp_path / "film.webm"
+    result = CliRunner().invoke(app, ["bench", "replay", str(run), each.job, "--video", str(film)])
+    assert result.exit_code == 0 and film.stat().st_size > 10_000
+    assert "video:" in result.stdout and "as recorded: success" in result.stdout
+
+
 def test_a_replay_that_differs_says_so(run: Path, tmp_path: Path) -> None:
     each = next(r for r in read_records(run) if r.method == "CC")
     forged = each.model_copy(update={"sim_seconds": each.sim_seconds + 1})

@@ -78,7 +78,7 @@ def film(steps: np.ndarray, hand: np.ndarray) -> list[Seen]:
     box = np.array([(x, y, z) for x in (-0.4, 0.4) for y in (-2.4, -1.6) for z in (0.0, 1.5)])
     back = np.array([0.8, -0.4, 0.62]) / np.linalg.norm([0.8, -0.4, 0.62])
     return [
-        Seen(box + (x, 0.0, 0.0), {"a": np.array([x, -1.2, 1.0]) + at}, {"a": back})
+        Seen({"a": box + (x, 0.0, 0.0)}, {"a": np.array([x, -1.2, 1.0]) + at}, {"a": back})
         for x, at in zip(steps, hand, strict=True)
     ]
 
@@ -91,12 +91,29 @@ def test_who_drives_across_the_room_stays_in_the_picture_and_who_works_does_not_
     moments = film(drive, works)
     aims = aimed(moments, layout)
     for moment, aim in zip(moments, aims, strict=True):
-        assert np.abs(seen(aim[FOLLOW], FOLLOW_FIELD, moment.work, WIDE_ASPECT)).max() <= 0.95
+        assert np.abs(seen(aim[FOLLOW], FOLLOW_FIELD, moment.work["a"], WIDE_ASPECT)).max() <= 0.95
     moved = np.linalg.norm(np.diff([aim[FOLLOW].place for aim in aims], axis=0), axis=1)
     assert moved.max() < 0.5 and moved[:24].max() < 1e-9 and moved[-24:].max() < 1e-9
     near = [seen(aim["a/close"], 46.0, moment.hands["a"][None], 1.0) for moment, aim in zip(moments, aims, strict=True)]
     assert np.abs(near[:24]).max() < 0.5 and np.abs(near[-24:]).max() < 0.9
     assert aimed([], layout) == []
+
+
+def test_who_only_waits_for_long_leaves_the_picture_to_who_works() -> None:
+    layout = posed("one_wall_small", 1)[0]._layout
+    drive = np.concatenate([np.zeros(30), np.linspace(0.0, 2.5, 8), 2.5 + 0.1 * np.sin(np.arange(40))])
+    alone = film(drive, np.zeros((len(drive), 1)))
+    still = alone[0].work["a"] - (1.0, 0.0, 0.0)
+    team = [Seen({**each.work, "b": still}, each.hands, each.backs) for each in alone]
+    aims = aimed(team, layout)
+
+    def there(at: int, robot: str) -> bool:
+        return bool(np.abs(seen(aims[at][FOLLOW], FOLLOW_FIELD, team[at].work[robot], WIDE_ASPECT)).max() <= 0.95)
+
+    # At the beginning both wait; once one works, the other is in its picture only where it happens to stand near.
+    assert there(0, "a") and there(0, "b")
+    assert all(there(at, "a") for at in range(len(team))) and not there(len(team) - 1, "b")
+    assert np.allclose(aims[-1][FOLLOW].place, aimed(alone, layout)[-1][FOLLOW].place)
 
 
 @pytest.mark.long

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -93,7 +94,7 @@ def verify_command(
 
 
 def replay_command(
-    folder: str, job: str, *, iteration: int | None, video: str | None, extensions: list[str] | None = None
+    folder: str, job: str, *, iteration: int | None, video: Path | None, extensions: list[str] | None = None
 ) -> None:
     """Print the rounds of one episode as they are played again.
 
@@ -112,7 +113,7 @@ def replay_command(
     for line in (title, *told.lines):
         screen.print(plain(line), markup=False)
     if video is not None:
-        screen.print(f"video: {plain(video)}", markup=False)
+        screen.print(f"video: {plain(str(video))}", markup=False)
     for line in told.differences[:SHOWN]:
         screen.print(plain(line), markup=False)
     screen.print("not as recorded" if told.differences else f"as recorded: {ending(record)}", markup=False)

@@ -187,10 +187,12 @@
     for (const [plot, nodes] of originals) plot.replaceChildren(...nodes.map((node) => node.cloneNode(true)));
     const episodes = there();
     const { any, outcome } = remac.view;
+    const empty = any && !episodes.length;
     document.body.classList.toggle("filtered", any);
+    document.body.classList.toggle("empty", empty);
     for (const note of all(".recounted")) {
       note.hidden = !any;
-      note.textContent = outcome
+      note.textContent = empty ? "The filters leave no episode." : outcome
         ? `Counted again under the filters: the share of episodes whose result or blame is \u201c${outcome}\u201d, in place of success.`
         : `Counted again for the ${episodes.length} episodes that the filters leave${note.dataset.kind === "ranking" ? ", by Holm\u2019s p of the exact test alone" : ""}.`;
     }

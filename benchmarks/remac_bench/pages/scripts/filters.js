@@ -47,7 +47,7 @@
       const blind = Object.keys(wanted).filter((name) => !rows.some((row) => row.dataset[name] !== undefined));
       const note = section.querySelector(".blind");
       note.hidden = !blind.length;
-      note.textContent = `This table is of all episodes: ${blind.join(", ")} does not split it.`;
+      note.textContent = `This table is of all episodes: it is not split by ${blind.join(", ")}.`;
     }
   };
 
