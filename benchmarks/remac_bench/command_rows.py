@@ -133,6 +133,10 @@ ROWS: dict[str, Row] = {
         default=("galley,g_shaped_small,coastal,modern_2,transitional_1",), values=Texts(), flag="--hold-out",
     ),
     "learn.target": Row(help="What the skill is about; by default the seed picks."),
+    "learn.case": Row(
+        help="What is handled where, such as 'food on surface', 'vessel on burner' or 'food in vessel on basin'; "
+        "by default the seed picks."
+    ),
     "learn.disturb": Row(help="How strongly servos are disturbed; 0: not.", default=1.0, values=Real(0.0, 10.0)),
     "learn.format": Row(
         help="hdf5 (robomimic's layout, files of 40 episodes) or lerobot (a dataset of version 3.0).", default="hdf5",
@@ -158,6 +162,10 @@ ROWS: dict[str, Row] = {
     "learn.width": Row(help="Units of a hidden layer.", default=384, values=Whole(1, 4096)),
     "learn.chunk": Row(help="Commands that are predicted at once.", default=16, values=Whole(1, 200)),
     "learn.execute": Row(help="How many of them are carried out.", default=8, values=Whole(1, 200)),
+    "learn.hand": Row(
+        help="Also learn where the hand is to be, and bring it there: for what has to be grasped.", default=False,
+        values=Switch(),
+    ),
     "learn.trials": Row(help="Tries of each skill in each set of kitchens.", default=100, values=_COUNT),
     "learn.tried_from": Row(help="The first of their seeds.", default=50_000, values=_SEED, flag="--first-seed"),
     "learn.note": Row(help="Write the result into the weights.", default=False, values=Switch()),

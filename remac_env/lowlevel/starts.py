@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.learned.cases import case_of
 from remac_env.errors import SamplingError, UnknownNameError, check_choice
 from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.worlds import TaskWorlds
@@ -40,23 +41,28 @@ _FROM_PARKING = 0.5  # of the drives begin at a parking place, the others at a s
 
 @dataclass(frozen=True)
 class Ready:
-    """A kitchen in which the skill can begin now: its task, the start, and what the robot has done since."""
+    """A kitchen in which the skill can begin now: its task, the start, and what the robot has done since.
+
+    ``case``: what is handled where, see `case_of`.
+    """
 
     worlds: TaskWorlds
     start: Start
     subtask: Subtask
     before: tuple[Subtask, ...]
+    case: str
 
 
 def get_ready(
     backend_of: dict[str, PhysicsBackend], skill: Skill, target: str | None, seed: int, *, style: str | None,
-    layout: str | None, make: Callable[[TaskWorlds], PhysicsBackend] = PhysicsBackend,
+    layout: str | None, make: Callable[[TaskWorlds], PhysicsBackend] = PhysicsBackend, cases: Sequence[str] = (),
 ) -> tuple[Ready, PhysicsBackend]:
     """The start of this seed, played up to where the skill begins: a pure function of all but ``backend_of``.
 
     Args:
         backend_of: task -> the backend in which its kitchens are played; filled here, to be used again.
         make: makes such a backend.
+        cases: only starts in one of these, see `case_of`; empty: any.
 
     Raises:
         UnknownNameError: for an unknown target, style or layout.
@@ -68,7 +74,7 @@ def get_ready(
         chance = generator(seed, "skill", skill.name, target, attempt)
         drawn = seed if attempt == 0 else int(chance.integers(_SEEDS))
         ready = _draw(skill, target, drawn, chance, style=style, layout=layout)
-        if ready is None:
+        if ready is None or (cases and ready.case not in cases):
             continue
         backend = backend_of.setdefault(ready.worlds.spec.name, make(ready.worlds))
         backend.reset(ready.start)
@@ -103,7 +109,8 @@ def _draw(
             start, before = found
             if skill.moves and chance.random() >= _FROM_PARKING:
                 before = (_elsewhere(start.scene, name, chance), *before)
-            return Ready(worlds, start, Subtask(skill.name, name), before)
+            begun = Subtask(skill.name, name)
+            return Ready(worlds, start, begun, before, _case(worlds, start, begun, before))
     return None
 
 
@@ -145,6 +152,15 @@ def _brought_about(
         if rest is not None and all(_of_fixtures(scene, world, step) is None for step in rest):
             return changed, rest
     return None
+
+
+def _case(worlds: TaskWorlds, start: Start, subtask: Subtask, before: Sequence[Subtask]) -> str:
+    """The case of a skill, as far as the skill table knows what comes of what is done before it."""
+    world = start.world
+    for step in before:
+        world = step.row.after(start.scene, world, ROBOT, step.target)
+    objects = {noun: worlds.categories[name] for noun, name in start.categories.items()}
+    return case_of(subtask, start.scene, worlds.layout_of(start), objects, world, ROBOT)
 
 
 def _of_fixtures(scene: Rules, world: WorldState, step: Subtask) -> WorldState | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -25,38 +26,40 @@ app = typer.Typer(no_args_is_help=True, help="Learned skills: record demonstrati
 
 @app.command(cls=Command)
 @takes(
-    *("learn.skills", "learn.target", "style", "layout", "learn.episodes", "learn.first_seed", "learn.cells"),
-    *("learn.held_out", "learn.disturb", "learn.format", "learn.pictures", "learn.image_size", "learn.wordless"),
-    *("learn.out", "learn.processes"),
+    *("learn.skills", "learn.target", "learn.case", "style", "layout", "learn.episodes", "learn.first_seed"),
+    *("learn.cells", "learn.held_out", "learn.disturb", "learn.format", "learn.pictures", "learn.image_size"),
+    *("learn.wordless", "learn.out", "learn.processes"),
 )
 def record(
-    *, skills: list[str] | None, target: str | None, style: str | None, layout: str | None, episodes: int,
-    first_seed: int, cells: str, held_out: list[str] | None, disturb: float, format: str,  # noqa: A002 - the flag
+    *, skills: list[str] | None, target: str | None, case: str | None, style: str | None, layout: str | None,
+    episodes: int, first_seed: int, cells: str, held_out: list[str] | None, disturb: float, format: str,  # noqa: A002 - the flag
     pictures: str, image_size: int, wordless: bool, out: Path, processes: int,
 ) -> None:
     """Record what the scripted controllers do, with disturbed servos: HDF5 in robomimic's layout, or a LeRobot dataset.
 
     Parts hold 40 episodes each, 5 with pictures, less those that failed; one that is there is not recorded again.
-    --style, --layout and --target narrow what is recorded, where something is rare.
+    --style, --layout, --target and --case narrow what is recorded, where something is rare.
     """
     from remac_bench.learning.cells import cells as choose
     from remac_bench.learning.demos import h5py
     from remac_bench.learning.lerobot import Dataset
+    from remac_bench.learning.record import Recorder
     from remac_bench.learning.sessions import record_all, record_dataset
 
     if format == "hdf5" and pictures == "videos":
         raise UsageError("--pictures videos: HDF5 keeps images; valid: images, or --format lerobot")
-    chosen = _skills(skills, drives=False)
+    chosen = _skills(skills)
     seen, _ = choose(cells, _names(held_out, "--hold-out"))
     where = (chosen, range(first_seed, first_seed + episodes), seen.narrowed(style, layout))
-    size = None if pictures == "none" else image_size
-    how: dict[str, Any] = {"target": target, "disturb": disturb, "processes": processes, "image_size": size}
+    make = partial(
+        Recorder, target=target, case=case, disturb=disturb, image_size=None if pictures == "none" else image_size
+    )
     if format == "hdf5":
         h5py()
-        lines = record_all(*where, out, **how)
+        lines = record_all(*where, out, make, processes=processes)
     else:
         dataset = Dataset(out, videos=pictures != "images", language=not wordless)
-        lines = record_dataset(*where, dataset, **how)
+        lines = record_dataset(*where, dataset, make, processes=processes)
     for line in lines:
         console().print(line)
 
@@ -64,11 +67,11 @@ def record(
 @app.command(cls=Command)
 @takes(
     *("learn.skills", "learn.demos", "learn.weights", "learn.together", "learn.epochs", "learn.width", "learn.chunk"),
-    "learn.execute",
+    *("learn.execute", "learn.hand"),
 )
 def train(
     *, skills: list[str] | None, demos: Path, weights: Path, together: bool, epochs: int, width: int, chunk: int,
-    execute: int,
+    execute: int, hand: bool,
 ) -> None:
     """Train a network for each skill on what was recorded, with torch, on a GPU where there is one."""
     from remac_bench.learning.demos import h5py
@@ -79,9 +82,9 @@ def train(
     if not is_dataset(demos):
         h5py()
     torch()
-    recipe = Recipe(epochs=epochs, width=width, chunk=chunk, execute=execute)
+    recipe = Recipe(epochs=epochs, width=width, chunk=chunk, execute=execute, hand=hand)
     check_sizes(recipe)
-    chosen = _skills(skills, drives=False)
+    chosen = _skills(skills)
     every = (train_skill(skill, demos, weights, recipe) for skill in chosen)
     for line in train_together(chosen, demos, weights, recipe) if together else chain.from_iterable(every):
         console().print(line)
@@ -105,7 +108,7 @@ def evaluate(
 
     chosen = choose(cells, _names(held_out, "--hold-out"))
     seeds = range(tried_from, tried_from + trials)
-    scores = evaluate_all(_skills(skills, drives=False), weights, seeds, chosen, note=note, processes=processes)
+    scores = evaluate_all(_skills(skills), weights, seeds, chosen, note=note, processes=processes)
     show(_table(scores))
 
 
@@ -176,7 +179,7 @@ def chats(folders: Folders, *, chats: Path, roles: list[str] | None, successful:
     typer.echo(f"{chats}: {count} conversations")
 
 
-def _skills(given: list[str] | None, *, drives: bool) -> list[str]:
+def _skills(given: list[str] | None) -> list[str]:
     """The skills by their names in the table.
 
     Raises:
@@ -184,15 +187,10 @@ def _skills(given: list[str] | None, *, drives: bool) -> list[str]:
     """
     from remac_env.lowlevel.names import skill_named, skills
 
-    # Drives of several robots are planned together, and are no motion of one skill.
-    known = {name: row for name, row in skills().items() if drives or not row.moves}
     wanted = _names(given, "--skills")
     if not wanted or wanted == ["all"]:
-        return [row.name for row in known.values()]
-    found = [skill_named(name).name for name in wanted]
-    if moving := [name for name in wanted if name not in known]:
-        raise UsageError(f"{', '.join(moving)}: drives are planned for all robots together; valid: {', '.join(known)}")
-    return found
+        return [row.name for row in skills().values()]
+    return [skill_named(name).name for name in wanted]
 
 
 def _names(given: list[str] | None, flag: str) -> list[str]:

@@ -40,6 +40,7 @@ class Demo:
         rewards: (T,), 1 from where the skill has succeeded.
         skill, target, task, seed, style, layout: which subtask in which kitchen.
         before: what the robot had done there already, as commands.
+        case: which thing is handled where, see `case_of`; "" for other skills.
         pictures: camera -> (T + 1, height, width, 3), where pictures were recorded.
     """
 
@@ -56,6 +57,7 @@ class Demo:
     style: str
     layout: str
     before: tuple[str, ...] = ()
+    case: str = ""
     pictures: Mapping[str, Pictures] = field(default_factory=dict)
 
     @property
@@ -97,7 +99,7 @@ def write_shard(path: Path, demos: Sequence[Demo]) -> None:
 
 
 def _write(group: Any, demo: Demo) -> None:
-    told = {name: getattr(demo, name) for name in _TOLD} | {"before": json.dumps(demo.before)}
+    told = {name: getattr(demo, name) for name in _TOLD} | {"before": json.dumps(demo.before), "case": demo.case}
     group.attrs.update(num_samples=len(demo.actions), **told)
     done = np.zeros(len(demo.actions), np.int64)
     done[-1] = 1
@@ -153,7 +155,7 @@ def _read(group: Any) -> Demo:
     return Demo(
         observations=whole("state"), actions=group["actions"][:], commands=group["remac/commands"][:],
         measured=group["remac/measured"][:], states=group["states"][:], rewards=group["rewards"][:], pictures=pictures,
-        before=tuple(json.loads(group.attrs.get("before", "[]"))), **told,
+        before=tuple(json.loads(group.attrs.get("before", "[]"))), case=str(group.attrs.get("case", "")), **told,
     )  # fmt: skip
 
 

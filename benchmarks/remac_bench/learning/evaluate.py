@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from remac_bench.judging.statistics import wilson
@@ -20,12 +20,18 @@ from remac_env.rules.skills import SKILLS
 
 @dataclass(frozen=True)
 class Trial:
-    """One try of a skill."""
+    """One try of a skill. ``case``: see `case_of`."""
 
     skill: str
     target: str
     seed: int
     outcome: Outcome
+    case: str = ""
+
+    @property
+    def what(self) -> str:
+        """By what tries are sorted: the case, where there is one, else the target."""
+        return self.case or self.target
 
 
 @dataclass(frozen=True)
@@ -47,17 +53,22 @@ class Score:
 def evaluate(
     skill: str, weights: Weights | None, seeds: Sequence[int], cells: Cells, *, target: str | None = None
 ) -> Iterable[Trial]:
-    """Try a skill once a seed, with these weights; None: the scripted controller."""
+    """Try a skill once a seed, with these weights; None: the scripted controller.
+
+    Things are handled in the cases that were shown to it, whatever was measured of them before.
+    """
+    if weights is not None:
+        weights = replace(weights, about=replace(weights.about, measured={}))
     controllers: dict[str, MakeController] = {} if weights is None else {skill: partial(Learned, weights)}
     backends: dict[str, PhysicsBackend] = {}
     for seed in seeds:
         style, layout = cells.of(seed, skill)
         ready, backend = get_ready(
             backends, SKILLS[skill], target, seed, style=style, layout=layout,
-            make=partial(PhysicsBackend, controllers=controllers),
+            make=partial(PhysicsBackend, controllers=controllers), cases=() if weights is None else weights.about.cases,
         )  # fmt: skip
         outcome = backend.run_round({ROBOT: ready.subtask}).outcomes[ROBOT]
-        yield Trial(skill, ready.subtask.target, seed, outcome)
+        yield Trial(skill, ready.subtask.target, seed, outcome, ready.case)
 
 
 def score(name: str, trials: Sequence[Trial]) -> Score:

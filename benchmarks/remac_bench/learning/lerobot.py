@@ -136,7 +136,8 @@ class Dataset:
             for name in demo.pictures if self._videos else ():
                 seen = where | {"from_timestamp": time, "to_timestamp": time + length / FPS}
                 row |= {f"videos/{PICTURE}{name}/{what}": value for what, value in seen.items()}
-            row |= {f"remac.{name}": getattr(demo, name) for name in _TOLD} | {"remac.before": list(demo.before)}
+            row |= {f"remac.{name}": getattr(demo, name) for name in (*_TOLD, "case")}
+            row |= {"remac.before": list(demo.before)}
             stats = statistics(demo)
             row |= {f"stats/{name}/{what}": value for name, told in stats.items() for what, value in told.items()}
             rows.append(row)
@@ -218,7 +219,8 @@ def _read(table: Any, row: dict[str, Any]) -> Demo:
         arrays[array] = np.array(flat, np.float32).reshape(len(table), -1)
     arrays["rewards"] = arrays["rewards"][:, 0]
     told = {name: row[f"remac.{name}"] for name in _TOLD}
-    return Demo(**arrays, states=np.zeros((len(table), 0), np.float32), before=tuple(row["remac.before"]), **told)
+    told |= {"before": tuple(row["remac.before"]), "case": row.get("remac.case") or ""}
+    return Demo(**arrays, states=np.zeros((len(table), 0), np.float32), **told)
 
 
 def _embedded(shown: Pictures) -> Any:

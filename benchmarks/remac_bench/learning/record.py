@@ -15,7 +15,7 @@ import numpy as np
 from remac_bench.learning.demos import Demo
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.base import in_room
-from remac_env.backends.physics.controllers.learned.aims import feels
+from remac_env.backends.physics.controllers.learned.aim import feels
 from remac_env.backends.physics.manual import LASTING, Manual
 from remac_env.errors import PhysicsError
 from remac_env.lowlevel.control import Joints
@@ -36,13 +36,14 @@ _LONGEST = 1200  # control periods
 class Recorder:
     """Records one skill. ``disturb``: how strongly servos are disturbed, 0 not at all. ``image_size``: of pictures, px.
 
-    Without an ``image_size`` no pictures are recorded.
+    Without an ``image_size`` no pictures are recorded. ``case``: only what is handled so, see `case_of`.
     """
 
     skill: str
     target: str | None = None
     disturb: float = 1.0
     image_size: int | None = None
+    case: str | None = None
     _looks: Looks = field(default_factory=Looks)
     _backends: dict[str, PhysicsBackend] = field(default_factory=dict)
 
@@ -53,7 +54,8 @@ class Recorder:
             SamplingError: if no start is found in which the skill can begin.
         """
         ready, backend = get_ready(
-            self._backends, SKILLS[self.skill], self.target, seed, style=style, layout=layout
+            self._backends, SKILLS[self.skill], self.target, seed, style=style, layout=layout,
+            cases=() if self.case is None else (self.case,),
         )
         manual = backend.by_hand(ROBOT, ready.subtask)
         rows = _Rows(self._camera(ready, manual, backend))
@@ -82,7 +84,7 @@ class Recorder:
         start = ready.start
         return rows.demo(
             skill=self.skill, target=ready.subtask.target, task=ready.worlds.spec.name, seed=seed, style=start.style,
-            layout=start.layout, before=tuple(step.text for step in ready.before),
+            layout=start.layout, before=tuple(step.text for step in ready.before), case=ready.case,
         )  # fmt: skip
 
     def _camera(self, ready: Ready, manual: Manual, backend: PhysicsBackend) -> Callable[[], dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
@@ -22,41 +23,43 @@ from remac_env.backends.physics.controllers.learned.weights import (
     SEVERAL,
     About,
     Weights,
+    observation,
     read_weights,
     save_weights,
 )
 from remac_env.lowlevel.names import camel
+
+MakeRecorder = Callable[[str], Recorder]
+"""Makes what records a skill; processes are handed it."""
 
 SHARD, SHARD_WITH_PICTURES = 40, 5
 """Episodes a file: what is lost at most where recording is killed."""
 
 SCRIPTED = "scripted"
 SETS = ("layouts and styles of the demonstrations", "layouts and styles held out")
+_OFTEN = 20  # demonstrations from which on a case counts as shown
 _SAMPLE = 8  # observations that weights keep, with what the network says to them
 
 
 def record_all(
-    skills: Sequence[str], seeds: Sequence[int], cells: Cells, out: Path, *, target: str | None, disturb: float,
-    processes: int, image_size: int | None = None,
+    skills: Sequence[str], seeds: Sequence[int], cells: Cells, out: Path, make: MakeRecorder, *, processes: int
 ) -> Iterator[str]:
     """Record every skill on these seeds, a file for each SHARD of them; a line for each that is done."""
-    jobs = _parts_of(skills, seeds, SHARD if image_size is None else SHARD_WITH_PICTURES)
+    jobs = _parts_of(skills, seeds, make)
     paths = {part: out / f"{part.name}.hdf5" for part in jobs}
     yield from (f"{path.name}: there already" for path in paths.values() if path.exists())
     fresh = [part for part in jobs if not paths[part].exists()]
-    work = partial(_recorded, cells=cells, target=target, disturb=disturb, image_size=image_size, out=out)
-    yield from side_by_side(work, fresh, processes)
+    yield from side_by_side(partial(_recorded, cells=cells, make=make, out=out), fresh, processes)
 
 
 def record_dataset(
-    skills: Sequence[str], seeds: Sequence[int], cells: Cells, dataset: Dataset, *, target: str | None,
-    disturb: float, processes: int, image_size: int | None = None,
+    skills: Sequence[str], seeds: Sequence[int], cells: Cells, dataset: Dataset, make: MakeRecorder, *, processes: int
 ) -> Iterator[str]:
     """The same as parts of one LeRobot dataset."""
-    jobs = _parts_of(skills, seeds, SHARD if image_size is None else SHARD_WITH_PICTURES)
+    jobs = _parts_of(skills, seeds, make)
     yield from (f"{part.name}: there already" for part in jobs if dataset.has(part.name))
     fresh = [part for part in jobs if not dataset.has(part.name)]
-    work = partial(_demonstrated, cells=cells, target=target, disturb=disturb, image_size=image_size)
+    work = partial(_demonstrated, cells=cells, make=make)
     for part, demos in zip(fresh, side_by_side(work, fresh, processes), strict=True):
         dataset.add(part.name, demos)
         yield _line(part, part.name, demos)
@@ -75,21 +78,20 @@ class Part:
         return f"{camel(self.skill)}_{self.seeds[0]:06d}"
 
 
-def _parts_of(skills: Sequence[str], seeds: Sequence[int], size: int) -> list[Part]:
+def _parts_of(skills: Sequence[str], seeds: Sequence[int], make: MakeRecorder) -> list[Part]:
+    size = SHARD if make(skills[0]).image_size is None else SHARD_WITH_PICTURES
     starts = range(0, len(seeds), size)
     return [Part(skill, tuple(seeds[first : first + size])) for first in starts for skill in skills]
 
 
-def _recorded(part: Part, *, out: Path, **options: Any) -> str:
-    demos, path = _demonstrated(part, **options), out / f"{part.name}.hdf5"
+def _recorded(part: Part, *, cells: Cells, make: MakeRecorder, out: Path) -> str:
+    demos, path = _demonstrated(part, cells=cells, make=make), out / f"{part.name}.hdf5"
     write_shard(path, demos)
     return _line(part, path.name, demos)
 
 
-def _demonstrated(
-    part: Part, *, cells: Cells, target: str | None, disturb: float, image_size: int | None
-) -> list[Demo]:
-    recorder, demos = Recorder(part.skill, target, disturb=disturb, image_size=image_size), []
+def _demonstrated(part: Part, *, cells: Cells, make: MakeRecorder) -> list[Demo]:
+    recorder, demos = make(part.skill), []
     for seed in part.seeds:
         style, layout = cells.of(seed, part.skill)
         demo = recorder.record(seed, style=style, layout=layout)
@@ -116,7 +118,13 @@ def train_skill(skill: str, folder: Path, out: Path, recipe: Recipe) -> Iterator
 
 
 def train_together(skills: Sequence[str], folder: Path, out: Path, recipe: Recipe) -> Iterator[str]:
-    """Train one network on all of these skills, which is told the words of commands; see `train_skill`."""
+    """Train one network on all of these skills, which is told the words of commands; see `train_skill`.
+
+    Raises:
+        UsageError: for skills that do not see the same.
+    """
+    if len({observation(skill) for skill in skills}) > 1:
+        raise UsageError(f"{', '.join(skills)}: drives look around, and others do not; valid: one kind together")
     found = [_recorded_of(folder, skill) for skill in skills]
     kept = sorted({path for paths, _ in found for path in paths})
     demos = [demo for _, some in found for demo in some]
@@ -138,7 +146,7 @@ def _recorded_of(folder: Path, skill: str) -> tuple[list[Path], list[Demo]]:
 def _trained(
     name: str, demos: list[Demo], kept: list[Path], out: Path, recipe: Recipe, words: tuple[str, ...]
 ) -> Iterator[str]:
-    data = frames(demos, recipe.chunk, words)
+    data = frames(demos, recipe.chunk, words, hand=recipe.hand)
     yield f"{name}: {len(demos)} demonstrations, {len(data.seen)} frames"
     losses: list[float] = []
     network = train(data, recipe, report=lambda epoch, loss: losses.append(loss))
@@ -149,7 +157,7 @@ def _trained(
         demonstrations=len(demos), seeds=f"{min(seeds)}:{max(seeds) + 1}",
         layouts=tuple(sorted({demo.layout for demo in demos})), styles=tuple(sorted({demo.style for demo in demos})),
         data=file_digest(kept), code=code_digest(), words=words,
-        skills=tuple(sorted({demo.skill for demo in demos})) if name == SEVERAL else (),
+        skills=tuple(sorted({demo.skill for demo in demos})) if name == SEVERAL else (), cases=_cases(demos),
     )  # fmt: skip
     path = out / f"{camel(name)}.npz"
     save_weights(path, Weights(about=about, network=network, sample=data.seen[::step][:_SAMPLE]))
@@ -157,11 +165,17 @@ def _trained(
     yield f"{name}: loss {losses[0]:.3f} to {losses[-1]:.3f} in {len(losses)} epochs; {path}, {size:.0f} kB"
 
 
+def _cases(demos: Sequence[Demo]) -> tuple[str, ...]:
+    """The cases that were shown often enough; "" stands for skills that have none."""
+    shown = Counter(demo.case for demo in demos)
+    return tuple(sorted(case for case, count in shown.items() if count >= _OFTEN)) if any(shown) else ()
+
+
 def evaluate_all(
     skills: Sequence[str], folder: Path, seeds: Sequence[int], cells: tuple[Cells, Cells], *, note: bool,
     processes: int,
 ) -> list[Score]:
-    """Try skills on seeds, in the cells of the demonstrations and in those held out; a score each, and by target.
+    """Try skills on seeds, in the cells of the demonstrations and in those held out; a score for each case or target.
 
     Args:
         folder: of the weights; "scripted": the scripted controllers.
@@ -174,9 +188,9 @@ def evaluate_all(
         measured = {}
         for where, name in enumerate(SETS):
             tried = [trial for job, part in zip(jobs, done, strict=True) if job[:2] == (skill, where) for trial in part]
-            for target in sorted({trial.target for trial in tried}):
-                some = [trial for trial in tried if trial.target == target]
-                found.append(score(f"{skill} {target}: {name}", some))
+            for what in sorted({trial.what for trial in tried}):
+                some = [trial for trial in tried if trial.what == what]
+                found.append(score(f"{skill} {what}: {name}", some))
                 measured[found[-1].name] = {"trials": len(some), "successes": found[-1].successes}
         if note and str(folder) != SCRIPTED:
             _note(folder, skill, measured)

@@ -16,11 +16,15 @@ import numpy as np
 
 from remac_bench.errors import UsageError
 from remac_bench.learning.demos import Demo, Numbers
+from remac_env.backends.physics.controllers.learned.hand import hands
 from remac_env.backends.physics.controllers.learned.network import Network
-from remac_env.backends.physics.controllers.learned.seen import entries
+from remac_env.backends.physics.controllers.learned.seen import entries, taught
 from remac_env.backends.physics.controllers.learned.weights import bag
+from remac_env.rules.skills import SKILLS
 from remac_env.seeding import digest
 
+_HAND = [number for number, entry in enumerate(entries(taught()[0])) if entry.name in ("hand_x", "hand_y", "hand_z")]
+_AFTER = 24  # frames that are shown after a thing was taken or put, while the hand goes clear
 _MOVED = 2e-4  # rad or m by which a command differs from the one before it where it counts as motion
 _LITTLE = 1e-3  # added to deviations: of numbers that hardly vary
 
@@ -34,6 +38,7 @@ class Recipe:
         chunk, execute: commands predicted at once, and carried out before the next observation.
         epochs: passes over the demonstrations. batch: frames a step. rate: largest step size (AdamW, one cycle).
         jitter: standard deviation of what is added to normalised observations.
+        hand: whether commands say where the hand is to be, too.
         seed: of the first weights and the order of frames.
     """
 
@@ -45,12 +50,13 @@ class Recipe:
     batch: int = 256
     rate: float = 1e-3
     jitter: float = 0.02
+    hand: bool = False
     seed: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """What a network learns from: observations (N, n) and the commands that follow (N, chunk, COMMANDED)."""
+    """What a network learns from: observations (N, n) and commands that follow (N, chunk, COMMANDED or WITH_HAND)."""
 
     seen: Numbers
     wanted: Numbers
@@ -72,7 +78,8 @@ def code_digest() -> str:
     """A name for the code that decides what is learnt: recording, training, and what is seen."""
     here = Path(__file__).parent
     learned = Path(entries.__code__.co_filename).parent
-    files = [here / "record.py", here / "train.py", *(learned / f"{name}.py" for name in ("aims", "seen", "stand"))]
+    seen = (learned / f"{name}.py" for name in ("aim", "aims", "hand", "seen", "stand"))
+    files = [here / "record.py", here / "train.py", *seen]
     return digest([path.read_text("utf-8") for path in files])
 
 
@@ -81,21 +88,33 @@ def words_of(demos: Iterable[Demo]) -> tuple[str, ...]:
     return tuple(sorted({word for demo in demos for word in demo.command.split()}))
 
 
-def frames(demos: Iterable[Demo], chunk: int, words: Sequence[str] = ()) -> Frames:
-    """The frames of demonstrations in which something moves; ``words``: of commands, shown behind observations."""
+def frames(demos: Iterable[Demo], chunk: int, words: Sequence[str] = (), *, hand: bool = False) -> Frames:
+    """The frames of demonstrations in which something moves.
+
+    ``words``: of commands, shown behind observations. ``hand``: say where the hand is to be, too.
+    """
     seen, wanted = [], []
     for demo in demos:
         moved = np.abs(np.diff(demo.commands, axis=0)).max(axis=1) > _MOVED
         moves = np.flatnonzero(np.concatenate([[True], moved]))
         moves = np.append(moves, len(demo.commands) - 1)
-        commands = demo.commands[moves]
-        following = np.minimum(np.arange(len(moves))[:, None] + np.arange(chunk), len(moves) - 1)
-        chunks = commands[following].copy()
-        chunks[:, :, :-1] -= demo.measured[moves][:, None]
-        said = np.tile(bag(words, demo.command), (len(moves), 1))
-        seen.append(np.concatenate([demo.observations[moves], said], axis=1))
-        wanted.append(chunks)
+        shown = moves[moves < _ends(demo)]
+        commands, start = demo.commands[moves], np.append(demo.measured[shown], np.zeros((len(shown), 1)), axis=1)
+        if hand:
+            at = demo.observations[:-1, _HAND][moves]
+            commands = np.concatenate([commands, hands(commands)], axis=1)
+            start = np.concatenate([start, at[: len(shown)], np.zeros((len(shown), 6))], axis=1)
+        following = np.minimum(np.arange(len(shown))[:, None] + np.arange(chunk), len(moves) - 1)
+        said = np.tile(bag(words, demo.command), (len(shown), 1))
+        seen.append(np.concatenate([demo.observations[shown], said], axis=1))
+        wanted.append(commands[following] - start[:, None])
     return Frames(np.concatenate(seen), np.concatenate(wanted).astype(np.float32))
+
+
+def _ends(demo: Demo) -> int:
+    """The frame from which on nothing is learnt: what is taken or put is so, and policies end soon after that."""
+    row, done = SKILLS[demo.skill], np.flatnonzero(demo.rewards > 0.0)
+    return int(done[0]) + _AFTER if (row.takes or row.puts) and len(done) else len(demo.commands)
 
 
 def train(data: Frames, recipe: Recipe, *, report: Any = lambda epoch, loss: None) -> Network:

@@ -90,7 +90,10 @@ class Attempts:
         self._busy |= now.active
         self._working |= now.active - now.driving
         self.aims |= {name: goals.get(name) for name in now.driving}
-        own = {name: self._pilots[name].own_for(subtask) for name, subtask in now.subtasks.items()}
+        own = {
+            name: self._pilots[name].own_for(now.number, subtask, now.world, goals.get(name))
+            for name, subtask in now.subtasks.items()
+        }
         drive_goals = {name: DriveGoal(self._robots[name], goal) for name, goal in goals.items() if own[name] is None}
         planner = self._planner(drive_goals, self._rooms())
         found: dict[str, Attempt] = {}
@@ -172,7 +175,7 @@ class Attempts:
                 robot, lambda: self._beside((place,), earlier) or self._crossed(place, earlier)
             )
         began = self._simulation.ticks
-        sensing, own = pilot.briefed(now.number, subtask, now.world), pilot.own_for(subtask)
+        sensing, own = pilot.briefed(now.number, subtask, now.world), pilot.own_for(now.number, subtask, now.world)
         if own is not None:
             outcome = yield from pilot.skill(own, subtask, sensing)
             return _or_done(outcome, robot, subtask, now)

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.backends.physics.controllers.base import Command, CommandError, set_points
-from remac_env.backends.physics.controllers.learned.aims import Aim, aim_of
+from remac_env.backends.physics.controllers.learned.aim import Aim
+from remac_env.backends.physics.controllers.learned.aims import aim_of
 from remac_env.backends.physics.controllers.learned.seen import observe
 from remac_env.backends.physics.timeline import Timeline
-from remac_env.errors import PhysicsError
+from remac_env.errors import OptionError, PhysicsError
 from remac_env.robots.rotation import Array
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.subtasks import Subtask
@@ -55,8 +56,16 @@ class Manual:
         return self.sensing.body.commanded_opening
 
     def scripted(self) -> Generator[Command, None, Outcome]:
-        """What the scripted controller wants, for who plays it himself; not for drives, which are planned together."""
-        return self._pilot.wanted(self.subtask, self.sensing)
+        """What the scripted controller wants, for who plays it himself; drives know of no other that drives meanwhile.
+
+        Raises:
+            OptionError: for a drive that leads nowhere, as no parking place is free.
+        """
+        if not self.subtask.moves:
+            return self._pilot.wanted(self.subtask, self.sensing)
+        if self.sensing.goal is None:
+            raise OptionError(f"{self.subtask.text!r} leads to no station; valid: a drive to a place of its own")
+        return self._timeline.driven(self._robot, self.sensing.goal)
 
     def command(self, q: Array, grip: float) -> None:
         """Bring the set-points to ``q`` (11,) and ``grip`` (m) in one period, within the maker's limits.

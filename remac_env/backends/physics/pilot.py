@@ -42,14 +42,16 @@ class Pilot:
         self._scripted = Scripted(here, rules)
         self.stopping = False
 
-    def own_for(self, subtask: Subtask) -> Controller | None:
+    def own_for(
+        self, number: int, subtask: Subtask, world: WorldState, goal: Station | None = None
+    ) -> Controller | None:
         """The controller of the robot's own for a subtask; None where the scripted one carries it out.
 
-        One that has a method `covers` is asked whether the subtask is one for it.
+        One that has a method `covers` is asked whether the subtask, as it is briefed, is one for it.
         """
         controller = self._own.get(subtask.skill)
         covers = getattr(controller, "covers", None)
-        return controller if covers is None or covers(subtask) else None
+        return controller if covers is None or covers(subtask, self.briefed(number, subtask, world, goal)) else None
 
     def briefed(self, number: int, subtask: Subtask, world: WorldState, goal: Station | None = None) -> Briefed:
         """What the robot is told about a subtask that begins now; ``number``: of the batch in which it was given."""
@@ -74,12 +76,18 @@ class Pilot:
         return self.steps(go_home(self.here), RECOVERY_TIME)
 
     def skill(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:
-        """Run a controller of the robot's own at a station, and bring the robot home from wherever that leaves it."""
-        outcome = yield from self._owned(controller, subtask, sensing)
-        if outcome.success:
-            yield from self.steps(go_home(self.here), RECOVERY_TIME)
-        else:
-            yield from self.home()
+        """Run a controller of the robot's own at a station, and bring the robot home from wherever that leaves it.
+
+        One that says how many `tries` it has begins again where it missed (`slipped`).
+        """
+        for left in reversed(range(getattr(controller, "tries", 1))):
+            outcome = yield from self._owned(controller, subtask, sensing)
+            if outcome.success:
+                yield from self.steps(go_home(self.here), RECOVERY_TIME)
+            else:
+                home = yield from self.home()
+            if not left or outcome.reason != "slipped" or not home.success or self.stopping:
+                break
         return outcome
 
     def drive(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from remac_env.backends.physics.attempts import NEIGHBOUR, Attempts, Orders
-from remac_env.backends.physics.controllers.base import MakeController
+from remac_env.backends.physics.controllers.base import Command, MakeController
 from remac_env.backends.physics.controllers.scripted.collision import CollisionChecker, KeepOutPlane
+from remac_env.backends.physics.controllers.scripted.controller import ended
 from remac_env.backends.physics.controllers.scripted.motion import Mover
 from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
 from remac_env.backends.physics.controllers.scripted.workspace import Clear, Hand, Kitchen, Workspace
+from remac_env.backends.physics.drives import DriveGoal
+from remac_env.backends.physics.multi_robot import MultiRobotPlanner
 from remac_env.backends.physics.navigate import parking
 from remac_env.backends.physics.pilot import Attempt, Pilot
 from remac_env.backends.physics.sensing import Senses
@@ -22,6 +25,7 @@ from remac_env.backends.physics.simulation import Simulation
 from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rules.facts import ASIDE
+from remac_env.rules.outcomes import Outcome
 from remac_env.seeding import generator
 from remac_env.start import Start
 
@@ -60,17 +64,27 @@ class Team:
 
     def attempts(self, now: Orders) -> dict[str, Attempt]:
         """A generator for every robot with an accepted subtask; each returns its outcome. None of them may be busy."""
-        self.separation.holding({n: here.hand.body for n, here in self.robots.items() if here.hand.body is not None})
+        self._hold()
         self._set_keep_out(now)
         self._disturb(now)
         goals = {name: self._arrival(now.number, place) for name, place in self._goals(now).items()}
         return self._attempts.begin(now, goals)
+
+    def driven(self, robot: str, goal: Station) -> Generator[Command, None, Outcome]:
+        """What the scripted controller wants of a robot that drives to ``goal`` while all others stand."""
+        self._hold()
+        here = self.robots[robot]
+        return ended(here, MultiRobotPlanner(self.separation, {robot: DriveGoal(here, goal)}, ()).steps(robot))
 
     def finished(self, robot: str) -> None:
         """Note that a robot's attempt has ended."""
         self._attempts.finished(robot)
 
     # -- before they begin -------------------------------------------------------------------------------------------
+
+    def _hold(self) -> None:
+        """What hands hold is part of the robots from now on."""
+        self.separation.holding({n: here.hand.body for n, here in self.robots.items() if here.hand.body is not None})
 
     def _set_keep_out(self, now: Orders) -> None:
         """Keep-out planes between robots that work at neighbouring stations, or next to where another drives."""

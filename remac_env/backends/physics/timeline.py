@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -12,7 +12,7 @@ import mujoco
 from remac_env.backends.base import Counters, RoundResult
 from remac_env.backends.physics.attempts import Orders
 from remac_env.backends.physics.closers import Closers
-from remac_env.backends.physics.controllers.base import MakeController, check_controllers
+from remac_env.backends.physics.controllers.base import Command, MakeController, check_controllers
 from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.pilot import Attempt, Pilot
 from remac_env.backends.physics.quirks import Oddities
@@ -24,7 +24,7 @@ from remac_env.backends.physics.team import Team
 from remac_env.backends.physics.truth import Truth
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.fixtures.certificates import warn_uncertified
-from remac_env.kitchen.floor_plan import Layout
+from remac_env.kitchen.floor_plan import Layout, Station
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.worlds import Worlds
 from remac_env.robots import bodies
@@ -190,6 +190,10 @@ class Timeline:
         """Who passes a robot's commands on, for who moves it from outside; see `manual`."""
         self._team.hold({name: state.holding for name, state in self.world.robots.items()})
         return self._team.pilots[robot]
+
+    def driven(self, robot: str, goal: Station) -> Generator[Command, None, Outcome]:
+        """What the scripted controller wants of a robot that drives, for who plays it himself."""
+        return self._team.driven(robot, goal)
 
     def seen(self) -> WorldState:
         """The world as geometry shows it now, in the midst of motion."""

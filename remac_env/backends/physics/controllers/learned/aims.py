@@ -1,18 +1,13 @@
-"""What a subtask is about, in numbers: where the hand is wanted, how the target is turned, and how far it has come.
-
-An aim is made when a subtask begins, `update` is called once a control period, and all is told as the robot senses it,
-in the frame of its stand: what is right at one wall is right at every wall.
-"""
+"""The aims of skills: what there is to see of doors, switches, and things that are taken and put."""
 
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from dataclasses import dataclass
 
 import numpy as np
 
-from remac_env.backends.physics.controllers.base import Proprioception, Sensing
+from remac_env.backends.physics.controllers.base import Sensing
+from remac_env.backends.physics.controllers.learned.aim import Aim, Target, feels
 from remac_env.backends.physics.controllers.learned.stand import Stand
 from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
@@ -24,66 +19,11 @@ from remac_env.rules.subtasks import Subtask
 from remac_env.state import CLOSED_MAX, OPEN_MIN, Place
 
 _RISE = 0.10  # m that a thing is lifted once it is picked up for certain
+_ROLLED = 0.05  # m by which a thing that was missed lies higher or lower at most; else it has fallen
 _HELD_PART = 0.5  # of picking up that is done once the hand holds the thing
 _IN_HAND = 0.15  # m between the hand and the frame of what it holds, at most
-_EMPTY = 0.002  # m between fingers that hold nothing; the thinnest wall that they hold is 5 mm
-_SQUEEZED = 0.001  # m by which fingers are commanded closer than they come, where something is between them
 _THERE = 0.08  # m from its spot at which a thing has been put there
-_CLEAR = 0.12  # m between the hand and what it has let go of, from which on there is room to fold the arm
 _A_TURN = 0.3  # m that count as much as a turn of the base by 1 rad
-
-
-@dataclass(frozen=True)
-class Target:
-    """What is known of a target. Lengths m, angles rad.
-
-    at: where the hand is wanted (3,). yaw: about the vertical. size: half extents (3,) of a thing, or the handle's
-    place on a leaf. grasp: how a thing is grasped: height, width, lean, and 1 where from any side. joint, goal: where a
-    joint stands and is to stand. side: 1 for a leaf hinged on the left, -1 on the right. worked: 1 once a button has
-    been pressed by this subtask.
-    """
-
-    at: Array
-    yaw: float = 0.0
-    size: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    grasp: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    joint: float = 0.0
-    goal: float = 0.0
-    side: float = 0.0
-    worked: float = 0.0
-
-
-class Aim(ABC):
-    """Of one subtask of one robot. ``stand``: the frame in which everything is told."""
-
-    by_hand = True
-    """Whether the hand has to come to `target().at`."""
-
-    def __init__(self, sensing: Sensing, stand: Stand) -> None:
-        self._sensing, self.stand = sensing, stand
-
-    @abstractmethod
-    def target(self) -> Target:
-        """What is seen of it now."""
-
-    @abstractmethod
-    def done(self) -> float:
-        """How much of the subtask is done, 0..1, apart from bringing the hand there."""
-
-    def update(self) -> None:
-        """Take the last control period into account."""
-        return
-
-    def achieved(self) -> bool:
-        """Whether it is seen that what was to be done is done."""
-        return self.done() >= 1.0
-
-    def over(self) -> bool:
-        """Whether nothing is left to do but to go home: it is done, and the hand has let go and is clear of it."""
-        if not self.achieved() or feels(self._sensing.body):
-            return False
-        hand = self.stand.point(self._sensing.body.grip.position)
-        return float(np.linalg.norm(self.target().at - hand)) > _CLEAR
 
 
 def aim_of(subtask: Subtask, sensing: Sensing) -> Aim:
@@ -106,11 +46,6 @@ def aim_of(subtask: Subtask, sensing: Sensing) -> Aim:
     place = landing(rules, world, sensing.name, name) if row.puts else None
     held = world.robots[sensing.name].holding
     return _Thing(sensing, stand, name) if place is None or held is None else _Put(sensing, stand, held, place)
-
-
-def feels(body: Proprioception) -> bool:
-    """Whether a hand feels something between its fingers."""
-    return body.opening > _EMPTY and body.commanded_opening < 0.5 * body.opening - _SQUEEZED
 
 
 class _Standing(Aim):
@@ -155,6 +90,10 @@ class _Leaves(Aim):
     def achieved(self) -> bool:
         """Whether every leaf is where it is wanted."""
         return all(self._there(number) for number, _ in self._leaves)
+
+    def missed(self) -> bool:
+        """Where one is not."""
+        return not self.achieved()
 
     def target(self) -> Target:
         """The handle of the leaf whose turn it is."""
@@ -207,6 +146,10 @@ class _Switch(Aim):
             return self._pressed
         return (self._actuator.switch in self._sensing.reading(self._name).on) == (self._goal > 0.0)
 
+    def missed(self) -> bool:
+        """Where it is not so."""
+        return not self.achieved()
+
     def target(self) -> Target:
         """Where the hand takes hold of it or pushes, as it is turned now."""
         at = self.stand.point(self._sensing.pose(self._actuator.site).position)
@@ -255,6 +198,10 @@ class _Taken(_Thing):
         super().__init__(sensing, stand, name)
         self._lay = float(sensing.pose(name).position[2])
 
+    def missed(self) -> bool:
+        """Where the hand is empty, and it lies about as high as it did."""
+        return self.done() == 0.0 and abs(float(self._sensing.pose(self._name).position[2]) - self._lay) < _ROLLED
+
     def over(self) -> bool:
         """Once it is held and has risen."""
         return self.achieved()
@@ -283,6 +230,10 @@ class _Put(Aim):
     def achieved(self) -> bool:
         """Whether it is about there."""
         return self._away() < _THERE
+
+    def missed(self) -> bool:
+        """Where it is not, and still in the hand."""
+        return not self.achieved() and feels(self._sensing.body)
 
     def done(self) -> float:
         """The share of its way that the thing has gone."""

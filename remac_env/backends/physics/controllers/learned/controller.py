@@ -8,28 +8,42 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.base import Command, Sensing
 from remac_env.backends.physics.controllers.learned.aims import aim_of
+from remac_env.backends.physics.controllers.learned.cases import case_of
+from remac_env.backends.physics.controllers.learned.hand import towards_hand
+from remac_env.backends.physics.controllers.learned.network import COMMANDED, WITH_HAND
 from remac_env.backends.physics.controllers.learned.seen import observe
 from remac_env.backends.physics.controllers.learned.weights import Weights, bag
+from remac_env.kitchen.scene import build_scene
 from remac_env.robots import bodies
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
 
 _STANDARD = bodies.get()
 LONGEST = 700  # control periods, 35 s: three times as long as scripted skills take
+_FINGERS = COMMANDED - 1  # where their travel stands in a command
 _STILL = 0.02  # rad or m that commands change at most while the robot stands still
 _RESTS = 3  # chunks on end in which it stands still and then has ended
 
 
 class Learned:
-    """A learned skill as a controller. It ends when it is seen to be over, when it comes to rest, or after LONGEST."""
+    """A learned skill as a controller. It ends when it is seen to be over, when it comes to rest, or after LONGEST.
+
+    Attributes:
+        tries: how often it may begin; again from the folded arm, where it has come to rest and sees that it missed.
+    """
+
+    tries = 2
 
     def __init__(self, weights: Weights) -> None:
-        self._weights = weights
+        self._weights, self._kinematics = weights, _STANDARD.kinematics()
 
-    def covers(self, subtask: Subtask) -> bool:
-        """Whether its demonstrations were about this target; other subtasks stay scripted."""
-        targets = self._weights.about.targets
-        return not targets or subtask.target in targets
+    def covers(self, subtask: Subtask, sensing: Sensing) -> bool:
+        """Whether its demonstrations were about this; other subtasks stay scripted."""
+        layout, objects, robot = sensing.layout, sensing.objects, sensing.name
+        rules = build_scene(layout, objects, (robot,))
+        return self._weights.about.plays(
+            subtask.target, case_of(subtask, rules, layout, objects, sensing.told, robot)
+        )
 
     def run(self, subtask: Subtask, sensing: Sensing) -> Generator[Command, None, Outcome]:
         """See :class:`remac_env.backends.physics.controllers.base.Controller`.
@@ -45,16 +59,18 @@ class Learned:
             chunk = network.commands(shown)[: about.execute].astype(float)
             if not np.isfinite(chunk).all():
                 return failure("invalid", "the network says what is not finite")
-            start, before = sensing.body.q, sensing.body.commanded
+            start, hand, before = sensing.body.q, sensing.body.grip.position, sensing.body.commanded
             for change in chunk:
-                q = aim.stand.moved(start, change[:-1])
+                q = aim.stand.moved(start, change[:_FINGERS])
                 q[3:] = np.clip(q[3:], _STANDARD.lower[3:], _STANDARD.upper[3:])
-                yield Command(q, float(np.clip(change[-1], 0.0, _STANDARD.finger_travel)))
+                if len(change) == WITH_HAND:
+                    q = towards_hand(self._kinematics, aim.stand, q, hand, change)
+                yield Command(q, float(np.clip(change[_FINGERS], 0.0, _STANDARD.finger_travel)))
                 aim.update()
             if aim.over():
                 return Outcome("success")
             still = float(np.abs(sensing.body.commanded - before).max()) < _STILL
             rests = rests + 1 if still else 0
             if rests >= _RESTS:
-                return Outcome("success")
+                return failure("slipped", "it came to rest with nothing done") if aim.missed() else Outcome("success")
         return failure("timeout", f"the policy did not come to rest within {LONGEST} control periods")

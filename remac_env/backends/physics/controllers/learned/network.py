@@ -14,6 +14,9 @@ Numbers = NDArray[np.float32]
 COMMANDED = 12
 """Numbers of a command: changes of the 11 joints from where they are, m or rad, and the travel of the fingers, m."""
 
+WITH_HAND = COMMANDED + 9
+"""The same, and where the hand is to be: its way from where it is, m, and two axes; see :mod:`.hand`."""
+
 LARGEST = 20_000_000
 """Bytes of all arrays together."""
 
@@ -24,7 +27,7 @@ _EPSILON = 1e-5  # of the normalisation, as in torch
 class Network:
     """Layers of weights (out, in), bias, gain and shift (out,), each normalised and rectified; the last one plain.
 
-    ``mean`` and ``std`` (n,) of observations, ``out_mean`` and ``out_std`` (chunk, COMMANDED) of commands.
+    ``mean`` and ``std`` (n,) of observations, ``out_mean`` and ``out_std`` (chunk, COMMANDED or WITH_HAND) of commands.
 
     Raises:
         OptionError: for parts that do not fit together, or numbers that are not finite.
@@ -51,7 +54,8 @@ class Network:
             size = len(weights)
         weights, bias = self.last
         fits &= weights.ndim == 2 and weights.shape[1] == size and bias.shape == weights.shape[:1]
-        fits &= self.out_mean.shape == self.out_std.shape == (self.chunk, COMMANDED) and self.out_mean.size == len(bias)
+        fits &= self.out_mean.shape == self.out_std.shape and self.out_mean.shape[1:] in ((COMMANDED,), (WITH_HAND,))
+        fits &= self.out_mean.size == len(bias)
         if not fits or self.chunk < 1:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
             raise OptionError(f"the arrays of the network do not fit together: {shapes}")
@@ -86,7 +90,7 @@ class Network:
         return made
 
     def commands(self, observation: Numbers) -> Numbers:
-        """The next commands (chunk, COMMANDED) for what is seen now, shape (n,)."""
+        """The next commands, shaped as ``out_mean``, for what is seen now, shape (n,)."""
         values = (observation - self.mean) / self.std
         for weights, bias, gain, shift in self.layers:
             values = weights @ values + bias

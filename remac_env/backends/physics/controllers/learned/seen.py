@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.backends.physics.controllers.base import Sensing
-from remac_env.backends.physics.controllers.learned.aims import Aim, Target, feels
+from remac_env.backends.physics.controllers.learned.aim import Aim, Target, feels
 from remac_env.robots import bodies
 from remac_env.robots.rotation import Array
 from remac_env.rules.skill_row import Skill

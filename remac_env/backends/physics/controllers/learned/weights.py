@@ -1,7 +1,7 @@
 """Learned skills as files: arrays of NumPy and a text of JSON that says what they are. No code is in them.
 
     about        a text of JSON: the fields of `About`
-    sample       (k, n) of what the network is shown, and `answer` (k, chunk, 12): what the network says to them
+    sample       (k, n) of what the network is shown, and `answer` (k, chunk, 12 or 21): what the network says to them
 and the arrays of :class:`~remac_env.backends.physics.controllers.learned.network.Network`.
 """
 
@@ -36,6 +36,10 @@ SEVERAL = "several"
 """What `About.skill` says of a network for several skills."""
 
 
+GOOD = 0.9
+"""Of trials in a case that have to succeed: where fewer do, the skill stays scripted."""
+
+
 def observation(skill: str) -> str:
     """A name for what a policy of this skill sees: version, names, units and ranges."""
     return digest([VERSION, [list(entry) for entry in _entries(skill)]])
@@ -66,6 +70,7 @@ class About:
         measured: name of a set of trials -> {"trials": n, "successes": k}.
         format, observation, body: what it fits.
         words: of commands, whose `bag` the network is shown behind the observation; empty: none.
+        cases: of things that are handled: what was shown, as `case_of` says it; empty: anything.
     """
 
     skill: str
@@ -83,6 +88,16 @@ class About:
     body: str = ""
     skills: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
+    cases: tuple[str, ...] = ()
+
+    def plays(self, target: str, case: str) -> bool:
+        """Whether it was shown this target, and in this case has not been measured to fail too often."""
+        if (self.targets and target not in self.targets) or (self.cases and case not in self.cases):
+            return False
+        names = [f"{skill} {case}" for skill in self.known if case]
+        found = [each for name, each in self.measured.items() if name.partition(": ")[0] in names]
+        tried = sum(each["trials"] for each in found)
+        return sum(each["successes"] for each in found) >= GOOD * tried
 
     @property
     def known(self) -> tuple[str, ...]:
@@ -177,7 +192,7 @@ def _about(told: Any) -> About:
     return made
 
 
-_FIRST = {each.name for each in fields(About)} - {"skills", "words"}
+_FIRST = {each.name for each in fields(About)} - {"skills", "words", "cases"}
 """What files have said from the beginning."""
 
 

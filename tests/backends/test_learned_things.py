@@ -1,0 +1,134 @@
+"""Learned skills that take and put things: where they are played, how they bring the hand there, and how they end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.learned.controller import Learned
+from remac_env.backends.physics.controllers.learned.hand import hands, towards_hand
+from remac_env.backends.physics.controllers.learned.network import COMMANDED, WITH_HAND, Network
+from remac_env.backends.physics.controllers.learned.seen import entries
+from remac_env.backends.physics.controllers.learned.stand import Stand
+from remac_env.backends.physics.controllers.learned.weights import About, Weights, read_weights, save_weights
+from remac_env.lowlevel.starts import ROBOT, get_ready
+from remac_env.robots import bodies
+from remac_env.rules.skills import SKILLS
+
+CHUNK = 4
+HANDLED = {"pick up": ("vegetable", "food on surface"), "place to": ("plate", "food in vessel on cavity")}
+
+
+def weights(skill: str, answer: float = 0.0, **told: Any) -> Weights:
+    """A network that says the same whatever it sees, hand included."""
+    inputs = len(entries(SKILLS[skill]))
+    zeros = np.zeros((CHUNK, WITH_HAND), np.float32)
+    layer = (np.zeros((4, inputs), np.float32), *[np.zeros(4, np.float32)] * 3)
+    last = (np.zeros((zeros.size, 4), np.float32), np.full(zeros.size, answer, np.float32))
+    network = Network(
+        np.zeros(inputs, np.float32), np.ones(inputs, np.float32), (layer,), last, zeros, np.ones_like(zeros)
+    )
+    about = About(skill=skill, targets=(), execute=CHUNK, cases=(HANDLED[skill][1],))
+    return Weights(about=replace(about, **told), network=network, sample=np.ones((2, inputs), np.float32))
+
+
+def played(made: Weights) -> tuple[Any, PhysicsBackend, str]:
+    """How a round ends in which it is handled with these weights."""
+    skill = made.about.skill
+    ready, backend = get_ready(
+        {}, SKILLS[skill], HANDLED[skill][0], 3, style="modern_1", layout="one_wall_large",
+        make=partial(PhysicsBackend, controllers={skill: partial(Learned, made)}),
+    )  # fmt: skip
+    return backend.run_round({ROBOT: ready.subtask}).outcomes[ROBOT], backend, ready.case
+
+
+def test_a_policy_that_stands_still_takes_nothing() -> None:
+    outcome, _, case = played(weights("pick up"))
+    assert case == "food on surface"
+    assert (outcome.status, outcome.reason) == ("failure", "slipped"), outcome
+
+
+@pytest.mark.parametrize("told", [
+    {"cases": ("vessel on surface",)},
+    {"measured": {"pick up food on surface: here": {"trials": 10, "successes": 8}}},
+], ids=["never shown", "measured to fail too often"])  # fmt: skip
+def test_what_it_cannot_do_stays_scripted(told: dict[str, Any]) -> None:
+    outcome, backend, _ = played(weights("pick up", **told))
+    assert outcome.success and backend.world.robots[ROBOT].holding == "vegetable", outcome
+
+
+def test_all_sets_of_trials_count_together() -> None:
+    measured = {
+        "pick up food on surface: here": {"trials": 10, "successes": 10},
+        "pick up food on surface: there": {"trials": 10, "successes": 8},
+        "pick up vessel on surface: there": {"trials": 10, "successes": 0},
+    }
+    about = replace(weights("pick up").about, measured=measured, cases=("food on surface", "vessel on surface"))
+    assert about.plays("kiwi", "food on surface")
+    assert not about.plays("plate", "vessel on surface") and not about.plays("kiwi", "food on basin")
+
+
+@pytest.mark.parametrize("skill", HANDLED)
+@pytest.mark.parametrize(("answer", "told"), [
+    (lambda: np.full((CHUNK, WITH_HAND), np.nan, np.float32), "not finite"),
+    (lambda: np.full((CHUNK, COMMANDED - 1), 0.0, np.float32), ""),
+    (lambda: "take it", ""),
+])  # fmt: skip
+@pytest.mark.long
+def test_what_a_network_says_that_is_no_motion_reaches_no_servo(
+    skill: str, answer: Callable[[], Any], told: str
+) -> None:
+    made = weights(skill)
+    object.__setattr__(made, "network", _Saying(answer))
+    outcome, backend, _ = played(made)
+    assert (outcome.status, outcome.reason) == ("failure", "invalid") and told in outcome.detail, outcome
+    assert np.isfinite(backend.positions()).all()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("skill", HANDLED)
+def test_a_policy_that_never_stops_is_ended_with_a_reason(skill: str) -> None:
+    outcome, backend, _ = played(weights(skill, 0.03))
+    assert outcome.status == "failure" and outcome.reason in ("timeout", "blocked", "slipped", "dropped"), outcome
+    assert np.isfinite(backend.positions()).all()
+
+
+class _Saying:
+    """A network that is none."""
+
+    chunk = CHUNK
+
+    def __init__(self, answer: Callable[[], Any]) -> None:
+        self._answer = answer
+
+    def commands(self, seen: Any) -> Any:
+        return self._answer()
+
+
+def test_the_arm_goes_where_the_hand_is_wanted_and_the_base_where_it_was_told() -> None:
+    kinematics, stand = bodies.get().kinematics(), Stand(np.array([1.0, 2.0, 0.0]), np.eye(3), 0.5 * np.pi)
+    told = np.array([0.1, 0.2, 0.05, 0.1, 0.2, 0.1, -0.1, -2.2, 0.1, 2.4, 0.7])
+    wanted = hands(np.append(told, 0.04)[None])[0].astype(float)
+    q = np.array(told)
+    q[:3] += [1.0, 2.0, 0.5 * np.pi]
+    off = q + np.array([0.0] * 4 + [0.03, -0.03, 0.02, 0.03, -0.02, 0.02, 0.03])
+    hand = kinematics.forward(off)[0]
+    command = np.concatenate([np.zeros(COMMANDED), wanted[:3] + stand.origin - hand, wanted[3:]])
+    came = towards_hand(kinematics, stand, off, hand, command)
+    assert np.allclose(kinematics.forward(came)[0], kinematics.forward(q)[0], atol=1e-3)
+    assert np.array_equal(came[:4], off[:4])
+    command[COMMANDED + 3 :] = 0.0  # axes of no length say nothing
+    assert np.array_equal(towards_hand(kinematics, stand, off, hand, command), off)
+
+
+def test_files_without_cases_are_read_as_before(tmp_path: Path) -> None:
+    save_weights(tmp_path / "PickUp.npz", weights("pick up", cases=()))
+    about = read_weights(tmp_path / "PickUp.npz").about
+    assert about.cases == () and about.plays("kiwi", "food on basin")
