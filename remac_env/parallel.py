@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from remac_env.actions import check_actions, decode
-from remac_env.backends import make_backend, told_skills
+from remac_env.backends import make_backend, told_cases, told_skills
 from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms
 from remac_env.errors import LifecycleError
@@ -56,7 +56,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             "name": f"RemacKitchen-{spec.name}-v0",
             "render_modes": ["rgb_array", "work", "human"], "is_parallelizable": True, "render_fps": 1,
         }
-        self.render_mode, self.skills = options.render_mode, told_skills(options)
+        self.render_mode, self.skills, self.skill_cases = options.render_mode, told_skills(options), told_cases(options)
         self.possible_agents = list(options.robot_names)
         self.agents: list[str] = []
         self._facts = Facts(self.vocabulary, options.robots, self.worlds.marks)

@@ -137,6 +137,11 @@ ROWS: dict[str, Row] = {
         help="What is handled where, such as 'food on surface', 'vessel on burner' or 'food in vessel on basin'; "
         "by default the seed picks."
     ),
+    "learn.led_by": Row(
+        help="A folder of weights that begin; recorded is how the scripted controller goes on from there (DAgger), "
+        "where objects are picked up or put down.",
+        values=File(),
+    ),
     "learn.disturb": Row(help="How strongly servos are disturbed; 0: not.", default=1.0, values=Real(0.0, 10.0)),
     "learn.format": Row(
         help="hdf5 (robomimic's layout, files of 40 episodes) or lerobot (a dataset of version 3.0).", default="hdf5",

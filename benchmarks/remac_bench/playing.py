@@ -89,6 +89,7 @@ class Course:
     book: StepBook = field(default_factory=StepBook)
     timeline: list[SpanEntry] = field(default_factory=list)
     skills: Mapping[str, str] = field(default_factory=dict)
+    skill_cases: Mapping[str, list[str]] = field(default_factory=dict)
 
     @property
     def shared(self) -> Mapping[str, Any]:
@@ -164,7 +165,7 @@ def _report(agent: Agent, folder: Path) -> _Report:
 
 def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, *, optimum: bool) -> None:
     observations, course.infos = env.reset(seed=job.seed)
-    course.skills = getattr(env, "skills", {})
+    course.skills, course.skill_cases = getattr(env, "skills", {}), getattr(env, "skill_cases", {})
     course.progress = env.progress
     course.worlds.append(as_values(env.world))
     course.problem = problem_id(env.start.scene, env.world, env.goal)
@@ -261,6 +262,7 @@ def make_record(
         options=printable_values(job.facts),
         versions=versions(),
         skills=dict(course.skills),
+        skill_cases=dict(course.skill_cases),
         started=course.started,
         machine=machine(),
         **({} if job.suite is None else job.suite.fields),

@@ -182,6 +182,8 @@ class Record(Model):
             before 2026-11-30.
         skills: skill -> "scripted", or the digest of the weights (sha256) by which it moved; empty where all of them
             were scripted.
+        skill_cases: skill -> the cases, such as "food on surface", in which it moved by its weights; in all others it
+            was scripted. Without the skills that do not depend on the case.
         suite, suite_version, suite_digest: the frozen list that the job belongs to, and the digest of its content;
             None for a job that was put together on the command line.
         template, known_rounds: of a generated task: its template, and the rounds of the shortest plan that is known.
@@ -250,6 +252,7 @@ class Record(Model):
     options: dict[str, Any] = Field(default_factory=dict)
     versions: dict[str, str] = Field(default_factory=dict)
     skills: dict[str, str] = Field(default_factory=dict)
+    skill_cases: dict[str, list[str]] = Field(default_factory=dict)
     started: str | None = None
     machine: str | None = None
     suite: str | None = None

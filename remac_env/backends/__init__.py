@@ -40,3 +40,16 @@ def told_skills(options: Options) -> dict[str, str]:
     learned = learned_skills(options.skills, options.robots)
     moving = [skill for skill, row in SKILLS.items() if not row.still]
     return {skill: learned[skill].sha256 if skill in learned else SCRIPTED for skill in moving}
+
+
+def told_cases(options: Options) -> dict[str, list[str]]:
+    """Skill -> the cases in which it moves by its weights, and outside of which it is scripted; see `case_of`.
+
+    Skills that are scripted, or learned whatever the case, are left out.
+    """
+    if options.skills == SCRIPTED:
+        return {}
+    from remac_env.backends.physics.controllers.learned.library import learned_skills
+
+    learned = {skill: known.about for skill, known in learned_skills(options.skills, options.robots).items()}
+    return {skill: list(about.played) for skill, about in learned.items() if about.cases}

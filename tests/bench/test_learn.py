@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from bench_helpers import record
 from remac_bench.cli import app
+from remac_bench.errors import UsageError
 from remac_bench.learning.cells import HELD_OUT, cells
 from remac_bench.learning.chats import chats, write_chats
 from remac_bench.learning.demos import Demo, file_digest, read_demos, shards, write_shard
@@ -22,7 +23,9 @@ from remac_bench.learning.train import Recipe, frames, train
 from remac_bench.records import ExchangeEntry, OutcomeEntry
 from typer.testing import CliRunner
 
-from remac_env.backends.physics.controllers.learned.weights import About, Weights
+from remac_env.backends.physics.controllers.learned.network import Network
+from remac_env.backends.physics.controllers.learned.seen import entries
+from remac_env.backends.physics.controllers.learned.weights import About, Weights, save_weights
 from remac_env.errors import UnknownNameError
 from remac_env.lowlevel.control import Joints
 from remac_env.robots.panda import measures as panda
@@ -110,6 +113,23 @@ def test_only_what_is_asked_for_is_recorded_and_what_was_shown_is_measured() -> 
         assert trial.case == trial.what == case and not trial.outcome.success, "it is not played by the script"
 
 
+@pytest.mark.long
+def test_weights_lead_and_the_script_goes_on_from_where_they_have_come(tmp_path: Path) -> None:
+    case, inputs = "food on surface", len(entries(SKILLS["pick up"]))
+    zeros, raised = np.zeros((8, 12), np.float32), np.zeros(96, np.float32)
+    raised[3::12] = 0.02  # the lift, m
+    layer = (np.zeros((4, inputs), np.float32), *[np.zeros(4, np.float32)] * 3)
+    network = Network(np.zeros(inputs, np.float32), np.ones(inputs, np.float32), (layer,),
+                      (np.zeros((96, 4), np.float32), raised), zeros, zeros + 1.0)  # fmt: skip
+    about, sample = About(skill="pick up", targets=(), execute=8, cases=(case,)), np.ones((1, inputs), np.float32)
+    save_weights(tmp_path / "PickUp.npz", Weights(about=about, network=network, sample=sample))
+    alone, led = (Recorder("pick up", case=case, led_by=by, disturb=0.0).record(1003) for by in (None, tmp_path))
+    assert alone is not None and led is not None and led.rewards[-1] == 1.0
+    assert led.measured[0][3] > alone.measured[0][3] + 0.01, "the lift is up when the demonstration begins"
+    with pytest.raises(UsageError, match="no weights for 'place to'"):
+        Recorder("place to", led_by=tmp_path).record(1003)
+
+
 _NEVER = {"trials": 9, "successes": 0}
 
 
@@ -124,6 +144,7 @@ def test_the_scripted_controllers_are_measured_likewise() -> None:
     ("record", "--skills", "Juggle", "--out", "x"), ("record", "--skills", "NavigateAside", "--out", "x"),
     ("record", "--cells", "moon", "--out", "x"), ("record", "--hold-out", "igloo", "--out", "x"),
     ("record", "--episodes", "0", "--out", "x"), ("evaluate", "--weights", "nowhere", "--trials", "1"),
+    ("record", "--skills", "OpenDoor", "--led-by", "x", "--out", "x"),
 ])  # fmt: skip
 def test_wrong_lines_are_refused_in_one_line(line: tuple[str, ...]) -> None:
     code, said = run(*line)

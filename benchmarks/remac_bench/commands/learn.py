@@ -26,13 +26,14 @@ app = typer.Typer(no_args_is_help=True, help="Learned skills: record demonstrati
 
 @app.command(cls=Command)
 @takes(
-    *("learn.skills", "learn.target", "learn.case", "style", "layout", "learn.episodes", "learn.first_seed"),
-    *("learn.cells", "learn.held_out", "learn.disturb", "learn.format", "learn.pictures", "learn.image_size"),
-    *("learn.wordless", "learn.out", "learn.processes"),
+    *("learn.skills", "learn.target", "learn.case", "learn.led_by", "style", "layout", "learn.episodes"),
+    *("learn.first_seed", "learn.cells", "learn.held_out", "learn.disturb", "learn.format", "learn.pictures"),
+    *("learn.image_size", "learn.wordless", "learn.out", "learn.processes"),
 )
 def record(
-    *, skills: list[str] | None, target: str | None, case: str | None, style: str | None, layout: str | None,
-    episodes: int, first_seed: int, cells: str, held_out: list[str] | None, disturb: float, format: str,  # noqa: A002 - the flag
+    *, skills: list[str] | None, target: str | None, case: str | None, led_by: Path | None, style: str | None,
+    layout: str | None, episodes: int, first_seed: int, cells: str, held_out: list[str] | None, disturb: float,
+    format: str,  # noqa: A002 - the flag
     pictures: str, image_size: int, wordless: bool, out: Path, processes: int,
 ) -> None:
     """Record what the scripted controllers do, with disturbed servos: HDF5 in robomimic's layout, or a LeRobot dataset.
@@ -45,14 +46,18 @@ def record(
     from remac_bench.learning.lerobot import Dataset
     from remac_bench.learning.record import Recorder
     from remac_bench.learning.sessions import record_all, record_dataset
+    from remac_env.rules.skills import SKILLS
 
     if format == "hdf5" and pictures == "videos":
         raise UsageError("--pictures videos: HDF5 keeps images; valid: images, or --format lerobot")
     chosen = _skills(skills)
+    if led_by is not None and (others := [name for name in chosen if not (SKILLS[name].takes or SKILLS[name].puts)]):
+        raise UsageError(f"--led-by: {', '.join(others)} cannot be gone on with midway; valid: what takes or puts")
     seen, _ = choose(cells, _names(held_out, "--hold-out"))
     where = (chosen, range(first_seed, first_seed + episodes), seen.narrowed(style, layout))
     make = partial(
-        Recorder, target=target, case=case, disturb=disturb, image_size=None if pictures == "none" else image_size
+        Recorder, target=target, case=case, led_by=led_by, disturb=disturb,
+        image_size=None if pictures == "none" else image_size,
     )
     if format == "hdf5":
         h5py()

@@ -67,6 +67,8 @@ def evaluate(
             backends, SKILLS[skill], target, seed, style=style, layout=layout,
             make=partial(PhysicsBackend, controllers=controllers), cases=() if weights is None else weights.about.cases,
         )  # fmt: skip
+        if weights is not None and not weights.about.plays(ready.subtask.target, ready.case):
+            continue  # the scripted controller would do it
         outcome = backend.run_round({ROBOT: ready.subtask}).outcomes[ROBOT]
         yield Trial(skill, ready.subtask.target, seed, outcome, ready.case)
 

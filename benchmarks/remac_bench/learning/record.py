@@ -8,14 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from remac_bench.errors import UsageError
 from remac_bench.learning.demos import Demo
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.base import in_room
 from remac_env.backends.physics.controllers.learned.aim import feels
+from remac_env.backends.physics.controllers.learned.controller import Learned
+from remac_env.backends.physics.controllers.learned.library import weights_of
 from remac_env.backends.physics.manual import LASTING, Manual
 from remac_env.errors import PhysicsError
 from remac_env.lowlevel.control import Joints
@@ -30,6 +35,8 @@ _STRONGEST = 1.5  # strength is drawn between 0 and this for each demonstration
 _NEAR, _FAR = 0.04, 0.24  # m from the target between which an open hand is disturbed less and less
 _LEAST, _CLOSED = 0.1, 0.15  # share of the error that stays at the target, and of a hand that holds something
 _LONGEST = 1200  # control periods
+_LED = 120  # control periods for which weights lead at most: about as long as it takes to reach a thing
+_NEAR_ENOUGH = 0.15  # m from the target at which they stop leading
 
 
 @dataclass
@@ -37,6 +44,8 @@ class Recorder:
     """Records one skill. ``disturb``: how strongly servos are disturbed, 0 not at all. ``image_size``: of pictures, px.
 
     Without an ``image_size`` no pictures are recorded. ``case``: only what is handled so, see `case_of`.
+    ``led_by``: a folder of weights that begin, and what is recorded is how to go on from where they have come (DAgger:
+    Ross et al., AISTATS 2011).
     """
 
     skill: str
@@ -44,6 +53,7 @@ class Recorder:
     disturb: float = 1.0
     image_size: int | None = None
     case: str | None = None
+    led_by: Path | None = None
     _looks: Looks = field(default_factory=Looks)
     _backends: dict[str, PhysicsBackend] = field(default_factory=dict)
 
@@ -61,9 +71,10 @@ class Recorder:
         rows = _Rows(self._camera(ready, manual, backend))
         chance = generator(seed, "disturbed", self.skill)
         strength, error = self.disturb * float(chance.uniform(0.0, _STRONGEST)), np.zeros(len(_WANDER))
-        run = manual.scripted()
-        rows.see(manual)
         try:
+            self._lead(manual, seed)
+            run = manual.scripted(midway=self.led_by is not None)
+            rows.see(manual)
             while len(rows.actions) < _LONGEST:
                 wanted = next(run)
                 q = in_room(wanted.q, wanted.frame)
@@ -87,6 +98,19 @@ class Recorder:
             layout=start.layout, before=tuple(step.text for step in ready.before), case=ready.case,
         )  # fmt: skip
 
+    def _lead(self, manual: Manual, seed: int) -> None:
+        """Let the weights begin: for as long as the seed says, but not to where the hand begins to grasp."""
+        if self.led_by is None:
+            return
+        weights = weights_of(self.led_by, self.skill)
+        if weights is None:
+            raise UsageError(f"{self.led_by} has no weights for {self.skill!r}")
+        periods = int(generator(seed, "led", self.skill).integers(1, _LED))
+        for command in islice(Learned(weights).run(manual.subtask, manual.sensing), periods):
+            if _away(manual) < _NEAR_ENOUGH:
+                return
+            manual.command(in_room(command.q, command.frame), command.opening)
+
     def _camera(self, ready: Ready, manual: Manual, backend: PhysicsBackend) -> Callable[[], dict[str, Any]]:
         """What takes pictures of this start; it takes none where none are wanted."""
         if (size := self.image_size) is None:
@@ -105,9 +129,13 @@ def _share(manual: Manual) -> float:
     """Which share of the error a servo gets now: little near the target, where it would spoil the grasp."""
     if feels(manual.sensing.body) or not manual.aim.by_hand:
         return _CLOSED if manual.aim.by_hand else 1.0
+    return float(np.clip((_away(manual) - _NEAR) / (_FAR - _NEAR), _LEAST, 1.0))
+
+
+def _away(manual: Manual) -> float:
+    """From the hand to the target, m."""
     hand = manual.aim.stand.point(manual.sensing.body.grip.position)
-    away = float(np.linalg.norm(manual.aim.target().at - hand))
-    return float(np.clip((away - _NEAR) / (_FAR - _NEAR), _LEAST, 1.0))
+    return float(np.linalg.norm(manual.aim.target().at - hand))
 
 
 class _Rows:

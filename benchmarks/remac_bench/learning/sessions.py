@@ -152,12 +152,13 @@ def _trained(
     network = train(data, recipe, report=lambda epoch, loss: losses.append(loss))
     step = max(1, len(data.seen) // _SAMPLE)
     seeds = [demo.seed for demo in demos]
+    cases = _cases(demos)
     about = About(
-        skill=name, targets=tuple(sorted({demo.target for demo in demos})), execute=recipe.execute,
+        skill=name, targets=() if cases else tuple(sorted({demo.target for demo in demos})), execute=recipe.execute,
         demonstrations=len(demos), seeds=f"{min(seeds)}:{max(seeds) + 1}",
         layouts=tuple(sorted({demo.layout for demo in demos})), styles=tuple(sorted({demo.style for demo in demos})),
         data=file_digest(kept), code=code_digest(), words=words,
-        skills=tuple(sorted({demo.skill for demo in demos})) if name == SEVERAL else (), cases=_cases(demos),
+        skills=tuple(sorted({demo.skill for demo in demos})) if name == SEVERAL else (), cases=cases,
     )  # fmt: skip
     path = out / f"{camel(name)}.npz"
     save_weights(path, Weights(about=about, network=network, sample=data.seen[::step][:_SAMPLE]))

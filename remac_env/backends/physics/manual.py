@@ -55,12 +55,17 @@ class Manual:
         """The set-point of each finger, m."""
         return self.sensing.body.commanded_opening
 
-    def scripted(self) -> Generator[Command, None, Outcome]:
+    def scripted(self, *, midway: bool = False) -> Generator[Command, None, Outcome]:
         """What the scripted controller wants, for who plays it himself; drives know of no other that drives meanwhile.
+
+        ``midway``: from where the robot is by now, where objects are picked up or put down.
 
         Raises:
             OptionError: for a drive that leads nowhere, as no parking place is free.
         """
+        self._pilot.here.midway = midway
+        if midway:
+            self._pilot.here.robot.catch_up()
         if not self.subtask.moves:
             return self._pilot.wanted(self.subtask, self.sensing)
         if self.sensing.goal is None:

@@ -91,13 +91,18 @@ class About:
     cases: tuple[str, ...] = ()
 
     def plays(self, target: str, case: str) -> bool:
-        """Whether it was shown this target, and in this case has not been measured to fail too often."""
-        if (self.targets and target not in self.targets) or (self.cases and case not in self.cases):
-            return False
-        names = [f"{skill} {case}" for skill in self.known if case]
+        """Whether it is one for it: a target that it was shown, or a case for which it is good enough."""
+        return case in self.played if self.cases else not self.targets or target in self.targets
+
+    @property
+    def played(self) -> tuple[str, ...]:
+        """The cases for which it is good enough; without trials, all of them."""
+        return tuple(case for case in self.cases if self._good(case))
+
+    def _good(self, case: str) -> bool:
+        names = [f"{skill} {case}" for skill in self.known]
         found = [each for name, each in self.measured.items() if name.partition(": ")[0] in names]
-        tried = sum(each["trials"] for each in found)
-        return sum(each["successes"] for each in found) >= GOOD * tried
+        return sum(each["successes"] for each in found) >= GOOD * sum(each["trials"] for each in found)
 
     @property
     def known(self) -> tuple[str, ...]:

@@ -38,7 +38,9 @@ def pick_up(
     """
     sensed, obj = here.sensed, here.kitchen.objects[body]
     here.begin()
-    yield from tuck(here)
+    carry = here.robot.q.copy() if here.midway else None
+    if carry is None:
+        yield from tuck(here)
     here.begin(sensed.geoms(body) + (sensed.geoms(vessel) if vessel else []))
     stood = here.sensed.pose(body)
     opening = OPENINGS[obj.grasp.mode]
@@ -53,7 +55,7 @@ def pick_up(
     grasps = candidates(obj, stood)
     # A handle lies well in front of its pan; too near to it the arm could not draw the pan in.
     target = grasps[0].position if obj.grasp.mode == "handle" else stood.position
-    found = reach_in_slot(here, kind, target, grasps, after, awkward=awkward(obj, stood))
+    found = reach_in_slot(here, kind, target, grasps, after, awkward=awkward(obj, stood), carry=carry)
     yield from go_to_grasp(here, found)
     if obj.grasp.mode == "rim":
         yield from here.mover.settle(_RIM_TOLERANCE, 20)

@@ -57,6 +57,7 @@ class Workspace:
     """One robot with everything its skills need, expressed in the frame of the wall that the robot faces.
 
     A skill that is right at one wall is right at every wall: poses are read, and configurations given, in this frame.
+    ``midway``: objects are picked up from where the arm is, without folding it first: for demonstrations from there.
     """
 
     sensed: View
@@ -66,6 +67,7 @@ class Workspace:
     mover: Mover
     hand: Hand
     station: Station
+    midway: bool = False
 
     def enter(self, station: Station) -> None:
         """Take ``station`` (frame of the room) for the robot's own; from now on the frame is that of its wall."""
