@@ -46,7 +46,10 @@ def otherwise(record: Record, name: str) -> Any:
     if isinstance(value, list):
         return value[:-1] if value else [EMPTY[name]]
     if isinstance(value, dict):
-        new = {"phases": {"washed": True}, "skills": {"pick up": "0" * 64}, "weights": {"checker": "0" * 64}}
+        new: dict[str, Any] = {
+            "phases": {"washed": True}, "skills": {"pick up": "0" * 64}, "weights": {"checker": "0" * 64},
+            "skill_cases": {"pick up": ["food on surface"]},
+        }  # fmt: skip
         return dict(list(value.items())[:-1]) if value else new[name]
     if value is None and name not in ("suite", "suite_digest", "optimum_proof"):
         return True if name == "isolated" else 1

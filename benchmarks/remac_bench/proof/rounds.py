@@ -23,7 +23,7 @@ from remac_env.state import WorldState
 PLAYED: tuple[str, ...] = (
     *("style", "layout", "digest", "problem", "success", "end", "progress", "phases", "rounds", "outcomes", "worlds"),
     *("sim_seconds", "robot_contacts", "near_misses", "physics_steps", "littered", "goal", "timeline", "orders"),
-    *("skills", "pre_checks", "post_checks", "template", "known_rounds"),
+    *("skills", "skill_cases", "pre_checks", "post_checks", "template", "known_rounds"),
     *("optimum_rounds", "optimum_lower", "optimum_proof", "optimum_seconds", "optimum_seconds_lower"),
 )
 """Fields that come out the same when the recorded subtasks are played again, whoever chose them. Of checks that is the
@@ -97,6 +97,7 @@ def play_rounds(env: Any, row: Record) -> dict[str, Any]:
         "problem": problem_id(*start),
         **{name: _noted(row, name, episode) for name in ("template", "known_rounds")},
         "skills": dict(getattr(env, "skills", {})),
+        "skill_cases": dict(getattr(env, "skill_cases", {})),
         **_optimum(env, row, start),
         **{name: _truths(getattr(row, name), env, states) for name in ("pre_checks", "post_checks")},
         "orders": [{robot: each.model_dump() for robot, each in step.items()} for step in book.orders],
