@@ -24,7 +24,7 @@ import numpy as np
 FOLDER = Path(__file__).parent / "pictures"
 SIZES = {"desktop": (1240, 900), "phone": (375, 812)}
 TASKS = "OpenCabinetPnP,OpenMicrowavePnP,DefrostInBowl,HeatOnStove"
-TALL = (1240, 1060)
+TALL = {"leaderboard": (1240, 1060), "episode": (1240, 1300)}
 """Width and height of the window, CSS pixels."""
 
 
@@ -38,8 +38,8 @@ def main() -> None:
         folder = given.folder or played(Path(spare))
         pages = {"leaderboard": folder / "leaderboard.html", "episode": _with_video(folder)}
         if given.to is None:
-            shoot(driver, pages["leaderboard"], FOLDER / "leaderboard.png", size=TALL, scheme="light")
-            shoot(driver, pages["episode"], FOLDER / "episode.png", size=TALL, scheme="dark", seek=True)
+            shoot(driver, pages["leaderboard"], FOLDER / "leaderboard.png", size=TALL["leaderboard"], scheme="light")
+            shoot(driver, pages["episode"], FOLDER / "episode.png", size=TALL["episode"], scheme="dark", seek=True)
             return
         given.to.mkdir(parents=True, exist_ok=True)
         for name, page in pages.items():
@@ -85,7 +85,7 @@ def shoot(
     whole: bool = False,
     seek: bool = False,
 ) -> None:
-    """Save a page as PNG. `whole`: all of it, not the first screen alone. `seek`: choose the third bar of the plan."""
+    """Save a page as PNG. `whole`: all of it, not the first screen alone. `seek`: choose the fourth bar of the plan."""
     metrics = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 600}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     scheme_ = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
@@ -105,7 +105,7 @@ const done = arguments[0], video = document.querySelector("video");
 if (!video) { done(); return; }
 const go = () => {
   video.addEventListener("seeked", () => setTimeout(done, 2500), {once: true});
-  document.querySelectorAll(".bar")[2].dispatchEvent(new MouseEvent("click", {bubbles: true, cancelable: true}));
+  document.querySelectorAll(".bar")[3].dispatchEvent(new MouseEvent("click", {bubbles: true, cancelable: true}));
 };
 if (video.readyState > 1) go(); else video.addEventListener("loadeddata", go, {once: true});
 """

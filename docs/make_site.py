@@ -165,7 +165,7 @@ def _leaves(name: str, command: object) -> Iterator[tuple[str, object]]:
 def _row(param: object) -> str:
     names = [*param.opts, *param.secondary_opts]
     told = " ".join((getattr(param, "help", None) or "").split()).replace("|", "\\|").replace("<", "&lt;")
-    default = "needed" if param.required else "" if param.default is None else f"`{param.default}`"
+    default = "needed" if param.required else "" if param.default in (None, "") else f"`{param.default}`"
     return f"| {', '.join(f'`{name}`' for name in names)} | {told} | {default} |\n"
 
 

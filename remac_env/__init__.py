@@ -1,8 +1,9 @@
 """REMAC Kitchen: robot-kitchen tasks in real physics for planners of all kinds.
 
->>> import remac_env
->>> env = remac_env.parallel_env("OpenMicrowavePnP", robots=2, backend="symbolic")
->>> observations, infos = env.reset(seed=0)
+Examples:
+    >>> import remac_env
+    >>> env = remac_env.parallel_env("OpenMicrowavePnP", robots=2, backend="symbolic")
+    >>> observations, infos = env.reset(seed=0)
 """
 
 from remac_env.registry import env, generate, parallel_env, register_task, tasks

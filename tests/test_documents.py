@@ -83,6 +83,7 @@ def test_asking_for_help_writes_nothing(
     assert spec is not None and spec.loader is not None
     script = importlib.util.module_from_spec(spec)
     monkeypatch.setitem(sys.modules, path.stem, script)
+    monkeypatch.syspath_prepend(str(path.parent))  # as Python does for a script
     spec.loader.exec_module(script)
     monkeypatch.setattr(sys, "argv", [path.name, "--help"])
     with pytest.raises(SystemExit, match="^0$"):

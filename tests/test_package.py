@@ -88,3 +88,28 @@ def test_public_objects_say_what_they_are(name: str) -> None:
     own = [each for each in shown.values() if isinstance(each, type) and each.__module__.startswith("remac_")]
     silent = [each.__name__ for each in own if each.__repr__ is object.__repr__ and not hasattr(each, "_is_protocol")]
     assert own and [each for each in silent if each not in INNER] == []
+
+
+def test_sizes_are_those_of_the_files_that_packages_installed(tmp_path: Path) -> None:
+    script = loaded("docs/installed_sizes.py")
+    site = tmp_path / "lib" / "python3.11" / "site-packages"
+    for name, size in (("small", 10), ("large", 2_000_000), ("pip", 5)):
+        (site / f"{name}-1.dist-info").mkdir(parents=True)
+        (site / f"{name}-1.dist-info" / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1\n")
+        (site / f"{name}-1.dist-info" / "RECORD").write_text(f"{name}.py,,\n{name}.pyc,,\ngone.py,,\n")
+        for end in ("py", "pyc"):
+            (site / f"{name}.{end}").write_bytes(b"x" * size)
+    assert script.sizes(tmp_path) == {"small": 10, "large": 2_000_000}
+    assert script.largest(script.sizes(tmp_path), 1) == [("large", 2_000_000)]
+    with pytest.raises(SystemExit, match="is no environment"):
+        script.sizes(tmp_path / "lib")
+
+
+def test_glue_is_counted_without_its_docstrings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    script = loaded("docs/glue_lines.py")
+    monkeypatch.setattr(script, "EXAMPLES", tmp_path)
+    text = '"""Two\nlines."""\n\nimport x\n\n\nclass A:\n    """One."""\n    # why\n    b = (1,\n         2)\n'
+    (tmp_path / "a.py").write_text(text)
+    assert script.glue("a.py", ("A",)) == 3 and script.glue("a.py", ("*",)) == 4
+    with pytest.raises(SystemExit, match="has no B"):
+        script.glue("a.py", ("B",))

@@ -95,12 +95,13 @@ def main():
     parser.add_argument("--task", default="OpenCabinetPnP")
     parser.add_argument("--steps", type=int, default=60_000, help="rounds")
     args = parser.parse_args()
-    algorithm, rounds = learner(args.task), 0
+    algorithm, rounds, turn = learner(args.task), 0, 0
     while rounds < args.steps:
         told = algorithm.train()["env_runners"]
-        rounds += told["num_env_steps_sampled"]
-        gain, length = told["episode_return_mean"] / 2, told["episode_len_mean"]
-        print(f"{rounds:7.0f} rounds: return {gain:5.2f} a robot, {length:4.1f} rounds an episode")
+        rounds, turn = rounds + told["num_env_steps_sampled"], turn + 1
+        if turn % 4 == 0 or rounds >= args.steps:
+            gain, length = told["episode_return_mean"] / 2, told["episode_len_mean"]
+            print(f"{rounds:7.0f} rounds: return {gain:5.2f} a robot, {length:4.1f} rounds an episode", flush=True)
     reached = successes(algorithm, args.task)
     print(f"{args.task}, two robots: {reached} of {len(UNSEEN)} unseen episodes reached the goal")
     algorithm.stop()

@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 import torch
 from gymnasium import spaces
-from kitchens import UNSEEN, Kitchens
+from kitchens import SEEN, UNSEEN, Kitchens
 from tianshou.algorithm import DQN
 from tianshou.algorithm.modelfree.dqn import DiscreteQLearningPolicy
 from tianshou.algorithm.optim import AdamOptimizerFactory
@@ -73,10 +73,23 @@ def learn(task, steps, seed=0):
         OffPolicyTrainerParams(
             training_collector=collector, max_epochs=max(1, steps // 4000), epoch_num_steps=min(steps, 4000),
             collection_step_num_env_steps=40, update_step_num_gradient_steps_per_sample=0.2, batch_size=64,
-            show_progress=False,
+            show_progress=False, training_fn=Curve(policy, task, every=max(1, steps // 10)).tell,
         )  # fmt: skip
     )
     return policy
+
+
+class Curve:
+    """Prints every so many steps how often the policy, with its best token each time, reaches the goal."""
+
+    def __init__(self, policy, task, every):
+        self.policy, self.task, self.every, self.next = policy, task, every, every
+
+    def tell(self, epoch, steps):
+        if steps >= self.next:
+            reached = successes(self.policy, self.task, SEEN[:20])
+            print(f"{steps:7d} steps: {reached} of 20 episodes of the training reached the goal", flush=True)
+            self.next += self.every
 
 
 def successes(policy, task, seeds=UNSEEN):

@@ -8,7 +8,9 @@
 from __future__ import annotations
 
 import importlib
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -91,10 +93,19 @@ def _show(request: PlanRequest, *, brief: bool, known: bool) -> None:
 
 
 def _say(*lines: str) -> None:
-    """Lines for the terminal; what would steer it is left out."""
-    for line in lines:
-        sys.stdout.write("".join(c for c in line if c.isprintable() or c == "\n") + "\n")
+    """Lines for the terminal, which breaks no word of them; what would steer it is left out."""
+    for text in lines:
+        for line in "".join(c for c in text if c.isprintable() or c == "\n").split("\n"):
+            sys.stdout.write(_laid_out(line) + "\n")
     sys.stdout.flush()
+
+
+def _laid_out(line: str) -> str:
+    if not sys.stdout.isatty():
+        return line
+    width = shutil.get_terminal_size().columns - 1
+    indent = " " * (len(line) - len(line.lstrip()) + 2)
+    return textwrap.fill(line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 @contextmanager

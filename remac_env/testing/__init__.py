@@ -1,7 +1,8 @@
 """Checks of the environment's contract that anyone can run on a task or environment of their own.
 
->>> from remac_env.testing import check_task
->>> check_task("OpenMicrowavePnP", seeds=(0,), rounds=4)
+Examples:
+    >>> from remac_env.testing import check_task
+    >>> check_task("OpenMicrowavePnP", seeds=(0,), rounds=4)
 
 Each check takes a function that makes an environment (a KitchenParallelEnv or a wrapper of one), because several
 fresh ones are needed. All raise ContractError, an AssertionError, with the seed and the round at fault. They go where

@@ -35,11 +35,13 @@ def play(
 
 
 def _typed(job: Job, out: str, *, video: bool) -> None:
+    from remac_bench.console import console
     from remac_bench.live.episode import play as play_episode
     from remac_bench.live.terminal import planner, teller
 
+    tell = teller(lambda line: console().print(line, markup=False))
     try:
-        record = play_episode(job, out, planner(), tell=teller(typer.echo), video=video)
+        record = play_episode(job, out, planner(), tell=tell, video=video)
     except KeyboardInterrupt:
         record = None
     _conclude(record, out)

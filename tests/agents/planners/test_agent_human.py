@@ -27,6 +27,19 @@ def test_a_typed_plan_is_played(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert "nearest: 'open cabinet door'" in said and "navigate aside" in said and "robot_0 1>" in said
 
 
+def test_a_terminal_breaks_no_word(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    said = []
+    for columns in ("", "60"):
+        typed(monkeypatch, *PLAN, "")
+        monkeypatch.setenv("COLUMNS", columns)
+        monkeypatch.setattr("sys.stdout.isatty", lambda narrow=bool(columns): narrow)
+        assert play(suite_kitchen(TASK, robots=1), remac_agents.make("BASE", planner="human")).success
+        said.append(capsys.readouterr().out.replace("robot_0 7> ", ""))
+    wide, narrow = said
+    assert max(map(len, wide.splitlines())) > 200 and max(map(len, narrow.splitlines()[:8])) < 60
+    assert wide.split() == narrow.split()
+
+
 def test_a_stream_may_begin_with_a_byte_order_mark(monkeypatch: pytest.MonkeyPatch) -> None:
     typed(monkeypatch, "\ufeff" + PLAN[0], *PLAN[1:], "")
     report = play(suite_kitchen(TASK, robots=1), remac_agents.make("BASE", planner="human"))
