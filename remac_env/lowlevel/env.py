@@ -18,6 +18,7 @@ from remac_env.lowlevel.looks import CAMERAS, Looks, moment
 from remac_env.lowlevel.names import skill_named
 from remac_env.lowlevel.options import SkillOptions, targets
 from remac_env.lowlevel.starts import ROBOT, Ready, get_ready
+from remac_env.robots import bodies
 from remac_env.seeding import SEED_MAX
 
 _SEEDS = 100_000  # from which seeds of resets without one are drawn
@@ -44,9 +45,10 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         if self._options.target is not None:
             check_choice(f"target of {skill}", self._options.target, targets(self._skill))
         self.render_mode = self._options.render_mode
-        self._control: Control = Joints() if self._options.control == "joints" else Hand()
+        body = bodies.get(self._options.body)
+        self._control: Control = Joints(body) if self._options.control == "joints" else Hand(body)
         self.action_names: tuple[Entry, ...] = self._control.names
-        self.observation_names: tuple[Entry, ...] = entries(self._skill)
+        self.observation_names: tuple[Entry, ...] = entries(self._skill, self._options.body)
         self.action_space = spaces.Box(-1.0, 1.0, (len(self.action_names),), np.float32)
         self.observation_space = self._space()
         self._backends: dict[str, PhysicsBackend] = {}
@@ -81,6 +83,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         self._ready, self._backend = get_ready(
             self._backends, self._skill, self._options.target, chosen,
             style=given.get("style", self._options.style), layout=given.get("layout", self._options.layout),
+            body=self._options.body,
         )  # fmt: skip
         self._manual = self._backend.by_hand(ROBOT, self._ready.subtask)
         self._control.begin(self._manual)

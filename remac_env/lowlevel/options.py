@@ -28,6 +28,7 @@ class SkillOptions:
     target: str | None = option(None, "What the skill is about; by default the seed picks.")
     style: str | None = same(Options, "style")
     layout: str | None = same(Options, "layout")
+    body: str = same(Options, "body")
     obs: str = same(Options, "obs")
     control: str = option(
         "joints", "joints (changes of the commanded joints) or ee (of the hand's commanded pose, and of the base).",

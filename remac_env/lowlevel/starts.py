@@ -18,6 +18,7 @@ from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.lowlevel.options import targets
 from remac_env.oracle import search_plan
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.claims import first_false
 from remac_env.rules.facts import Rules
 from remac_env.rules.places import kind_around
@@ -55,7 +56,8 @@ class Ready:
 
 def get_ready(
     backend_of: dict[str, PhysicsBackend], skill: Skill, target: str | None, seed: int, *, style: str | None,
-    layout: str | None, make: Callable[[TaskWorlds], PhysicsBackend] = PhysicsBackend, cases: Sequence[str] = (),
+    layout: str | None, body: str = STANDARD, make: Callable[[TaskWorlds], PhysicsBackend] = PhysicsBackend,
+    cases: Sequence[str] = (),
 ) -> tuple[Ready, PhysicsBackend]:
     """The start of this seed, played up to where the skill begins: a pure function of all but ``backend_of``.
 
@@ -73,7 +75,7 @@ def get_ready(
     for attempt in range(_TRIES):
         chance = generator(seed, "skill", skill.name, target, attempt)
         drawn = seed if attempt == 0 else int(chance.integers(_SEEDS))
-        ready = _draw(skill, target, drawn, chance, style=style, layout=layout)
+        ready = _draw(skill, target, drawn, chance, style=style, layout=layout, body=body)
         if ready is None or (cases and ready.case not in cases):
             continue
         backend = backend_of.setdefault(ready.worlds.spec.name, make(ready.worlds))
@@ -87,14 +89,15 @@ def get_ready(
 
 
 def _draw(
-    skill: Skill, target: str | None, seed: int, chance: np.random.Generator, *, style: str | None, layout: str | None
+    skill: Skill, target: str | None, seed: int, chance: np.random.Generator, *, style: str | None, layout: str | None,
+    body: str,
 ) -> Ready | None:
     """A start with what comes before, or None where this one does not do."""
     worlds = TaskWorlds(_one(_kitchens(skill, target), chance))
     worlds.check_cell(style, layout)
     try:
         start, _ = worlds.start(
-            seed, style=style, layout=layout, starts="paper", robots=(ROBOT,), perception_noise=0.0
+            seed, style=style, layout=layout, starts="paper", robots=(ROBOT,), perception_noise=0.0, body=body
         )
     except (SamplingError, UnknownNameError):
         return None  # this layout lacks what the task needs; another task may do

@@ -28,6 +28,7 @@ from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.controllers.learned.weights import About, Weights, save_weights
 from remac_env.errors import UnknownNameError
 from remac_env.lowlevel.control import Joints
+from remac_env.robots import bodies
 from remac_env.robots.panda import measures as panda
 from remac_env.rules.skills import SKILLS
 
@@ -60,11 +61,11 @@ def test_a_demonstration_has_clean_labels_under_disturbed_servos(demo: Demo) -> 
 
 def test_actions_lead_from_one_set_point_to_the_next() -> None:
     q = panda.tucked(1.0, 2.0, 0.7)
-    control = Joints()
+    control = Joints(bodies.get())
     control.begin(_Robot(q))  # type: ignore[arg-type]
     action = np.array([0.5, -0.3, 0.2, 0.1, *[0.4] * 7, 0.6])
     after, opening = control.apply(action.astype(np.float32))
-    assert Joints.action(q, after, opening) == pytest.approx(action, abs=1e-6)
+    assert control.action(q, after, opening) == pytest.approx(action, abs=1e-6)
 
 
 class _Robot:

@@ -15,10 +15,12 @@ from gymnasium.utils.env_checker import check_env
 
 import remac_env  # noqa: F401 - enters the ids
 from remac_env.backends.physics.controllers.base import in_room
-from remac_env.errors import ActionError, OptionError, PhysicsError, UnknownNameError
+from remac_env.errors import ActionError, OptionError, PhysicsError, UncertifiedWarning, UnknownNameError
 from remac_env.lowlevel.names import skills
 from remac_env.lowlevel.options import targets
 from remac_env.robots import bodies
+from remac_env.robots.panda.body import Panda
+from remac_env.robots.rotation import about_z
 from remac_env.rules.skills import SKILLS
 
 NAMES = tuple(skills())
@@ -118,6 +120,39 @@ def test_the_hand_goes_along_the_axes_of_the_base(axis: str, way: tuple[int, int
     assert np.linalg.norm(np.cross(moved, way)) < 0.5 * (moved @ way)  # folded, it cannot go straight at full speed
 
 
+@pytest.fixture
+def slow() -> Iterator[Panda]:
+    """A Panda on a lower base whose joints go half as fast."""
+    body = Panda(name="slow panda", mount_height=0.62)
+    body.speed = 0.5 * body.speed
+    bodies.register_body(body)
+    yield body
+    bodies._BODIES.pop(body.name)
+
+
+@pytest.mark.parametrize("control", ["joints", "ee"])
+def test_ranges_steps_and_kinematics_are_those_of_the_body(slow: Panda, control: str) -> None:
+    cell = {"target": "faucet", "layout": "one_wall_large", "style": "modern_1", "control": control}
+    env = make("TurnOn", body=slow.name, **cell).unwrapped
+    names = [entry.name for entry in env.action_names]
+    turn = env.action_names[names.index("base_turn")].high
+    assert turn == pytest.approx(0.05 * slow.speed[2]) == 0.5 * make("TurnOn", **cell).unwrapped.action_names[
+        names.index("base_turn")
+    ].high
+    with pytest.warns(UncertifiedWarning, match="slow panda"):
+        observation, _ = env.reset(seed=2)
+    assert env.observation_space.contains(observation) and env._ready.start.body == env._manual.body == slow.name
+    assert env._backend.model.body("robot_0/lift").pos[2] == pytest.approx(0.62)
+    action, before = np.zeros(len(names), np.float32), env._manual.q
+    action[names.index("base_turn")] = 1.0
+    env.step(action)
+    assert (env._manual.q - before)[2] == pytest.approx(turn, rel=1e-6)
+    if control == "ee":  # the hand is where this body's arm has it
+        place = slow.kinematics().forward(env._manual.q)[0] - [*env._manual.q[:2], env._manual.q[3]]
+        assert np.linalg.norm(place - env._control._pose[0] @ about_z(env._manual.q[2]).T) < 0.02
+    env.close()
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_what_is_not_finite_never_reaches_the_simulator(faucet: Any, bad: float) -> None:
     faucet.reset(seed=1)
@@ -159,6 +194,8 @@ def test_a_simulation_that_breaks_ends_the_episode_with_a_reason(faucet: Any, mo
 def test_wrong_names_are_refused_before_anything_is_built() -> None:
     with pytest.raises(UnknownNameError, match="cabinet, microwave"):
         make("OpenDoor", target="faucet")
+    with pytest.raises(UnknownNameError, match="octopus.*panda"):
+        make("OpenDoor", body="octopus")
     with pytest.raises(UnknownNameError, match="joints, ee"):
         make("OpenDoor", control="torques")
     env = make("OpenDoor", layout="igloo").unwrapped

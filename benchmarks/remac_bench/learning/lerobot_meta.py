@@ -19,6 +19,7 @@ from remac_bench.learning.demos import Demo
 from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.lowlevel.control import Joints
+from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
 
 CODEBASE = "v3.0"
@@ -60,7 +61,7 @@ def file(kind: str, part: int, ending: str = "parquet") -> str:
 def features(demo: Demo, *, videos: bool, language: bool) -> dict[str, dict[str, Any]]:
     """The columns of a dataset, as `meta/info.json` lists them."""
     seen = [entry.name for entry in entries(SKILLS[demo.skill])]
-    moved = [entry.name for entry in Joints.names]
+    moved = [entry.name for entry in Joints(bodies.get()).names]
     names = {"observation.state": seen, "action": moved, "next.reward": None}
     found: dict[str, dict[str, Any]] = {
         column: {"dtype": "float32", "shape": _shape(demo, array), "names": names.get(column)}

@@ -26,6 +26,7 @@ from remac_env.errors import PhysicsError
 from remac_env.lowlevel.control import Joints
 from remac_env.lowlevel.looks import Looks
 from remac_env.lowlevel.starts import ROBOT, Ready, get_ready
+from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
 from remac_env.seeding import generator
 
@@ -161,7 +162,7 @@ class _Rows:
     def note(self, manual: Manual, backend: PhysicsBackend, q: np.ndarray, opening: float) -> None:
         """What the controller wants now: ``q`` (11,) in the frame of the room."""
         stand, data = manual.aim.stand, backend.data
-        self.actions.append(Joints.action(manual.q, q, opening))
+        self.actions.append(Joints(bodies.get(manual.body)).action(manual.q, q, opening))
         self.commands.append(np.array([*stand.joints(q), opening]))
         self.measured.append(stand.joints(manual.sensing.body.q))
         self.states.append(np.concatenate([data.qpos, data.qvel]))

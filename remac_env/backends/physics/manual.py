@@ -29,13 +29,14 @@ class Manual:
     """A robot with a subtask to do. ``command`` runs one control period of 0.05 s.
 
     Attributes:
+        body: the name of the robot's body.
         sensing, aim: what the robot senses, and what the subtask is about.
         world: what geometry showed after the last period.
     """
 
     def __init__(self, timeline: Timeline, robot: str, subtask: Subtask) -> None:
         self._timeline, self._robot, self.subtask = timeline, robot, subtask
-        self._pilot = timeline.pilot(robot)
+        self._pilot, self.body = timeline.pilot(robot), timeline.start.body
         self.world: WorldState = timeline.world
         self._scene = timeline.start.scene
         place = None if (goes := subtask.row.goes) is None else goes(self._scene, self.world, robot, subtask.target)
@@ -47,7 +48,7 @@ class Manual:
 
     @property
     def q(self) -> Array:
-        """The set-points (11,) in force, in the frame of the room."""
+        """The set-points (n,) in force, in the frame of the room."""
         return self.sensing.body.commanded
 
     @property
@@ -73,7 +74,7 @@ class Manual:
         return self._timeline.driven(self._robot, self.sensing.goal)
 
     def command(self, q: Array, grip: float) -> None:
-        """Bring the set-points to ``q`` (11,) and ``grip`` (m) in one period, within the maker's limits.
+        """Bring the set-points to ``q`` (n,) and ``grip`` (m) in one period, within the maker's limits.
 
         Raises:
             PhysicsError: for a command that is not finite, or if MuJoCo warns.
@@ -90,7 +91,7 @@ class Manual:
 
     def observe(self) -> NDArray[np.float32]:
         """What a policy sees now; see `remac_env.backends.physics.controllers.learned.seen`."""
-        return observe(self.sensing, self.aim, self.subtask.row)
+        return observe(self.sensing, self.aim, self.subtask.row, self.body)
 
     @property
     def success(self) -> bool:

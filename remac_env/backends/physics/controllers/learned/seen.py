@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from remac_env.backends.physics.controllers.base import Sensing
 from remac_env.backends.physics.controllers.learned.aim import Aim, Target, feels
 from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
+from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array
 from remac_env.rules.skill_row import Skill
 from remac_env.rules.skills import SKILLS
 
 VERSION = 1
-
-_STANDARD = bodies.get()  # skills are learnt with it alone
 
 RANGES = 24
 FARTHEST = 4.0  # m that is looked around at most
@@ -55,18 +55,17 @@ def _axis(name: str) -> tuple[Entry, ...]:
     return tuple(Entry(f"{name}_{axis}", "", -1.0, 1.0) for axis in "xyz")
 
 
-_ARM = tuple(
-    Entry(f"joint{number}", "rad", float(low), float(high))
-    for number, low, high in zip(range(1, 8), _STANDARD.lowest[4:], _STANDARD.highest[4:], strict=True)
-)
-_BODY = (
-    *_point("base", _ROOM, "xy"), Entry("base_yaw_cos", "", -1.0, 1.0), Entry("base_yaw_sin", "", -1.0, 1.0),
-    Entry("torso", "m", *(float(each[3]) for each in (_STANDARD.lowest, _STANDARD.highest))), *_ARM,
-    Entry("finger_command", "m", 0.0, _STANDARD.finger_travel),
-    Entry("opening", "m", 0.0, 2.0 * _STANDARD.finger_travel),
-    Entry("hand_feels", "", 0.0, 1.0),
-    *_point("hand", _ROOM), *_axis("hand_opening"), *_axis("hand_approach"),
-)  # fmt: skip
+def _of_body(body: Body) -> tuple[Entry, ...]:
+    lift, *arm = [(float(low), float(high)) for low, high in zip(body.lowest[3:], body.highest[3:], strict=True)]
+    return (
+        *_point("base", _ROOM, "xy"), Entry("base_yaw_cos", "", -1.0, 1.0), Entry("base_yaw_sin", "", -1.0, 1.0),
+        Entry("torso", "m", *lift), *(Entry(f"joint{number}", "rad", *ends) for number, ends in enumerate(arm, 1)),
+        Entry("finger_command", "m", 0.0, body.finger_travel), Entry("opening", "m", 0.0, 2.0 * body.finger_travel),
+        Entry("hand_feels", "", 0.0, 1.0),
+        *_point("hand", _ROOM), *_axis("hand_opening"), *_axis("hand_approach"),
+    )  # fmt: skip
+
+
 _TARGET = (
     *_point("target", _ROOM), *_point("hand_to_target", _ROOM), *_point("target_from_hand", _ROOM),
     *(Entry(f"target_{name}", "", -1.0, 1.0) for name in ("yaw_cos", "yaw_sin", "two_yaw_cos", "two_yaw_sin")),
@@ -80,13 +79,13 @@ _TARGET = (
 _AROUND = tuple(Entry(f"range_{360 * number // RANGES}", "m", 0.0, FARTHEST) for number in range(RANGES))
 
 
-def entries(skill: Skill) -> tuple[Entry, ...]:
-    """What the numbers of a skill's observation are. Skills that move the base also look around."""
-    return (*_BODY, *_TARGET, *(_AROUND if skill.moves else ()))
+def entries(skill: Skill, body: str = STANDARD) -> tuple[Entry, ...]:
+    """What the numbers of a skill's observation are, of robots with this body. Skills that move it also look around."""
+    return (*_of_body(bodies.get(body)), *_TARGET, *(_AROUND if skill.moves else ()))
 
 
-def observe(sensing: Sensing, aim: Aim, skill: Skill) -> NDArray[np.float32]:
-    """The observation (n,) now, within the ranges of `entries(skill)`."""
+def observe(sensing: Sensing, aim: Aim, skill: Skill, kind: str = STANDARD) -> NDArray[np.float32]:
+    """The observation (n,) now, within the ranges of `entries(skill, kind)`; ``kind``: the name of the robot's body."""
     body, stand, target = sensing.body, aim.stand, aim.target()
     q, grip = stand.joints(body.q), body.grip
     hand, turn = stand.point(grip.position), stand.turn(grip.rotation)
@@ -97,7 +96,7 @@ def observe(sensing: Sensing, aim: Aim, skill: Skill) -> NDArray[np.float32]:
         [float(other.name == skill.name) for other in taught()],
         *([sensing.scan(_WAYS, height=_LEVEL, farthest=FARTHEST)] if skill.moves else []),
     ]  # fmt: skip
-    low, high = _ranges(skill)
+    low, high = _ranges(skill, kind)
     return np.clip(np.concatenate(parts), low, high).astype(np.float32)
 
 
@@ -110,6 +109,6 @@ def _facts(target: Target) -> list[float]:
 
 
 @lru_cache(maxsize=32)
-def _ranges(skill: Skill) -> tuple[Array, Array]:
-    known = entries(skill)
+def _ranges(skill: Skill, body: str) -> tuple[Array, Array]:
+    known = entries(skill, body)
     return np.array([entry.low for entry in known]), np.array([entry.high for entry in known])
