@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import typer
 from module_record import Touch
-from module_trials import STATION, Found, any_layout, colliders_hash, makes, origin, run, tables, trials
+from module_trials import STATION, Found, any_layout, colliders_hash, origin, run, tables, trials, variants
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
@@ -35,9 +35,9 @@ _HEAD = (
 )
 
 
-def certificate(kind: str, make: str, found: Iterable[Found], body: str) -> Certificate:
+def certificate(kind: str, variant: str, found: Iterable[Found], body: str) -> Certificate:
     """The certificate of a variant from all that was found with a body."""
-    layout, parts = any_layout(kind, make), defaultdict(list)
+    layout, parts = any_layout(kind, variant), defaultdict(list)
     for part in found:
         if part.skill:
             parts[part.skill].append(part)
@@ -54,10 +54,10 @@ def certificate(kind: str, make: str, found: Iterable[Found], body: str) -> Cert
         body,
         bodies.get(body).fingerprint,
         kind,
-        make,
-        measures=certificates.measures_hash(kind, make),
-        colliders=colliders_hash(kind, make),
-        station=(-origin(kind, make), layout.stations[STATION].y),
+        variant,
+        measures=certificates.measures_hash(kind, variant),
+        colliders=colliders_hash(kind, variant),
+        station=(-origin(kind, variant), layout.stations[STATION].y),
         size=size,
         sweep=_sweep(fixture),
         skills={name: _skill(some) for name, some in sorted(parts.items())},
@@ -72,7 +72,7 @@ def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> N
     """Print a table of every variant and skill, and every failure."""
     console, file = make_console(), certificates.FOLDER / f"{bodies.get(body).name}.toml"
     wanted = [name.strip() for name in only.split(",") if name.strip()]
-    chosen = [(k, m) for k, m in makes() if not wanted or k in wanted or f"{k}.{m}" in wanted]
+    chosen = [(k, m) for k, m in variants() if not wanted or k in wanted or f"{k}.{m}" in wanted]
     if check:
         problems = _checked(chosen, check, first_seed, body)
         for problem in problems:
@@ -80,17 +80,17 @@ def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> N
         console.print(f"{check} trials proven again, {len(problems)} differences")
         raise typer.Exit(int(bool(problems)))
     proofs: dict[tuple[str, str], Certificate] = {}
-    for kind, make in chosen:
+    for kind, variant in chosen:
         found = []
-        for trial in trials(kind, make, first_seed, rounds, body):
+        for trial in trials(kind, variant, first_seed, rounds, body):
             parts = run(trial)
             found += parts
             for part in parts:
                 if part.problem:
-                    console.print(f"{kind}.{make} {trial.robot} seed {trial.seed}: {part.problem}")
-        proofs[kind, make] = certificate(kind, make, found, body)
+                    console.print(f"{kind}.{variant} {trial.robot} seed {trial.seed}: {part.problem}")
+        proofs[kind, variant] = certificate(kind, variant, found, body)
     proofs = {**certificates.load(body), **proofs}
-    ordered = [proofs[name] for name in makes() if name in proofs]
+    ordered = [proofs[name] for name in variants() if name in proofs]
     file.write_text("\n".join(as_toml(ordered)) + "\n", encoding="utf-8")
     console.print(_shown(ordered, body))
 
@@ -99,17 +99,17 @@ def _checked(chosen: Sequence[tuple[str, str]], count: int, seed: int, body: str
     """Prove a seeded few again, from new seeds, and name what is not as certified."""
     known, chance, problems = certificates.load(body), generator(seed, "modules"), []
     for _ in range(count):
-        kind, make = chosen[int(chance.integers(len(chosen)))]
-        if (kind, make) not in known:
-            problems.append(f"{kind}.{make}: not proven with body {body!r}")
+        kind, variant = chosen[int(chance.integers(len(chosen)))]
+        if (kind, variant) not in known:
+            problems.append(f"{kind}.{variant}: not proven with body {body!r}")
             continue
-        proof = known[kind, make]
-        if proof.colliders != colliders_hash(kind, make):
-            problems.append(f"{kind}.{make}: its colliders have changed since the proof")
-        runs = trials(kind, make, seed + 1000, body=body)
+        proof = known[kind, variant]
+        if proof.colliders != colliders_hash(kind, variant):
+            problems.append(f"{kind}.{variant}: its colliders have changed since the proof")
+        runs = trials(kind, variant, seed + 1000, body=body)
         trial = runs[int(chance.integers(len(runs)))]
         for part in run(trial):
-            label = f"{kind}.{make} {trial.robot} seed {trial.seed}: {part.skill}"
+            label = f"{kind}.{variant} {trial.robot} seed {trial.seed}: {part.skill}"
             if part.problem:
                 problems.append(f"{label}: {part.problem}")
             elif part.skill not in proof.skills:
@@ -167,7 +167,7 @@ def as_toml(proofs: Iterable[Certificate]) -> Iterator[str]:
     yield from _HEAD
     yield f'\nbody = "{proofs[0].body}"\nfingerprint = "{proofs[0].fingerprint}"'
     for proof in proofs:
-        yield f"\n[{proof.kind}.{proof.make}]"
+        yield f"\n[{proof.kind}.{proof.variant}]"
         yield f'measures = "{proof.measures}"'
         yield f'colliders = "{proof.colliders}"'
         yield f"station = {_list(proof.station)}"
@@ -175,7 +175,7 @@ def as_toml(proofs: Iterable[Certificate]) -> Iterator[str]:
         if proof.sweep is not None:
             yield f"sweep = {_list((*proof.sweep.low, *proof.sweep.high))}"
         for name, skill in proof.skills.items():
-            yield f'[{proof.kind}.{proof.make}.skills."{name}"]'
+            yield f'[{proof.kind}.{proof.variant}.skills."{name}"]'
             yield f"tries = {skill.tries}"
             yield f"successes = {skill.successes}"
             yield f"stance_low = {_list(skill.stances[0])}"
@@ -194,7 +194,7 @@ def _shown(proofs: Iterable[Certificate], body: str) -> Table:
             (left, near, _), (right, far, _) = skill.stances
             spans = ((left, right), (near, far), skill.reach, skill.pitch, skill.approach)
             shown = (f"{low:.2f} to {high:.2f}" for low, high in spans)
-            table.add_row(f"{proof.kind}.{proof.make}", name, f"{skill.successes} of {skill.tries}", *shown)
+            table.add_row(f"{proof.kind}.{proof.variant}", name, f"{skill.successes} of {skill.tries}", *shown)
     return table
 
 

@@ -1,4 +1,4 @@
-"""Whether a robot can handle every category of things: `python benchmarks/certify_objects.py --trials 3`.
+"""Whether a robot can handle every category of objects: `python benchmarks/certify_objects.py --trials 3`.
 
 For each category, over seeds: pick it up from a worktop, put it back, pick it up again and put it into the bowl and
 take it out (what is small enough) or into the open cabinet (the rest). Each step counts at its first try.
@@ -52,11 +52,11 @@ def steps(category: str) -> list[str]:
 
 def trial(category: str, seed: int, body: str) -> str:
     """Run the chain once: "" where every step succeeded at its first try, else the first failure."""
-    roles = [Role("thing", (category,))]
+    roles = [Role("object", (category,))]
     if catalogue.get(category).small:
         roles.append(Role("bowl", ("bowl",)))
     spec = TaskSpec(
-        "ObjectChain", ("", "", ""), Inside("{thing}", "fridge"), tuple(roles), fixtures=(), distractors=(0, 0)
+        "ObjectChain", ("", "", ""), Inside("{object}", "fridge"), tuple(roles), fixtures=(), distractors=(0, 0)
     )
     worlds = _Only(spec)
     start, _ = worlds.start(

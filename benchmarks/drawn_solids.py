@@ -22,7 +22,7 @@ def standing_out(layout: str, style: str) -> dict[tuple[str, str], float]:
     Water, flames and lamps, which are seen only while they are on, are left out.
     """
     made = styles.load(style)
-    model = build_model(layouts.load(layout, made.models), robots=(), objects={}, style=made, looks=True)
+    model = build_model(layouts.load(layout, made.models), robots=(), objects={}, style=made, visual=True)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     solid = np.flatnonzero(model.geom_group == COLLIDER_GROUP)

@@ -74,7 +74,7 @@ class Probe:
         self._fingers = np.array([model.joint(f"{robot}/{part}").dofadr[0] for part in BODY.fingers])
         names = [model.body(number).name for number in range(model.nbody)]
         self._own = {number: name.split("/")[1] for number, name in enumerate(names) if name.startswith(robot + "/")}
-        self._leaves = {number: name for number, name in enumerate(names) if name.endswith("door")}
+        self._panels = {number: name for number, name in enumerate(names) if name.endswith("door")}
 
     def __call__(self) -> None:
         """One step has been simulated."""
@@ -85,8 +85,8 @@ class Probe:
         found.at_limit += torque >= _NEAR_LIMIT * np.array(BODY.torques)
         found.base = np.maximum(found.base, np.abs(data.qfrc_actuator[self._base]))
         found.finger = max(found.finger, float(np.abs(data.qfrc_actuator[self._fingers]).max()))
-        for (part, leaf), force in self._door_forces().items():
-            key, size = (part, leaf), float(np.linalg.norm(force))
+        for (part, panel), force in self._door_forces().items():
+            key, size = (part, panel), float(np.linalg.norm(force))
             found.doors[key] = max(found.doors.get(key, 0.0), size)
             if size > DOOR_FORCE:
                 found.over[key] += _STEP
@@ -97,10 +97,10 @@ class Probe:
         contact, wrench = self._data.contact, np.zeros(6)
         for number, pair in enumerate(self._model.geom_bodyid[contact.geom[: self._data.ncon]].tolist()):
             for sign, (one, other) in ((1.0, pair), (-1.0, pair[::-1])):
-                if one in self._own and other in self._leaves:
+                if one in self._own and other in self._panels:
                     mujoco.mj_contactForce(self._model, self._data, number, wrench)
                     frame = contact.frame[number].reshape(3, 3)
-                    sums[self._own[one], self._leaves[other]] += sign * (frame.T @ wrench[:3])
+                    sums[self._own[one], self._panels[other]] += sign * (frame.T @ wrench[:3])
         return sums
 
 
@@ -167,8 +167,8 @@ def _doors(found: Mapping[str, Measured]) -> Table:
         title="Forces at doors",
     )
     for text, part in found.items():
-        for (body, leaf), force in sorted(part.doors.items()):
-            table.add_row(text, body, leaf, f"{force:.0f}", f"{part.over.get((body, leaf), 0.0):.2f}")
+        for (body, panel), force in sorted(part.doors.items()):
+            table.add_row(text, body, panel, f"{force:.0f}", f"{part.over.get((body, panel), 0.0):.2f}")
     return table
 
 

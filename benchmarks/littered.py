@@ -53,7 +53,7 @@ class Trial:
 
     seed: int
     way: str
-    things: int
+    objects: int
     robots: int
     drives: list[tuple[str, str, Outcome]] = field(default_factory=list)
     stuck: list[str] = field(default_factory=list)
@@ -64,16 +64,16 @@ class Trial:
 class Depths:
     """How deep objects are in the floor, furniture and robots (m); to be set as a backend's ``probe``."""
 
-    def __init__(self, backend: PhysicsBackend, things: Iterator[str] | list[str], trial: Trial) -> None:
+    def __init__(self, backend: PhysicsBackend, objects: Iterator[str] | list[str], trial: Trial) -> None:
         self._model, self._data, self._trial = backend.model, backend.data, trial
         model = self._model
         names = [model.body(b).name for b in range(model.nbody)]
-        self._thing = {b: name for b, name in enumerate(names) if name in set(things)}
-        self._kind = ["a base" if name.startswith("robot_") else "thing" if b in self._thing else "furniture"
+        self._object = {b: name for b, name in enumerate(names) if name in set(objects)}
+        self._kind = ["a base" if name.startswith("robot_") else "object" if b in self._object else "furniture"
                       for b, name in enumerate(names)]
         solid = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
-        self._geoms = [(g, self._thing[b]) for g, b in enumerate(model.geom_bodyid.tolist())
-                       if b in self._thing and solid[g]]
+        self._geoms = [(g, self._object[b]) for g, b in enumerate(model.geom_bodyid.tolist())
+                       if b in self._object and solid[g]]
         (self._plane,) = np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE)
         self._ground = int(model.geom_bodyid[self._plane])
 
@@ -87,8 +87,8 @@ class Depths:
         bodies = model.geom_bodyid[data.contact.geom[: data.ncon]]
         for (one, other), gap in zip(bodies.tolist(), data.contact.dist[: data.ncon].tolist(), strict=True):
             for a, b in ((one, other), (other, one)):
-                if a in self._thing and data.xpos[a, 2] < 0.3 and b != self._ground and self._kind[b] != "thing":
-                    self._note(self._kind[b], -gap, f"{self._thing[a]} in {model.body(b).name}")
+                if a in self._object and data.xpos[a, 2] < 0.3 and b != self._ground and self._kind[b] != "object":
+                    self._note(self._kind[b], -gap, f"{self._object[a]} in {model.body(b).name}")
 
     def at_rest(self) -> None:
         """A round has ended: what is still in the floor."""
@@ -125,8 +125,8 @@ def play(seed: int, robots: int) -> Trial:
     if way == "gap" or chance.random() < 0.5:
         drive([f"navigate to {places[k]}" for k in range(robots)])
         trial.drives.clear()
-    things = list(start.categories)[: trial.things]
-    _lay(backend, worlds, start, things, way, layout, names[int(chance.integers(robots))], places[-1])
+    objects = list(start.categories)[: trial.objects]
+    _lay(backend, worlds, start, objects, way, layout, names[int(chance.integers(robots))], places[-1])
     drive(["wait"] * robots)
     trial.drives.clear()
     backend.probe = depths = Depths(backend, list(start.categories), trial)
@@ -140,7 +140,7 @@ def play(seed: int, robots: int) -> Trial:
 
 
 def _lay(
-    backend: PhysicsBackend, worlds: TaskWorlds, start: Start, things: list[str], way: str, layout: Layout, robot: str,
+    backend: PhysicsBackend, worlds: TaskWorlds, start: Start, objects: list[str], way: str, layout: Layout, robot: str,
     target: str,
 ) -> None:
     """Put objects on the floor: a start that no reset has, staged in the simulator's own state."""
@@ -152,18 +152,18 @@ def _lay(
     along = math.atan2(*(turn.T @ line)[::-1])
     at = 0.0
     others = [_pose(backend, name) for name in start.robots if name != robot]
-    for number, name in enumerate(things):
+    for number, name in enumerate(objects):
         kind: Category = worlds.categories[start.categories[name]]
         reach = max(kind.size[:2])
         if way == "ring":
-            point = _around(along + 2.0 * math.pi * number / len(things), reach)
+            point = _around(along + 2.0 * math.pi * number / len(objects), reach)
         elif way == "row":
             at = at + reach if at else float(np.linalg.norm(_around(along, reach)))
             point = np.array([math.cos(along), math.sin(along)]) * at
             at += reach + 0.02
         else:
             point = np.array([0.15 + _AIR + reach + 0.1 * float(chance.random()), 0.0])
-            point[1] = (number - 0.5 * (len(things) - 1)) * 0.16
+            point[1] = (number - 0.5 * (len(objects) - 1)) * 0.16
         place = turn @ point + [x, y]
         if any(_in_base(pose, place, reach) for pose in others):
             continue  # nothing lies in another robot
@@ -219,11 +219,11 @@ def main(*, trials: int, first_seed: int, processes: int) -> None:
     for trial in found:
         lost = [f"{robot} {text}: {o.reason}: {o.detail}" for robot, text, o in trial.drives if not o.success]
         for line in lost:
-            console.print(f"seed {trial.seed}, {trial.way} of {trial.things}, {trial.robots} robots: {line}")
+            console.print(f"seed {trial.seed}, {trial.way} of {trial.objects}, {trial.robots} robots: {line}")
         for where, what in trial.deepest.items():
             if trial.depth[where] > _DEEP:
                 deep = f"{1000 * trial.depth[where]:.1f} mm in {where}: {what}"
-                console.print(f"seed {trial.seed}, {trial.way} of {trial.things}, {trial.robots} robots: {deep}")
+                console.print(f"seed {trial.seed}, {trial.way} of {trial.objects}, {trial.robots} robots: {deep}")
         if trial.stuck:
             console.print(f"seed {trial.seed}: never got away: {', '.join(trial.stuck)}")
 

@@ -1,4 +1,4 @@
-"""One make of fixture alone at a plain wall, and what robots do there; see certify_modules.py."""
+"""One variant of a fixture alone at a plain wall, and what robots do there; see certify_modules.py."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
 from remac_env.kitchen.fixtures import Fixture, certificates, models
-from remac_env.kitchen.fixtures.base import ONE_MAKE
+from remac_env.kitchen.fixtures.base import ONE_VARIANT
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.layout_checks import STANCE_HALF
 from remac_env.kitchen.objects import catalogue
@@ -70,10 +70,10 @@ class Trial:
     """
 
     kind: str
-    make: str
+    variant: str
     beside: Side
     slot: tuple[float, float] | None
-    things: Mapping[str, str]
+    objects: Mapping[str, str]
     door: float
     steps: tuple[str, ...]
     robot: str
@@ -121,14 +121,14 @@ class _Module(TaskWorlds):
         return self._only
 
 
-def makes() -> list[tuple[str, str]]:
-    """Every (kind, make) that is to be proven."""
-    return [(kind, make) for kind in tables() for make in (models.names(kind) or (ONE_MAKE,))]
+def variants() -> list[tuple[str, str]]:
+    """Every (kind, variant) that is to be proven."""
+    return [(kind, variant) for kind in tables() for variant in (models.names(kind) or (ONE_VARIANT,))]
 
 
 @cache
-def module_layout(kind: str, make: str, beside: Side, slot: tuple[float, float] | None = None) -> Layout:
-    """A kitchen with one fixture of this make, which is not asked for its certificate.
+def module_layout(kind: str, variant: str, beside: Side, slot: tuple[float, float] | None = None) -> Layout:
+    """A kitchen with one fixture of this variant, which is not asked for its certificate.
 
     beside: the side on which a wall of the room is as near to the station as any layout may have it. slot: of worktops
     its one slot there, (x, y) from the station and the fronts, m.
@@ -153,13 +153,13 @@ def module_layout(kind: str, make: str, beside: Side, slot: tuple[float, float] 
         ),
         slots=", ".join(f'{{ at = [{x}, {y}], half = [0.13, 0.14], station = "{at}" }}' for x, y, at in slots),
     )
-    text += table["layout"].format(make=make)
-    return layouts.parse(text, name=f"module_{kind}", file=f"module of {kind} {make}", certified=False)
+    text += table["layout"].format(variant=variant)
+    return layouts.parse(text, name=f"module_{kind}", file=f"module of {kind} {variant}", certified=False)
 
 
-def colliders_hash(kind: str, make: str) -> str:
+def colliders_hash(kind: str, variant: str) -> str:
     """A fingerprint of what robots touch on a variant: bodies, colliders and joints, to 1e-6."""
-    model = build_model(any_layout(kind, make), robots=(), objects={})
+    model = build_model(any_layout(kind, variant), robots=(), objects={})
     values: list[object] = []
     for body in (model.body(index) for index in range(model.nbody)):
         if not body.name.startswith(f"{kind}/"):
@@ -176,30 +176,31 @@ def colliders_hash(kind: str, make: str) -> str:
     return digest(values)
 
 
-def trials(kind: str, make: str, first_seed: int, rounds: int = 1, body: str = STANDARD) -> list[Trial]:
+def trials(kind: str, variant: str, first_seed: int, rounds: int = 1, body: str = STANDARD) -> list[Trial]:
     """All runs that certify a variant, both robots in turn; as many rounds of them, each with other seeds."""
     if rounds > 1:
-        return [trial for number in range(rounds) for trial in trials(kind, make, first_seed + 100 * number, body=body)]
+        firsts = [first_seed + 100 * number for number in range(rounds)]
+        return [trial for first in firsts for trial in trials(kind, variant, first, body=body)]
     table, found = tables()[kind], []
     for slot in [tuple(place) for place in table.get("slots", ())] or [None]:
         for entry in table["trials"]:
-            for thing in entry.get("each", ("",)):
-                named = {name: at.format(thing=thing) for name, at in entry.get("things", {}).items()}
-                things = {name.format(thing=thing): at for name, at in named.items()}
-                steps = tuple(step.format(thing=thing) for step in entry["steps"])
+            for noun in entry.get("each", ("",)):
+                named = {name: at.format(object=noun) for name, at in entry.get("objects", {}).items()}
+                objects = {name.format(object=noun): at for name, at in named.items()}
+                steps = tuple(step.format(object=noun) for step in entry["steps"])
                 for robot in ROBOTS:
                     # Each object with a wall on either side, and each robot equally often on each.
                     beside = SIDES[(len(found) + len(found) // 2) % 2]
                     door, seed = entry.get("door", 0.0), first_seed + len(found)
-                    found.append(Trial(kind, make, beside, slot, things, door, steps, robot, seed, body))
+                    found.append(Trial(kind, variant, beside, slot, objects, door, steps, robot, seed, body))
     return found
 
 
 def run(trial: Trial) -> list[Found]:
     """Run a trial until its end or its first failure."""
-    layout = module_layout(trial.kind, trial.make, trial.beside, trial.slot)
+    layout = module_layout(trial.kind, trial.variant, trial.beside, trial.slot)
     fixture = layout.fixtures[trial.kind]
-    roles = tuple(Role(noun, (noun,), at=at.partition(".")[0]) for noun, at in trial.things.items())
+    roles = tuple(Role(noun, (noun,), at=at.partition(".")[0]) for noun, at in trial.objects.items())
     uses = tables()[trial.kind].get("uses")
     nouns = (Noun(trial.kind, "fixture", tuple(uses)),) if uses else ()
     spec = TaskSpec("Module", ("", "", ""), _Never("nothing"), roles, fixtures=(), distractors=(0, 0), nouns=nouns)
@@ -226,21 +227,21 @@ def run(trial: Trial) -> list[Found]:
     return found
 
 
-def origin(kind: str, make: str) -> float:
+def origin(kind: str, variant: str) -> float:
     """x, m, from which a certificate is expressed in the variant's kitchens: its middle; of worktops the station."""
-    return 0.0 if "slots" in tables()[kind] else certificates.anchor(any_layout(kind, make).fixtures[kind])
+    return 0.0 if "slots" in tables()[kind] else certificates.anchor(any_layout(kind, variant).fixtures[kind])
 
 
-def any_layout(kind: str, make: str) -> Layout:
+def any_layout(kind: str, variant: str) -> Layout:
     """One of a variant's kitchens: what is said of the variant alone is the same in each."""
     slots = tables()[kind].get("slots")
-    return module_layout(kind, make, SIDES[0], tuple(slots[0]) if slots else None)
+    return module_layout(kind, variant, SIDES[0], tuple(slots[0]) if slots else None)
 
 
 def _arranged(start: Start, trial: Trial) -> Start:
     """The start with the door and the objects where the trial has them."""
     world = start.world
-    for noun, at in trial.things.items():
+    for noun, at in trial.objects.items():
         if "." in at:
             world = world.with_object(noun, place=Place("slot", at))
     doors = {name: trial.door or angle for name, angle in start.doors.items()}
@@ -256,7 +257,7 @@ def _targets(fixture: Fixture, subtask: Subtask, held: str | None) -> list[str]:
     if subtask.skill == "pick up":
         return [subtask.target]
     if subtask.skill in ("open door", "close door"):
-        return [leaf.joint for leaf in fixture.leaves]
+        return [panel.joint for panel in fixture.door_panels]
     if subtask.skill not in ("turn on", "turn off"):
         return []
     return [actuator.joint for actuator in fixture.actuators]
@@ -265,12 +266,12 @@ def _targets(fixture: Fixture, subtask: Subtask, held: str | None) -> list[str]:
 def _found(
     recorder: Recorder, subtask: Subtask, problem: str, fixture: Fixture, trial: Trial, *, counts: bool
 ) -> Found:
-    middle = origin(trial.kind, trial.make)
+    middle = origin(trial.kind, trial.variant)
     touches = tuple(recorder.touches(middle, last=subtask.skill == "place to"))
     (left, near), (right, far) = recorder.low - (middle, 0.0), recorder.high - (middle, 0.0)
     floor = (float(left), float(near)), (float(right), float(far))
     # Each switch and each burner is a proof of its own.
-    part = next((f" {at}" for at in trial.things.values() if at in fixture.switches), "")
+    part = next((f" {at}" for at in trial.objects.values() if at in fixture.switches), "")
     return Found(subtask.skill + part if counts else "", problem, touches, trial.beside, floor)
 
 

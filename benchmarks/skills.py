@@ -143,8 +143,8 @@ def _play(job: _Job) -> list[Trial]:
 
 def _spec(chain: Mapping[str, Any]) -> TaskSpec:
     """A task with the chain's objects and a goal that never ends it."""
-    nouns = list(chain["things"])
-    roles = tuple(Role(noun, (noun,), at=fixture) for noun, fixture in chain["things"].items())
+    nouns = list(chain["objects"])
+    roles = tuple(Role(noun, (noun,), at=fixture) for noun, fixture in chain["objects"].items())
     goal = Released(nouns[0])
     cells = {"styles": styles.names(), "layouts": layouts.names()}
     return TaskSpec("SkillChain", ("", "", ""), _Never(goal.name), roles, fixtures=(), **cells)

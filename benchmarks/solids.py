@@ -43,7 +43,7 @@ Depths = dict[tuple[str, str], float]
 LEAST = 0.002
 """m; what reaches less deep than this is how contacts hold, and is left out of the tables."""
 
-_THING, _FURNITURE, _LEAF = (2, 3), (1, 0), (1, 1)  # contype, conaffinity
+_OBJECT, _FURNITURE, _PANEL = (2, 3), (1, 0), (1, 1)  # contype, conaffinity
 _BEFORE, _ABOVE = 0.012, 0.010  # m before the worktop's front and above what it falls onto at which a dish starts
 _FALL = 300  # steps in which it comes to rest
 _SEEN = 0.006  # m; what stands out of what is solid by less is left out
@@ -61,9 +61,9 @@ class Solids:
         for geom, body in enumerate(model.geom_bodyid.tolist()):
             masks = (0, 0)
             if body in free:
-                masks = _THING
+                masks = _OBJECT
             elif "robot" not in self.names[body] and (model.geom_contype[geom] or model.geom_conaffinity[geom]):
-                masks = _LEAF if self.names[body].endswith("door") else _FURNITURE
+                masks = _PANEL if self.names[body].endswith("door") else _FURNITURE
             self.model.geom_contype[geom], self.model.geom_conaffinity[geom] = masks
         for body in range(model.nbody):
             of = model.geom_bodyid == body
@@ -134,11 +134,11 @@ def swing(layout: Layout) -> tuple[Depths, float]:
     """Push every door panel open, one at a time: the depths, and the least angle (rad) to which one comes."""
     model = build_model(layout, robots=(), objects={})
     solids, data, deepest, angles = Solids(model), mujoco.MjData(model), Depths(), []
-    for leaf in (leaf for fixture in layout.fixtures.values() for leaf in fixture.leaves):
+    for panel in (panel for fixture in layout.fixtures.values() for panel in fixture.door_panels):
         mujoco.mj_resetData(model, data)
-        data.joint(leaf.joint).qfrc_applied[0] = _PUSH
+        data.joint(panel.joint).qfrc_applied[0] = _PUSH
         _run(model, solids, data, _PUSHED, deepest)
-        angles.append(float(data.joint(leaf.joint).qpos[0]))
+        angles.append(float(data.joint(panel.joint).qpos[0]))
     return deepest, min(angles)
 
 
@@ -174,7 +174,7 @@ def main(*, trials: int, first_seed: int, only: str, staged: bool, processes: in
             for pair, depth in depths.items():
                 if depth > deepest.get(pair, 0.0):
                     deepest[pair], commands[pair] = depth, during[pair]
-    table = Table("thing", "into", "deepest, mm", "during", title=f"In play, {len(jobs)} chains")
+    table = Table("object", "into", "deepest, mm", "during", title=f"In play, {len(jobs)} chains")
     for pair, depth in sorted(deepest.items(), key=lambda entry: -entry[1]):
         table.add_row(*pair, f"{1000 * depth:.1f}", commands[pair])
     console.print(table)
@@ -199,8 +199,8 @@ def _doors() -> Table:
     table = Table("layout", "doors open to, rad", "deepest, mm", "where", title="Doors pushed open, of every variant")
     for name in layouts.names():
         deepest, least = Depths(), np.inf
-        for make in models.names("cabinet"):
-            depths, angle = swing(layouts.load(name, FrozenMap({"cabinet": make})))
+        for variant in models.names("cabinet"):
+            depths, angle = swing(layouts.load(name, FrozenMap({"cabinet": variant})))
             least = min(least, angle)
             for pair, depth in depths.items():
                 deepest[pair] = max(deepest.get(pair, 0.0), depth)

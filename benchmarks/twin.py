@@ -98,9 +98,9 @@ def play(
     env = remac_env.parallel_env(made, robots=robots, starts="mixed", max_rounds=rounds)
     env.reset(seed=seed)
     chance, seen, found = generator(seed, "twin", task, robots), Counter[Stratum](), list[Compared]()
-    errands = {name: _Errands(chance, env.start.scene) for name in env.agents}
+    agendas = {name: _Agenda(chance, env.start.scene) for name in env.agents}
     while env.agents:
-        joint = _choose(env, seen, chance, errands)
+        joint = _choose(env, seen, chance, agendas)
         before = env.world
         _, _, _, _, infos = env.step({name: env.vocabulary.encode(subtask.text) for name, subtask in joint.items()})
         told = {name: info["outcome"] for name, info in infos.items()}
@@ -144,11 +144,11 @@ def _by_rule(env: KitchenParallelEnv, before: WorldState, joint: Mapping[str, Su
 
 def _forbidden(env: KitchenParallelEnv, before: WorldState, robot: str, target: str) -> bool:
     """Whether a rule keeps what the robot holds from being put there."""
-    scene, things = env.start.scene, env.worlds.categories
+    scene, categories = env.start.scene, env.worlds.categories
     around = [target] if target in scene.fixtures else supports(scene, before, target)
     kind = next((scene.fixtures[name].kind for name in around if name in scene.fixtures), "")
-    obj = things[env.start.categories[str(before.robots[robot].holding)]]
-    dish = things[env.start.categories[target]] if target in scene.objects else None
+    obj = categories[env.start.categories[str(before.robots[robot].holding)]]
+    dish = categories[env.start.categories[target]] if target in scene.objects else None
     return forbidden(obj, kind, dish) is not None
 
 
@@ -160,7 +160,7 @@ def _fell(foretold: WorldState, happened: WorldState) -> bool:
     )
 
 
-class _Errands:
+class _Agenda:
     """What one robot prepares: pairs of skill and reason in an order of its own, each until it has come about.
 
     Seasoning comes first where there is any, as few kitchens have it.
@@ -201,15 +201,15 @@ def foretell(scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> s
 
 
 def _choose(
-    env: KitchenParallelEnv, seen: Counter[Stratum], chance: np.random.Generator, errands: Mapping[str, _Errands]
+    env: KitchenParallelEnv, seen: Counter[Stratum], chance: np.random.Generator, agendas: Mapping[str, _Agenda]
 ) -> dict[str, Subtask]:
-    """For each robot its errand's next command, or one of the rarest stratum; half of those succeed."""
+    """For each robot its agenda's next command, or one of the rarest stratum; half of those succeed."""
     scene, joint = env.start.scene, {}
     parsed = [env.vocabulary.parse(text) for text in env.vocabulary.commands(scene)]
     commands = [subtask for subtask in parsed if subtask is not None and subtask.skill != "done"]
     for name in env.agents:
-        errand = errands[name].next(env, name, _about_few(env, commands)) if chance.random() < 0.5 else None
-        joint[name] = errand or _rarest(env, name, commands, seen, chance)
+        agenda = agendas[name].next(env, name, _about_few(env, commands)) if chance.random() < 0.5 else None
+        joint[name] = agenda or _rarest(env, name, commands, seen, chance)
         seen[joint[name].skill, foretell(scene, env.world, name, joint[name])] += 1
     return joint
 

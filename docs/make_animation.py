@@ -95,7 +95,7 @@ def drawn(env: Any, moments: list[Moment], *, size: tuple[int, int], quality: Qu
     start, layout = env.start, env.worlds.layout_of(env.start)
     categories = {noun: env.worlds.categories[name] for noun, name in start.categories.items()}
     spec = build_spec(
-        layout, robots=start.scene.robots, objects=categories, style=style.load(start.style), looks=True
+        layout, robots=start.scene.robots, objects=categories, style=style.load(start.style), visual=True
     )
     turn = axes(np.array(VIEW), np.array([0.0, 0.0, 1.0]))
     quaternion = np.empty(4)

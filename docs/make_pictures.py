@@ -75,7 +75,7 @@ SLOW = (
         [((), {"timer": 0.0}), ((), {"timer": 0.8})],
     ),
 )  # fmt: skip
-"""What the sheet of slow things shows."""
+"""What the sheet of processes shows."""
 
 
 def main() -> None:
@@ -99,14 +99,15 @@ def all_styles() -> NDArray[np.uint8]:
 
 def all_layouts() -> NDArray[np.uint8]:
     """Every layout, each in another style."""
-    looks = cycle(style.names())
-    return sheet({name: kitchen(next(looks), name) for name in layout.names()}, columns=2)
+    styles = cycle(style.names())
+    return sheet({name: kitchen(next(styles), name) for name in layout.names()}, columns=2)
 
 
 def all_insides() -> NDArray[np.uint8]:
     """Side views into the fixtures of every layout."""
-    looks = cycle(style.names())
-    views = {f"{name}: {fixture}": one for name in layout.names() for fixture, one in inside(next(looks), name).items()}
+    styles = cycle(style.names())
+    pairs = [(name, inside(next(styles), name)) for name in layout.names()]
+    views = {f"{name}: {fixture}": one for name, shown in pairs for fixture, one in shown.items()}
     return sheet(views, columns=4, tile=INSIDE_TILE, letters=0.42)
 
 
@@ -160,10 +161,10 @@ def inside(look: str, plan: str) -> dict[str, NDArray[np.uint8]]:
 
 def objects() -> NDArray[np.uint8]:
     """Every category of the catalogue as it rests, from the side from which robots see it."""
-    return sheet({name: thing(name) for name in catalogue.load()}, columns=10, tile=OBJECT_TILE, letters=0.36)
+    return sheet({name: object_picture(name) for name in catalogue.load()}, columns=10, tile=OBJECT_TILE, letters=0.36)
 
 
-def thing(category: str, size: tuple[int, int] = OBJECT_TILE) -> NDArray[np.uint8]:
+def object_picture(category: str, size: tuple[int, int] = OBJECT_TILE) -> NDArray[np.uint8]:
     """One object on a pale table, filling the picture."""
     facts = catalogue.get(category)
     low, high = facts.body.bounds
@@ -175,7 +176,7 @@ def thing(category: str, size: tuple[int, int] = OBJECT_TILE) -> NDArray[np.uint
     spec.visual.map.znear = 0.02
     spec.worldbody.add_light(pos=[-0.4, -0.6, 1.2], dir=[0.3, 0.45, -0.9], diffuse=[0.62] * 3, castshadow=True)
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[2, 2, 0.1], group=1, rgba=[0.66, 0.63, 0.58, 1.0])
-    add_object(spec, spec.worldbody, "thing", facts, looks=True)
+    add_object(spec, spec.worldbody, "object", facts, visual=True)
     away = np.array([-0.35, -0.80, 0.60]) / np.linalg.norm([-0.35, -0.80, 0.60])
     at = np.array(middle) + [0, 0, facts.rest_height] + away * reach * 4.0
     right = np.cross([0, 0, 1], away)

@@ -97,9 +97,9 @@ def _check_fixtures(spec: TaskSpec, layout: Layout) -> None:
     for name in (*spec.fixtures, *(role.at for role in spec.roles)):
         check_choice(f"fixture {where}", name, usable)
     goal = spec.goal.bind({role.name: role.nouns[0] for role in spec.roles})
-    things = [noun for role in spec.roles for noun in role.nouns]
+    objects = [noun for role in spec.roles for noun in role.nouns]
     for name in goal.names():
-        check_choice(f"name in the goal {where}", name, [*usable, *things])
+        check_choice(f"name in the goal {where}", name, [*usable, *objects])
     for atom in goal.atoms():
         if isinstance(atom, DoorIs) and not layout.fixtures[atom.fixture].door:
             raise OptionError(f"task {spec.name}: the goal speaks of a door of {atom.fixture}, which has none")

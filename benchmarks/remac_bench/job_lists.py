@@ -53,9 +53,9 @@ def make_jobs(
         for method in methods:
             named = sight.with_checker(method, agents.with_planner(method, given), access)
             viewers = sight.viewers(method, named, access)
-            crew = agents.default_robots(method) if robots is None else robots
+            team = agents.default_robots(method) if robots is None else robots
             size = sight.size_for(viewers, named, access)
-            options = Options(**sight.kitchen_for(viewers, kitchen, size=size), robots=crew)
+            options = Options(**sight.kitchen_for(viewers, kitchen, size=size), robots=team)
             last = agents.default_iterations(method)
             last = iterations if last and iterations is not None else last
             for seed in seeds:

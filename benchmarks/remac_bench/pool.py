@@ -34,36 +34,36 @@ def play(
     is ended and replaced, and its job has failed.
     """
     queue, losses = deque(works), Losses()
-    crew: list[_Worker] = []
+    workers: list[_Worker] = []
     try:
         for _ in range(count):
-            crew.append(_hire(extensions))
-            _assign(crew[-1], queue)
-        while busy := [worker for worker in crew if worker.work is not None]:
+            workers.append(_hire(extensions))
+            _assign(workers[-1], queue)
+        while busy := [worker for worker in workers if worker.work is not None]:
             for late in [worker for worker in busy if worker.work is not None and watch.is_over(worker.work)]:
                 work = _dismiss_late(late, watch)
-                crew.remove(late)
-                crew += [_hire(extensions)] if queue else []
-                _assign_idle(crew, queue)
+                workers.remove(late)
+                workers += [_hire(extensions)] if queue else []
+                _assign_idle(workers, queue)
                 yield work, [timed_out(work)]
-            ready = wait([worker.connection for worker in crew if worker.work is not None], timeout=LOOKS)
-            for worker in [worker for worker in crew if worker.work is not None and worker.connection in ready]:
+            ready = wait([worker.connection for worker in workers if worker.work is not None], timeout=LOOKS)
+            for worker in [worker for worker in workers if worker.work is not None and worker.connection in ready]:
                 ended = _collect(worker, watch)
                 if ended is None:
                     continue
                 work, records = ended
                 if records is None:
-                    crew.remove(worker)
+                    workers.remove(worker)
                     lost = losses.judge(work, _bury(worker))
                     records = None if lost is None else [lost]
                     if lost is None:
                         queue.appendleft(work)
-                    crew += [_hire(extensions)] if queue else []
-                _assign_idle(crew, queue)
+                    workers += [_hire(extensions)] if queue else []
+                _assign_idle(workers, queue)
                 if records is not None:
                     yield work, records
     finally:
-        _dismiss(crew)
+        _dismiss(workers)
 
 
 def _hire(extensions: Sequence[str]) -> _Worker:
@@ -84,8 +84,8 @@ def _assign(worker: _Worker, queue: deque[Work]) -> None:
         return  # it died before it was given anything; reading from it will tell
 
 
-def _assign_idle(crew: Sequence[_Worker], queue: deque[Work]) -> None:
-    for idle in [worker for worker in crew if worker.work is None][: len(queue)]:
+def _assign_idle(workers: Sequence[_Worker], queue: deque[Work]) -> None:
+    for idle in [worker for worker in workers if worker.work is None][: len(queue)]:
         _assign(idle, queue)
 
 
@@ -126,13 +126,13 @@ def _bury(worker: _Worker) -> int | None:
     return status
 
 
-def _dismiss(crew: Sequence[_Worker]) -> None:
+def _dismiss(workers: Sequence[_Worker]) -> None:
     """End every worker: the idle end by themselves when nobody listens any more, the busy are made to."""
-    for worker in crew:
+    for worker in workers:
         worker.connection.close()
         if worker.work is not None:
             worker.process.terminate()
-    for worker in crew:
+    for worker in workers:
         worker.process.join(STOP_SECONDS)
         if worker.process.is_alive():
             worker.process.kill()

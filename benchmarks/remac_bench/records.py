@@ -175,7 +175,7 @@ class Record(Model):
         optimum_seconds: the shortest makespan under the event clock, s, where it was asked for and is known;
             `optimum_seconds_lower`: no plan takes less.
         problem: digest of the start without looks and names; None for older records.
-        littered: things that were let fall and lie on the floor at the end.
+        littered: objects that were let fall and lie on the floor at the end.
         options: {"kitchen": ..., "agent": ...}: everything that the job was made with; "access": how language models
             were reached; "job_seconds": the bound on the job's wall time.
         started: when it began, UTC, ISO 8601 to the second; machine: system, processor and cores. None in records from

@@ -105,10 +105,10 @@ class KitchenSense:
         if down is None:
             return None
         steps = [*down, *work]
-        needs_thing = any(
+        needs_object = any(
             r.condition.predicate != "hand_empty" for r in self.subtask.requirements(self.robot)
         )
-        if self.held is not None and needs_thing and not self.subtask.row.takes:
+        if self.held is not None and needs_object and not self.subtask.row.takes:
             steps += [go(self.held), take(self.held)]
         return self.and_back(steps)
 

@@ -151,10 +151,10 @@ def _hand_is_full(sense: KitchenSense) -> Advice | None:
         return None
     reason = f"the hand has to be empty to {sense.subtask.text}"
     steps = (*down, go(sense.target))
-    if sense.subtask.row.takes or sense.has_served() and not _uses_thing(sense.rest):
+    if sense.subtask.row.takes or sense.has_served() and not _uses_object(sense.rest):
         return _advice(sense, reason, steps, remedy=down)
     fetch: tuple[Subtask, ...] = ()
-    if _uses_thing(sense.rest):
+    if _uses_object(sense.rest):
         back = () if sense.rest and sense.rest[0].skill == "navigate to" else (go(sense.target),)
         fetch = (go(sense.held), take(sense.held), *back)
     return Advice(
@@ -165,7 +165,7 @@ def _hand_is_full(sense: KitchenSense) -> Advice | None:
     )
 
 
-def _uses_thing(rest: tuple[Subtask, ...]) -> bool:
+def _uses_object(rest: tuple[Subtask, ...]) -> bool:
     """Whether what is in hand is placed before anything else is taken up."""
     return next((step.row.puts for step in rest if step.row.takes or step.row.puts), False)
 

@@ -1,4 +1,4 @@
-"""What the rules of the kitchen say of a condition of knowledge, once somebody has looked where things are.
+"""What the rules of the kitchen say of a condition of knowledge, once somebody has looked where objects are.
 
 Answers have three values: None is "cannot tell", and stays so wherever the rest does not decide.
 """
@@ -37,7 +37,7 @@ def all_of(answers: Iterable[bool | None]) -> bool | None:
 def _no_vessel_needed(rules: Rules, holding: Holding, look: Look, robot: str, target: str) -> bool | None:
     """It needs none there, or would come to lie in one: in the only place of the fixture, where a vessel with room is.
 
-    Of a fixture with several places it is not known which are free, unless fewer things can be there than places.
+    Of a fixture with several places it is not known which are free, unless fewer objects can be there than places.
     """
     if robot not in holding:
         return None
@@ -47,7 +47,7 @@ def _no_vessel_needed(rules: Rules, holding: Holding, look: Look, robot: str, ta
     fixture = rules.fixtures[target]
     if fixture.kind not in rules.objects[held].needs_vessel_in:
         return True
-    carried = {thing for thing in holding.values() if thing is not None}
+    carried = {name for name in holding.values() if name is not None}
     there = {name: look(condition("inside", name, target)) for name in rules.objects if name not in carried}
     vessels = [name for name in there if fixture.kind in rules.objects[name].vessel_in]
     places = [sum(rules.slots[slot].station == station for slot in fixture.slots)

@@ -104,7 +104,7 @@ class VisionChecker:
 
 
 def _carried(condition: Condition, question: Question, view: View) -> Verdict | None:
-    """What follows for a thing from its being felt in a gripper: it is in no place, and on or in nothing."""
+    """What follows for an object from its being felt in a gripper: it is in no place, and on or in nothing."""
     row = PREDICATES.get(condition.predicate)
     if row is not None and row.false_if_held and question.names[0] in view.holding.values():
         return Verdict(condition, False, "felt in the gripper")

@@ -1,4 +1,4 @@
-"""What anybody knows who was never in this kitchen, from common_sense.toml: kinds of things, and what is done where."""
+"""What anybody knows who was never in this kitchen, from common_sense.toml: kinds of objects, what is done where."""
 
 from __future__ import annotations
 

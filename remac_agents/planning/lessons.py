@@ -1,7 +1,7 @@
 """Reflections in a fixed form that people and rules can both read.
 
 Before "<command>", do "<command>", "<command>".
-With the <thing> in hand, use "<command>" instead of "<command>".
+With the <object> in hand, use "<command>" instead of "<command>".
 Leave out "<command>": it is done already.
 """
 

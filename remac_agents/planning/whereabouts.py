@@ -24,12 +24,12 @@ class Whereabouts:
         self._visits = itertools.count()
         self.station: dict[str, str] = {}
         self.hand: dict[str, str | None] = {}
-        self._things: dict[str, str] = {}
+        self._objects: dict[str, str] = {}
 
     def of(self, target: str) -> str | None:
         """The label of the place from which a fixture or object is used; None: one of several, and not told which."""
         if target not in self._facts.fixtures:
-            return self._things.get(target, f"by the {target}")
+            return self._objects.get(target, f"by the {target}")
         stations = self._facts.stations_of(target)
         return stations[0] if len(stations) == 1 else None
 
@@ -50,9 +50,9 @@ class Whereabouts:
         self.station[robot] = here
         if step.row.takes:
             self.hand[robot] = step.target
-            self._things.pop(step.target, None)
+            self._objects.pop(step.target, None)
         elif step.row.puts and (held := self.hand.get(robot)) is not None:
-            self._things[held] = here
+            self._objects[held] = here
             self.hand[robot] = None
 
 

@@ -26,7 +26,7 @@ SPARE = ("bowl", "plate", "pan")
 """Vessels of which a kitchen has two that the task does not need, so that commands do not tell which it needs."""
 
 FURTHER = 0.4
-"""How often a task asks for one more thing."""
+"""How often a task asks for one more object."""
 
 OTHERS = (1, 4)
 """Least and most other objects that stand about, as far as there is room."""

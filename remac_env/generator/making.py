@@ -69,14 +69,14 @@ def make(
 @lru_cache(maxsize=1024)
 def _made(grade: int, seed: int, template: str | None, quirks: int, knowledge: str, robots: int) -> Certified:
     options = candidates(grade, template, robots)
-    crew = robots if any(row.team for row in options) else 1
+    team = robots if any(row.team for row in options) else 1
     rng = generator(seed, "generate", grade, template, quirks, knowledge)
     why: dict[str, str] = {}
     for _ in range(TRIES):
         row = options[int(rng.integers(len(options)))]
-        found = _attempt(row, grade, rng, quirks=quirks, knowledge=knowledge, robots=crew)
+        found = _attempt(row, grade, rng, quirks=quirks, knowledge=knowledge, robots=team)
         if not isinstance(found, str):
-            found = found if crew == robots else with_others(found, robots, knowledge)
+            found = found if team == robots else with_others(found, robots, knowledge)
             told = {"grade": grade, "seed": seed, "template": row.name, "quirks": quirks, "knowledge": knowledge,
                     "robots": robots, **found.told}  # fmt: skip
             rounds = round(LEEWAY * GRADES[grade])

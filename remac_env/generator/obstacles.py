@@ -1,7 +1,7 @@
-"""What is in the way of a task from grade 3 on, and no sentence tells: things put away, and places that are full.
+"""What is in the way of a task from grade 3 on, and no sentence tells: objects put away, and places that are full.
 
-Who reads the goal alone does not know of it, and each kind asks for something else: a door to be opened before a thing
-can be taken, something to be taken out before another goes in, or another place to be used.
+Who reads the goal alone does not know of it, and each kind asks for something else: a door to be opened before an
+object can be taken, something to be taken out before another goes in, or another place to be used.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def shut_again(
 def _needed(
     template: Template, members: Mapping[str, Sequence[str]], scene: Rules
 ) -> Iterator[tuple[str, int]]:
-    """(fixture, how many objects it has to take): where things go that have no other place, and what gives marks."""
+    """(fixture, how many objects it has to take): where objects go that have no other place, and what gives marks."""
     for clause in template.goal:
         if "all" not in clause or "into" not in clause:
             continue
@@ -107,7 +107,7 @@ def _givers(scene: Rules, mark: str) -> Iterator[FixtureFacts]:
 def untold(scene: Rules, world: WorldState, goal: Goal) -> int:
     """How many things are in the way that no sentence tells.
 
-    Each object of the goal behind a door that is not open, each place to which the goal has things go (of several the
+    Each object of the goal behind a door that is not open, each place to which the goal has objects go (of several the
     one that it names first) with less room than they take, and each fixture that gives a wanted mark and is full.
     """
     names = [name for name in goal.names() if name in scene.objects]
@@ -132,7 +132,7 @@ def _free(scene: Rules, world: WorldState, fixture: str) -> int:
 
 
 def _places(goal: Goal) -> Iterator[Inside]:
-    """The places to which the goal has things go."""
+    """The places to which the goal has objects go."""
     for atom in goal.atoms():
         if isinstance(atom, AnyOf):
             atom = atom.goals[0]

@@ -1,1 +1,1 @@
-"""The kitchens: floor plans, fixtures, objects and looks."""
+"""The kitchens: floor plans, fixtures, objects and styles."""

@@ -34,19 +34,19 @@ def build_model(
     robots: Sequence[str],
     objects: Mapping[str, str | Category],
     style: Style | None = None,
-    looks: bool = False,
+    visual: bool = False,
     body: Body | None = None,
     quirks: Sequence[Quirk] = (),
 ) -> mujoco.MjModel:
     """Return the compiled kitchen.
 
     robots: their names, such as "robot_0"; body: theirs, the standard one where None. objects: noun -> category of the
-    catalogue. style: materials, used only with `looks`; the default style where None. quirks: those that show
-    from the start are built in. Bodies, joints and actuators are the same and in the same order with `looks` and
+    catalogue. style: materials, used only with `visual`; the default style where None. quirks: those that show
+    from the start are built in. Bodies, joints and actuators are the same and in the same order with `visual` and
     without, so that a qpos copies over.
     """
     return build_spec(
-        layout, robots=robots, objects=objects, style=style, looks=looks, body=body, quirks=quirks
+        layout, robots=robots, objects=objects, style=style, visual=visual, body=body, quirks=quirks
     ).compile()
 
 
@@ -56,7 +56,7 @@ def build_spec(
     robots: Sequence[str],
     objects: Mapping[str, str | Category],
     style: Style | None = None,
-    looks: bool = False,
+    visual: bool = False,
     body: Body | None = None,
     quirks: Sequence[Quirk] = (),
 ) -> mujoco.MjSpec:
@@ -66,9 +66,9 @@ def build_spec(
     spec.compiler.degree = False
     _set_physics(spec)
     style = load(DEFAULT_STYLE) if style is None else style
-    if looks:
-        _set_looks(spec, style, ceiling=layout.room.ceiling)
-    canvas = Canvas(spec, looks=looks, make=(style.panel, style.pull))
+    if visual:
+        _set_materials(spec, style, ceiling=layout.room.ceiling)
+    canvas = Canvas(spec, visual=visual, fronts=(style.panel, style.pull))
     filled = {quirk.about for quirk in quirks if QUIRKS[quirk.kind].fills}
     stained = {quirk.about for quirk in quirks if QUIRKS[quirk.kind].stains}
     layout.room.build(canvas, {wall.side: _face(layout, wall) for wall in layout.walls.values() if wall.side})
@@ -83,10 +83,10 @@ def build_spec(
         from remac_env.kitchen.objects import add_object
 
         for noun, category in objects.items():
-            add_object(spec, spec.worldbody, noun, category, looks=looks, stained=noun in stained)
+            add_object(spec, spec.worldbody, noun, category, visual=visual, stained=noun in stained)
     if robots:
         for name, color in accents(robots).items():
-            (body or bodies.get()).add_to(spec, name, accent=ACCENTS[color], looks=looks)
+            (body or bodies.get()).add_to(spec, name, accent=ACCENTS[color], visual=visual)
     return spec
 
 
@@ -119,7 +119,7 @@ def _set_physics(spec: mujoco.MjSpec) -> None:
     spec.memory = _MEMORY
 
 
-def _set_looks(spec: mujoco.MjSpec, style: Style, *, ceiling: bool) -> None:
+def _set_materials(spec: mujoco.MjSpec, style: Style, *, ceiling: bool) -> None:
     """Add materials and lights."""
     from remac_env.kitchen.lights import add_lights
     from remac_env.kitchen.materials import add_materials

@@ -14,7 +14,7 @@ from remac_env.kitchen.meshes import Mesh, add_mesh, merge
 from remac_env.kitchen.pieces import bar, board
 
 Vector = Sequence[float]
-Make = tuple[str, str]
+Fronts = tuple[str, str]
 """How doors and drawers are made: a name of style.PANELS, and one of style.PULLS."""
 
 COLLIDER_GROUP, DRAWN_GROUP = 3, 1
@@ -23,7 +23,7 @@ FINE_GROUP, COARSE_GROUP = 2, 4
 DRAWN_GROUPS = (DRAWN_GROUP, FINE_GROUP, COARSE_GROUP)
 SWITCHED = "/glow_"
 """Between a switch's name and a number, in the names of geoms that are seen only while it is on."""
-# Who touches whom (contype/conaffinity): furniture 1/0, leaves of doors 1/1, things 2/3 and their feet 0/1, robots 4/7.
+# Who touches whom (contype/conaffinity): furniture 1/0, door panels 1/1, objects 2/3 and their feet 0/1, robots 4/7.
 FURNITURE_CONTYPE, FURNITURE_CONAFFINITY = 1, 0
 _FURNITURE_FRICTION, _EDGE = (0.8, 0.005, 0.0001), 0.004  # sliding, torsional, rolling; m
 
@@ -41,14 +41,14 @@ class Canvas:
     """Takes bodies, colliders and drawn shapes; `finish` must be called last.
 
     Lengths are metres, angles radians, z up; the frame is the world's until `stand` gives another. Drawn shapes weigh
-    nothing and touch nothing, so bodies, joints and motion are the same with and without them. With `looks` off every
+    nothing and touch nothing, so bodies, joints and motion are the same with and without them. With `visual` off every
     drawn shape is left out. Boxes and bars of one body and material become one mesh: pictures cost by the number of
     geoms.
     """
 
-    def __init__(self, spec: mujoco.MjSpec, *, looks: bool, make: Make = ("shaker", "bar")) -> None:
-        """Build into `spec`; with `looks`, its materials must already be there, named by role."""
-        self.looks, self.make = looks, make
+    def __init__(self, spec: mujoco.MjSpec, *, visual: bool, fronts: Fronts = ("shaker", "bar")) -> None:
+        """Build into `spec`; with `visual`, its materials must already be there, named by role."""
+        self.visual, self.fronts = visual, fronts
         self._spec = spec
         self._ground = spec.worldbody
         self._bodies: dict[str, Any] = {}
@@ -71,8 +71,8 @@ class Canvas:
         return Part(self, name, self._bodies[name], meets=FURNITURE_CONAFFINITY)
 
     def light(self, name: str, position: Vector, direction: Vector, color: Vector, *, cutoff: float) -> None:
-        """Add a spot light without shadow, cutoff in degrees; nothing without looks."""
-        if self.looks:
+        """Add a spot light without shadow, cutoff in degrees; nothing without visual geometry."""
+        if self.visual:
             self._ground.add_light(
                 name=name,
                 type=mujoco.mjtLightType.mjLIGHT_SPOT,
@@ -133,31 +133,31 @@ class Part:
         self._body = body
 
     @property
-    def looks(self) -> bool:
+    def visual(self) -> bool:
         """Whether drawn shapes are kept."""
-        return self._canvas.looks
+        return self._canvas.visual
 
     @property
-    def make(self) -> Make:
+    def fronts(self) -> Fronts:
         """How doors and drawers are made."""
-        return self._canvas.make
+        return self._canvas.fronts
 
     # Colliders. Options: mass (kg), friction, name.
 
-    def solid_box(self, low: Vector, high: Vector, **options: Any) -> None:
+    def collision_box(self, low: Vector, high: Vector, **options: Any) -> None:
         """Add a box collider between two corners."""
         middle, half = (np.asarray(low) + high) / 2, (np.asarray(high) - low) / 2
-        self._solid(type=mujoco.mjtGeom.mjGEOM_BOX, pos=middle, size=half, **options)
+        self._collision(type=mujoco.mjtGeom.mjGEOM_BOX, pos=middle, size=half, **options)
 
-    def solid_cylinder(self, start: Vector, end: Vector, radius: float, **options: Any) -> None:
+    def collision_cylinder(self, start: Vector, end: Vector, radius: float, **options: Any) -> None:
         """Add a cylinder collider between the middles of its two ends."""
-        self._solid(type=mujoco.mjtGeom.mjGEOM_CYLINDER, fromto=[*start, *end], size=[radius, 0, 0], **options)
+        self._collision(type=mujoco.mjtGeom.mjGEOM_CYLINDER, fromto=[*start, *end], size=[radius, 0, 0], **options)
 
-    def solid_capsule(self, start: Vector, end: Vector, radius: float, **options: Any) -> None:
+    def collision_capsule(self, start: Vector, end: Vector, radius: float, **options: Any) -> None:
         """Add a capsule collider between the centres of its round ends."""
-        self._solid(type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=[*start, *end], size=[radius, 0, 0], **options)
+        self._collision(type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=[*start, *end], size=[radius, 0, 0], **options)
 
-    def solid_floor(self, **options: Any) -> None:
+    def collision_floor(self, **options: Any) -> None:
         """Add an endless level plane through the body's origin."""
         self._body.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 0.1], group=COLLIDER_GROUP, **options)
 
@@ -197,7 +197,7 @@ class Part:
 
     # Drawing. switch: seen only while it is on; opacity, 0..1, makes a plain material see-through.
 
-    def drawn_box(
+    def visual_box(
         self,
         low: Vector,
         high: Vector,
@@ -210,23 +210,23 @@ class Part:
         world_grain: bool = False,
     ) -> None:
         """Draw a box with bevelled edges; world_grain lets neighbouring slabs share one pattern."""
-        if self.looks:
+        if self.visual:
             fine, coarse = (board(_point(low), _point(high), edge, segments, world_grain) for edge in (radius, 0.0))
             self._canvas.paint(self._name, fine, coarse, material, switch, opacity)
 
-    def drawn_cylinder(
+    def visual_cylinder(
         self, start: Vector, end: Vector, radius: float, material: str, *, switch: str | None = None
     ) -> None:
         """Draw a cylinder between the middles of its two ends."""
         self._rod(start, end, radius, material, switch, round_ends=False)
 
-    def drawn_capsule(
+    def visual_capsule(
         self, start: Vector, end: Vector, radius: float, material: str, *, switch: str | None = None
     ) -> None:
         """Draw a capsule between the centres of its round ends."""
         self._rod(start, end, radius, material, switch, round_ends=True)
 
-    def drawn_mesh(
+    def visual_mesh(
         self,
         name: str,
         mesh: Mesh,
@@ -237,20 +237,20 @@ class Part:
         switch: str | None = None,
     ) -> None:
         """Draw a mesh, shared by name, at a position, turned by a quaternion (w, x, y, z)."""
-        if self.looks:
+        if self.visual:
             self._canvas.share(name, mesh)
             self._canvas.draw(self._name, material, switch, pos=list(position), quat=list(rotation), meshname=name)
 
-    def drawn_ball(self, center: Vector, half: Vector, material: str) -> None:
+    def visual_ball(self, center: Vector, half: Vector, material: str) -> None:
         """Draw an ellipsoid with three half axes."""
-        if self.looks:
+        if self.visual:
             self._canvas.draw(
                 self._name, material, type=mujoco.mjtGeom.mjGEOM_ELLIPSOID, pos=list(center), size=list(half)
             )
 
-    def drawn_sheet(self, center: Vector, half: tuple[float, float], facing: Vector, material: str) -> None:
+    def visual_sheet(self, center: Vector, half: tuple[float, float], facing: Vector, material: str) -> None:
         """Draw a sheet seen only from where `facing` points; half: (sideways, upwards), or (x, y) if level."""
-        if self.looks:
+        if self.visual:
             self._canvas.draw(
                 self._name,
                 material,
@@ -263,11 +263,11 @@ class Part:
     def _rod(
         self, start: Vector, end: Vector, radius: float, material: str, switch: str | None, *, round_ends: bool
     ) -> None:
-        if self.looks:
+        if self.visual:
             fine, coarse = (bar(_point(start), _point(end), radius, ends) for ends in (round_ends, False))
             self._canvas.paint(self._name, fine, coarse, material, switch, None)
 
-    def _solid(self, **options: Any) -> None:
+    def _collision(self, **options: Any) -> None:
         options.setdefault("friction", _FURNITURE_FRICTION)
         self._body.add_geom(contype=FURNITURE_CONTYPE, conaffinity=self._meets, group=COLLIDER_GROUP, **options)
 

@@ -149,13 +149,13 @@ def _aside(name: str, table: Table) -> Station:
 def _fixture(name: str, table: Table, walls: Mapping[str, Wall], models: Models) -> Fixture:
     kind = table.text("kind", choices=sorted(KINDS))
     wall = table.text("wall", choices=walls, default=next(iter(walls)))
-    makes = fixture_models.names(kind)
-    if makes:
-        model = table.text("model", choices=makes, default=models.get(kind, makes[0]))
+    variants = fixture_models.names(kind)
+    if variants:
+        model = table.text("model", choices=variants, default=models.get(kind, variants[0]))
         measures = fixture_models.measures(kind, model)
         fixture = KINDS[kind].parse(name, table, measures)
         measures.close()
-        fixture = replace(fixture, make=model)
+        fixture = replace(fixture, variant=model)
     else:
         fixture = KINDS[kind].parse(name, table, table)
     table.close()

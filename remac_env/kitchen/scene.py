@@ -16,13 +16,13 @@ from remac_env.state import FixtureState, FrozenMap
 
 def build_scene(
     layout: Layout,
-    things: Mapping[str, Category],
+    categories: Mapping[str, Category],
     robots: Sequence[str],
     *,
     annexes: Sequence[str] = (),
     gives: Sequence[str] = (),
 ) -> Rules:
-    """The facts of a kitchen: the layout's usable fixtures, and `things` (noun -> category).
+    """The facts of a kitchen: the layout's usable fixtures, and `categories` (noun -> category).
 
     Args:
         annexes: further fixtures; one that the layout has is that of the layout.
@@ -64,7 +64,7 @@ def build_scene(
             | {fixture.kind for fixture in layout.fixtures.values() if not fixture.takes(category.size)},
             too_deep_in=category.too_deep_in - absent,
         )
-        for noun, category in things.items()
+        for noun, category in categories.items()
     }
     slots = {name: SlotFacts(name, layout.noun(slot), slot.station) for name, slot in layout.slots.items()}
     for facts in (annex.get(name) for name in annexes if name not in fixtures):

@@ -78,13 +78,13 @@ def sample(
     check_choice("naming", naming, NAMINGS)
     bodies.get(body)
     rng = generator(seed, "start", spec.name, layout.name, style, starts)
-    names, things = _choose_things(spec, layout, categories, naming, rng)
-    others = _choose_distractors(spec, layout, categories, things, rng)
+    names, objects = _choose_objects(spec, layout, categories, naming, rng)
+    others = _choose_distractors(spec, layout, categories, objects, rng)
     extra = generator(seed, "vessels", spec.name, layout.name, style, starts)
-    things |= _with_vessels(others, layout, categories, things, extra)
+    objects |= _with_vessels(others, layout, categories, objects, extra)
     slow = [(name, tuple(noun.format(**names) for noun in about)) for name, about in spec.processes]
     scene = replace(
-        build_scene(layout, things, robots, annexes=spec.annexes, gives=spec.gives),
+        build_scene(layout, objects, robots, annexes=spec.annexes, gives=spec.gives),
         quirks=spec.quirks, orders=spec.orders, hides=knowledge == "seen", processes=chosen(slow),
     )  # fmt: skip
     for needed in spec.fixtures:
@@ -96,8 +96,8 @@ def sample(
         world=at_rest(scene, draft.world),
         layout=layout.name,
         style=style,
-        categories={noun: category.name for noun, category in things.items()},
-        offsets={noun: offset_in(draft.world, layout, noun, things[noun], rng) for noun in things},
+        categories={noun: category.name for noun, category in objects.items()},
+        offsets={noun: offset_in(draft.world, layout, noun, objects[noun], rng) for noun in objects},
         robots=park(layout, robots, rng),
         doors=draft.doors,
         seed=int(seed),
@@ -122,12 +122,12 @@ def _drawn(
     raise SamplingError(f"{spec.name} in {layout.name}: no start was found in which the goal is still open")
 
 
-def _choose_things(
+def _choose_objects(
     spec: TaskSpec, layout: Layout, categories: Mapping[str, Category], naming: str, rng: np.random.Generator
 ) -> tuple[dict[str, str], dict[str, Category]]:
     """What the object of each role is called, and the categories of the objects by what they are called."""
     names: dict[str, str] = {}
-    things: dict[str, Category] = {}
+    objects: dict[str, Category] = {}
     for role in spec.roles:
         noun = str(rng.choice(role.nouns))
         options = [c for c in categories.values() if noun in (c.name, *c.roles) and c.attributes.issuperset(role.needs)]
@@ -139,12 +139,12 @@ def _choose_things(
         in_turn = [*options[drawn:], *options[:drawn]]
         obj = next((each for each in in_turn if _fits(spec, layout, role, each)), in_turn[0])
         names[role.name] = obj.name if naming == "category" else noun
-        things[names[role.name]] = obj
-    return names, things
+        objects[names[role.name]] = obj
+    return names, objects
 
 
 def _fits(spec: TaskSpec, layout: Layout, role: Role, category: Category) -> bool:
-    """Whether a thing of this category goes into every fixture into which the goal wants the role's object."""
+    """Whether an object of this category goes into every fixture into which the goal wants the role's object."""
     inside = (atom for atom in spec.goal.atoms() if isinstance(atom, Inside))
     wanted = (atom.container for atom in inside if atom.name == f"{{{role.name}}}")
     fixtures = (layout.fixtures[name] for name in wanted if name in layout.fixtures)
@@ -155,14 +155,14 @@ def _choose_distractors(
     spec: TaskSpec,
     layout: Layout,
     categories: Mapping[str, Category],
-    things: Mapping[str, Category],
+    objects: Mapping[str, Category],
     rng: np.random.Generator,
 ) -> dict[str, Category]:
-    """Things that could not be mistaken for one of the task's, as many as there is room for.
+    """Objects that could not be mistaken for one of the task's, as many as there is room for.
 
     One slot in the open stays free, so that whatever is in the way can be put down.
     """
-    taken = {word for noun, category in things.items() for word in (noun, category.name, *category.roles)}
+    taken = {word for noun, category in objects.items() for word in (noun, category.name, *category.roles)}
     others = [c for c in categories.values() if not c.holds and not taken & {c.name, *c.roles}]
     count = int(rng.integers(spec.distractors[0], spec.distractors[1] + 1))
     slots = sum(layout.fixtures[slot.fixture].worktop for slot in layout.slots.values())
@@ -180,18 +180,18 @@ def _with_vessels(
     others: Mapping[str, Category],
     layout: Layout,
     categories: Mapping[str, Category],
-    things: Mapping[str, Category],
+    objects: Mapping[str, Category],
     rng: np.random.Generator,
 ) -> dict[str, Category]:
     """The distractors with some of them, in their very places, replaced by vessels that the task does not need.
 
     What is small stays before what is not: in mixed starts it may lie in the way.
     """
-    words = {word for noun, obj in things.items() for word in (noun, obj.name, *obj.roles)}
+    words = {word for noun, obj in objects.items() for word in (noun, obj.name, *obj.roles)}
     open_slots = (slot for slot in layout.slots.values() if layout.fixtures[slot.fixture].worktop)
     room = min((min(slot.half) for slot in open_slots), default=0.0)
     fits = [c for c in categories.values() if c.holds and not words & {c.name, *c.roles} and min(c.size[:2]) <= room]
-    wanted = max(SPARE_VESSELS, VESSELS - sum(obj.holds > 0 for obj in things.values()))
+    wanted = max(SPARE_VESSELS, VESSELS - sum(obj.holds > 0 for obj in objects.values()))
     spare = [fits[index] for index in rng.permutation(len(fits))][:wanted]
     names = list(others)
     leaving = sorted((names[index] for index in rng.permutation(len(names))), key=lambda name: others[name].small)

@@ -31,8 +31,8 @@ def stated_scene(
     objects = {} if spec.setup is None else spec.setup.objects
     for name in objects.values():
         check_choice(f"category of task {spec.name}", name, categories)
-    things = {noun: categories[name] for noun, name in objects.items()}
-    scene = build_scene(layout, things, robots, annexes=spec.annexes, gives=spec.gives)
+    chosen = {noun: categories[name] for noun, name in objects.items()}
+    scene = build_scene(layout, chosen, robots, annexes=spec.annexes, gives=spec.gives)
     return replace(scene, quirks=spec.quirks, orders=spec.orders, hides=knowledge == "seen")
 
 
@@ -87,7 +87,7 @@ def stated_start(
 
 
 def _near_middle(offset: Offset, world: WorldState, layout: Layout, noun: str) -> Offset:
-    """The same nearer to the middle of a worktop's slot, whose neighbours hold things as well."""
+    """The same nearer to the middle of a worktop's slot, whose neighbours hold objects as well."""
     on_top = layout.slots[base_place(world, noun).where].kind == "surface"
     return replace(offset, dx=_CROWDED * offset.dx, dy=_CROWDED * offset.dy) if on_top else offset
 

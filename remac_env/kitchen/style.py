@@ -97,7 +97,7 @@ def read(path: Path) -> Style:
     table = _table(path)
     title, lamp = table.pop("title", path.stem), table.pop("lamp", "#ffffff")
     panel, pull = _one_of(path, table, "panel", PANELS), _one_of(path, table, "pull", PULLS)
-    makes = _models(path, table.pop("models", {}))
+    models = _models(path, table.pop("models", {}))
     if not isinstance(title, str):
         raise KitchenFileError(path, "title", f"expected a text, got {title!r}")
     finishes = dict(_common())
@@ -105,7 +105,7 @@ def read(path: Path) -> Style:
         if role not in finishes:
             raise KitchenFileError(path, role, "is not a role", ["title", "lamp", "panel", "pull", "models", *finishes])
         finishes[role] = _finish(path, role, given, finishes[role])
-    return Style(path.stem, title, hex_color(path, "lamp", lamp), MappingProxyType(finishes), panel, pull, makes)
+    return Style(path.stem, title, hex_color(path, "lamp", lamp), MappingProxyType(finishes), panel, pull, models)
 
 
 def _models(path: Path, given: object) -> Mapping[str, str]:

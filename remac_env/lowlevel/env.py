@@ -14,7 +14,7 @@ from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.learned.seen import Entry, entries
 from remac_env.errors import ActionError, PhysicsError, check_choice, whole_number
 from remac_env.lowlevel.control import Control, Hand, Joints
-from remac_env.lowlevel.looks import CAMERAS, Looks, moment
+from remac_env.lowlevel.drawing import CAMERAS, Drawing, moment
 from remac_env.lowlevel.names import skill_named
 from remac_env.lowlevel.options import SkillOptions, targets
 from remac_env.lowlevel.starts import ROBOT, Ready, get_ready
@@ -52,7 +52,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         self.action_space = spaces.Box(-1.0, 1.0, (len(self.action_names),), np.float32)
         self.observation_space = self._space()
         self._backends: dict[str, PhysicsBackend] = {}
-        self._looks = Looks()
+        self._drawing = Drawing()
         self._ready: Ready | None = None
         self._running = False
 
@@ -119,7 +119,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         if self.render_mode is None:
             return None
         now = moment(self._ready, self._manual, self._backend)
-        return self._looks.of(self._ready).render(now, self.render_mode)
+        return self._drawing.of(self._ready).render(now, self.render_mode)
 
     def close(self) -> None:
         """Free the simulator and the renderer. May be called twice."""
@@ -127,7 +127,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         for backend in self._backends.values():
             backend.close()
         self._backends.clear()
-        self._looks.close()
+        self._drawing.close()
 
     def _space(self) -> spaces.Space[Any]:
         low, high = (np.array([getattr(e, end) for e in self.observation_names], np.float32) for end in ("low", "high"))
@@ -155,7 +155,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         if self._options.obs == "state":
             return state
         size = self._options.image_size
-        return {"state": state, **self._looks.observe(self._begun(), self._manual, self._backend, size=size)}
+        return {"state": state, **self._drawing.observe(self._begun(), self._manual, self._backend, size=size)}
 
     def _info(self) -> dict[str, Any]:
         ready = self._begun()

@@ -61,7 +61,7 @@ _FROM = {
     "basin": (0.30, -0.42, 0.95),
     "cavity": (0.40, -0.95, 0.42),
 }
-_BETWEEN_LEAVES = 0.25  # of the way to the side, where a door opens to either side
+_BETWEEN_PANELS = 0.25  # of the way to the side, where a door opens to either side
 # Whole kitchens: degrees above the horizon, more of them a metre of depth, and at most; then heights to be seen, m.
 _LEAST_STEEP, _STEEPER, _STEEPEST = 14.0, 3.5, 27.0
 _HIGHEST, _LOWER, _LOWEST = 34.0, 2.8, 16.0  # the same of square pictures: fewer of them a metre, and at least
@@ -215,8 +215,8 @@ def side_offset(layout: Layout, station: str) -> Point:
     slots = [slot for slot in layout.slots.values() if slot.station == station]
     dx, dy, dz = _FROM[slots[0].kind if slots else "surface"]
     fixtures = [layout.fixtures[slot.fixture] for slot in slots]
-    if any(len(fixture.leaves) > 1 for fixture in fixtures):
-        dx *= _BETWEEN_LEAVES
+    if any(len(fixture.door_panels) > 1 for fixture in fixtures):
+        dx *= _BETWEEN_PANELS
     elif any(fixture.opens_to == "right" for fixture in fixtures):
         dx = -dx
     return dx, dy, dz

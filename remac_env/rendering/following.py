@@ -73,7 +73,7 @@ def _frame_held(
     """Look at what a robot holds, at its hand and at what lies at its station, from where most of it is seen."""
     station = world.robots[robot].station
     slots = [slot for slot in layout.slots.values() if slot.station == station]
-    shut_in = any(layout.fixtures[slot.fixture].leaves for slot in slots)
+    shut_in = any(layout.fixtures[slot.fixture].door_panels for slot in slots)
     taken = {item.place.where for item in world.objects.values() if item.place.relation == "slot"}
     places = np.array([layout.middle(s.name) for s in slots if shut_in or s.name in taken]).reshape(-1, 3)
     facing = facing_of(data, robot)

@@ -54,7 +54,7 @@ _BARS: Mapping[str, tuple[float, float, bool]] = MappingProxyType(
 
 
 class Sign(ABC):
-    """What is seen of one process of one thing. ``model`` is taken at its first picture."""
+    """What is seen of one process of one object. ``model`` is taken at its first picture."""
 
     def __init__(self, process: Process, name: str) -> None:
         self.process, self.name = process, name

@@ -1,4 +1,4 @@
-"""One kitchen ready to be looked at: a model with looks, its data and its renderers."""
+"""One kitchen ready to be looked at: a model with visual geometry, its data and its renderers."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Stage:
             robots=start.scene.robots,
             objects={noun: categories[name] for noun, name in start.categories.items()},
             style=styles.load(start.style),
-            looks=True,
+            visual=True,
             body=bodies.get(start.body),
             quirks=start.scene.quirks,
         )

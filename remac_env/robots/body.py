@@ -41,7 +41,7 @@ class Kinematics(Protocol):
         """Whose arm it is."""
 
     def forward(self, q: Array) -> tuple[Array, Array]:
-        """Position (3,) and rotation (3, 3) of the grip in configuration ``q``, in the frame that ``q`` is told in."""
+        """Position (3,) and rotation (3, 3) of the grip in configuration ``q``, in the frame of ``q``."""
 
     def track(
         self, q: Array, position: Array, rotation: Array, *, weights: Array = ..., iterations: int = ...,
@@ -59,7 +59,7 @@ class Body(Protocol):
     Attributes:
         joints: names, in the order of configurations. fingers: those of the hand, each a joint and a body, which move
             alike from 0 to ``finger_travel``. hands: a name for each hand; arms and hands are the same in number.
-        skirt: the name of the geom under the base that pushes things away.
+        skirt: the name of the geom under the base that pushes objects away.
         lower, upper: (n,) between which configurations are planned; lowest, highest: (n,) between which set-points are.
         speed, top_speed: (n,) of plans, and that the maker allows. acceleration: of the base in drives.
         torques: the largest that the arm's joints give. finger_stiffness: N/m; grip_friction: of what touches objects.
@@ -105,10 +105,10 @@ class Body(Protocol):
         """The configuration (n,) with the arm folded and its axis at ``x``, ``y``, heading ``yaw``."""
 
     def add_to(
-        self, spec: mujoco.MjSpec, name: str, *, looks: bool = False,
+        self, spec: mujoco.MjSpec, name: str, *, visual: bool = False,
         accent: tuple[float, float, float] = (0.1, 0.4, 0.8),
     ) -> None:
-        """Add a robot of this kind at the world's origin; joints and their order do not depend on ``looks``."""
+        """Add a robot of this kind at the world's origin; joints and their order do not depend on ``visual``."""
 
     def kinematics(self, arm: str = "") -> Kinematics:
         """Of an arm, by the name of its hand; of the only one where "" is given."""

@@ -39,7 +39,7 @@ def landing(rules: Rules, world: WorldState, robot: str, target: str) -> Place |
 
     On a fixture: a free slot at the robot's station, a lit burner before others; else a vessel that belongs there and
     has room, as the plate in a cupboard. On a vessel: the vessel, unless it is full or too deep for the hand where it
-    stands. Neither where the thing is too big for the fixture around.
+    stands. Neither where the object is too big for the fixture around.
     """
     held, kind = world.robots[robot].holding, kind_around(rules, world, target)
     if held is not None and kind in rules.objects[held].too_big_for:
@@ -59,7 +59,7 @@ def landing(rules: Rules, world: WorldState, robot: str, target: str) -> Place |
 
 
 def has_room(rules: Rules, world: WorldState, vessel: str) -> bool:
-    """Whether a vessel takes one more thing: it is not full, and a hand reaches into it where it stands."""
+    """Whether a vessel takes one more object: it is not full, and a hand reaches into it where it stands."""
     facts = rules.objects[vessel]
     return len(contents(world, vessel)) < facts.holds and kind_around(rules, world, vessel) not in facts.too_deep_in
 

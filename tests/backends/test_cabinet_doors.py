@@ -30,14 +30,14 @@ ROBOT = "robot_1"
 SPEC = TaskSpec("Doors", ("", "", ""), Inside("{plate}", "counter"), (Role("plate", ("plate",), at="cabinet"),), ())
 BOWL = replace(SPEC, goal=Inside("{bowl}", "cabinet"), roles=(Role("bowl", ("bowl",)),))
 SAUSAGE = replace(SPEC, goal=Inside("{sausage}", "counter"), roles=(Role("sausage", ("sausage",), at="cabinet"),))
-LEAVES = ("cabinet/left_door", "cabinet/right_door")
+PANELS = ("cabinet/left_door", "cabinet/right_door")
 
 
 class OneCabinet(TaskWorlds):
-    make, beside = "double_bar", "left"
+    variant, beside = "double_bar", "left"
 
     def layout(self, name: str, style: str) -> Layout:
-        return module_trials.module_layout("cabinet", self.make, self.beside)
+        return module_trials.module_layout("cabinet", self.variant, self.beside)
 
 
 class Kitchen:
@@ -55,12 +55,12 @@ class Kitchen:
         subtask = self.worlds.vocabulary.subtask(self.worlds.vocabulary.encode(text))
         return self.backend.run_round({ROBOT: subtask}).outcomes[ROBOT]
 
-    def set(self, leaf: str, angle: float) -> None:
-        self.backend.data.joint(leaf).qpos[0] = angle
+    def set(self, panel: str, angle: float) -> None:
+        self.backend.data.joint(panel).qpos[0] = angle
 
     @property
     def angles(self) -> tuple[float, float]:
-        left, right = (float(self.backend.data.joint(leaf).qpos[0]) for leaf in LEAVES)
+        left, right = (float(self.backend.data.joint(panel).qpos[0]) for panel in PANELS)
         return left, right
 
     @property
@@ -89,14 +89,14 @@ def test_both_leaves_stand_as_the_start_says_and_are_closed_and_opened() -> None
 
 def test_one_open_leaf_is_no_open_door_and_is_left_alone() -> None:
     kitchen = Kitchen(46001)
-    kitchen.set(LEAVES[0], 1.45)
+    kitchen.set(PANELS[0], 1.45)
     assert kitchen.run("navigate to cabinet").success
     assert kitchen.door == "ajar"
     assert kitchen.run("pick up plate").reason == "door_closed"
     before, moved = kitchen.angles[0], []
     kitchen.backend.watch = lambda: moved.append(abs(kitchen.angles[0] - before))
     assert kitchen.run("open cabinet door").success
-    assert max(moved) < 0.02, "the open leaf was not touched"
+    assert max(moved) < 0.02, "the open panel was not touched"
     assert min(kitchen.angles) >= 0.9
 
 
@@ -106,7 +106,7 @@ def test_the_nearer_leaf_comes_first(seed: int) -> None:
     assert kitchen.run("navigate to cabinet").success
     standing = float(kitchen.backend.data.joint(f"{ROBOT}/base_x").qpos[0])
     cabinet = kitchen.worlds.layout("", "").fixtures["cabinet"]
-    middle = 0.5 * (cabinet.leaves[0].hinge + cabinet.leaves[1].hinge)
+    middle = 0.5 * (cabinet.door_panels[0].hinge + cabinet.door_panels[1].hinge)
     first: list[int] = []
 
     def watch() -> None:
@@ -117,7 +117,7 @@ def test_the_nearer_leaf_comes_first(seed: int) -> None:
     assert first[0] == (0 if standing < middle else 1)
 
 
-def test_a_bowl_goes_in_between_the_leaves() -> None:
+def test_a_bowl_goes_in_between_the_door_panels() -> None:
     kitchen = Kitchen(46011, angle=1.45, spec=BOWL)
     for step in ("navigate to bowl", "pick up bowl", "navigate to cabinet", "place to cabinet"):
         assert kitchen.run(step).success, step
@@ -131,7 +131,7 @@ class BesideFridge:
         self.backend, _, self.worlds = physics_kit.kitchen(
             {"lemon": "counter"}, 46020, layout="wraparound", style="mediterranean"
         )
-        self.panels = [self.backend.data.joint(leaf) for leaf in LEAVES]
+        self.panels = [self.backend.data.joint(panel) for panel in PANELS]
 
     def run(self, *texts: str) -> list[str | None]:
         return physics_kit.run(self.backend, self.worlds, texts)
@@ -155,10 +155,10 @@ def test_fingers_that_push_meet_the_panel(closing: bool) -> None:
         faces=(-0.025, 0.0), ends=(0.6, 1.8), sign=1.0, address=0, geoms=(), seen=0.0,
     )  # fmt: skip
     short = replace(tall, ends=(0.9, 1.2))
-    for leaf in (tall, short):
-        heights = {float(grasp.position[2]) for grasp in doors._pushes(leaf, 0.5, bodies.get(), closing=closing)}
-        assert all(leaf.ends[0] + 0.02 <= height <= leaf.ends[1] - 0.02 for height in heights), heights
-        assert bool(heights) is (leaf is tall or not closing)
+    for panel in (tall, short):
+        heights = {float(grasp.position[2]) for grasp in doors._pushes(panel, 0.5, bodies.get(), closing=closing)}
+        assert all(panel.ends[0] + 0.02 <= height <= panel.ends[1] - 0.02 for height in heights), heights
+        assert bool(heights) is (panel is tall or not closing)
 
 
 @pytest.mark.long
@@ -179,7 +179,7 @@ def test_a_panel_is_pushed_open_from_behind(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 class OneLeaf(OneCabinet):
-    make, beside = "left_bar", "right"
+    variant, beside = "left_bar", "right"
 
 
 def force_of_shutting() -> float:
@@ -222,13 +222,13 @@ def test_a_bent_thing_that_points_at_the_robot_is_held(yaw: float) -> None:
     assert kitchen.backend.world.robots[ROBOT].holding == "sausage"
 
 
-def test_a_kitchen_that_is_only_drawn_shows_both_leaves() -> None:
+def test_a_kitchen_that_is_only_drawn_shows_both_door_panels() -> None:
     worlds = OneCabinet(replace(SPEC, distractors=(0, 0)))
     start, layout = started(worlds, 46005, 0.5), worlds.layout("", "")
     model = build_model(layout, robots=(ROBOT,), objects={"plate": "plate"})
     data = mujoco.MjData(model)
     pose(model, data, layout, catalogue.load(), start, start.world)
-    assert [float(data.joint(leaf).qpos[0]) for leaf in LEAVES] == [0.5, 0.5]
+    assert [float(data.joint(panel).qpos[0]) for panel in PANELS] == [0.5, 0.5]
     opened = start.world.with_fixture("cabinet", door="open")
     pose(model, data, layout, catalogue.load(), start, opened)
-    assert [float(data.joint(leaf).qpos[0]) for leaf in LEAVES] == [1.45, 1.45]
+    assert [float(data.joint(panel).qpos[0]) for panel in PANELS] == [1.45, 1.45]

@@ -59,7 +59,7 @@ def test_the_makers_limits_hold() -> None:
     assert within_torques(found), found.torque
     assert (found.torque[4:] > 5.0).any(), "an episode that asks nothing of the wrist shows nothing"
     assert found.finger <= FINGER + 1e-6
-    assert len({leaf for _, leaf in found.doors}) >= 3
+    assert len({panel for _, panel in found.doors}) >= 3
     assert 20.0 < strongest(found) <= DOOR, found.doors
 
 

@@ -16,7 +16,7 @@ from remac_env.state import Place
 INTO_CABINET = ("navigate to cabinet", "open cabinet door", "navigate to bowl", "pick up bowl", "navigate to cabinet")
 
 NARROW = 93039
-"""Seed of a kitchen whose cabinet has two leaves, with a bowl that is grasped in the sink."""
+"""Seed of a kitchen whose cabinet has two door panels, with a bowl that is grasped in the sink."""
 
 
 def told(env: KitchenParallelEnv, *commands: str) -> list[str | None]:

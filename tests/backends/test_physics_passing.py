@@ -75,7 +75,7 @@ def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
     env = remac_env.parallel_env("OpenCabinetPnP", layout=name, backend="symbolic")
     env.reset(seed=1)
     layout, chance = layouts.load(name), np.random.default_rng(1)
-    simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, looks=False), ROBOTS)
+    simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, visual=False), ROBOTS)
     team = Team(simulation, layout, {}, env.start, {})
 
     def near(place: str) -> Station:
@@ -105,7 +105,7 @@ def test_many_pairs_of_ways_are_not_tried_before_one_robot_makes_room(monkeypatc
     env = remac_env.parallel_env("OpenCabinetPnP", layout=name, robots=2, backend="symbolic")
     env.reset(seed=1)
     layout = layouts.load(name)
-    simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, looks=False), ROBOTS)
+    simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, visual=False), ROBOTS)
     team = Team(simulation, layout, {}, env.start, {})
     swap = {"robot_0": ("sink", "stove"), "robot_1": ("stove", "sink")}
     for robot, (place, _) in swap.items():

@@ -97,7 +97,7 @@ def test_what_lies_in_a_dish_is_measured() -> None:
     food = {name: kind for name, kind in catalogue.load().items() if kind.group in EDIBLE}
     spec = mujoco.MjSpec()
     for name, kind in food.items():
-        add_object(spec, spec.worldbody, name, kind, looks=False)
+        add_object(spec, spec.worldbody, name, kind, visual=False)
     model = spec.compile()
     bodies = {name: model.body(name) for name in food}
     geoms = {name: range(int(b.geomadr[0]), int(b.geomadr[0] + b.geomnum[0])) for name, b in bodies.items()}

@@ -48,10 +48,10 @@ def test_walls_that_pass_through_furniture_are_seen(monkeypatch: pytest.MonkeyPa
     assert max(depth for (_, into), depth in impact.items() if into.startswith("counter")) > 0.02
 
 
-@pytest.mark.parametrize("make", models.names("cabinet"))
-def test_doors_open_all_the_way_and_clear_of_their_neighbours(make: str) -> None:
+@pytest.mark.parametrize("variant", models.names("cabinet"))
+def test_doors_open_all_the_way_and_clear_of_their_neighbours(variant: str) -> None:
     for name in ("one_wall_large", "u_shaped_small"):
-        depths, angle = solids.swing(layouts.load(name, FrozenMap({"cabinet": make})))
+        depths, angle = solids.swing(layouts.load(name, FrozenMap({"cabinet": variant})))
         assert angle > OPENED and deepest(depths) < AT_REST, (name, depths)
 
 

@@ -70,12 +70,12 @@ def costs(task: str, *, detours: int = 0) -> Costs:
     told = next(iter(infos.values()))
     if not told["success"]:
         raise AssertionError(f"the plan for {task} failed: {[info['outcome'] for info in infos.values()]}")
-    crew = env._backend._timeline._team
+    team = env._backend._timeline._team
     found = {
         "rounds": float(told["round"]),
         "steps": float(sum(calls)),
         "control_steps": float(len(calls)),
-        "checks": float(sum(here.clear.checker.checks for here in crew.robots.values())),
+        "checks": float(sum(here.clear.checker.checks for here in team.robots.values())),
         "contacts": round(sum(contacts) / len(contacts), 1),
     }
     env.close()

@@ -72,8 +72,8 @@ def test_suites_answers_kitchens_and_providers(encoding: str, tmp_path: Path) ->
     answers.write_text('{"HeatOnStove": ["wait"]}')
     assert AnswersPlanner(str(marked(answers, encoding)))._answers == {"HeatOnStove": ["wait"]}
     layout = marked(Path(shutil.copy(layouts.FOLDER / "galley.toml", tmp_path)), encoding)
-    makes = styles.load("rustic").models
-    assert layouts.read(layout, makes).slots == layouts.load("galley", makes).slots
+    models = styles.load("rustic").models
+    assert layouts.read(layout, models).slots == layouts.load("galley", models).slots
     style = marked(Path(shutil.copy(layouts.FOLDER.parent / "styles" / "rustic.toml", tmp_path)), encoding)
     assert styles.read(style).models == styles.load("rustic").models
     providers = tmp_path / "providers.toml"

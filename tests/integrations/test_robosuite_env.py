@@ -141,8 +141,8 @@ def test_what_a_button_leaves_running_stays_and_a_door_stops_it() -> None:
     assert env.world.fixtures["microwave"].on
     assert observed["microwave_on"] == [1.0]
     assert env._bodies.joint("microwave/button") < 0.001, "the button is out again: only what happened says it runs"
-    leaf = env.episode.layout.fixtures["microwave"].leaves[-1]
-    env.sim.data.set_joint_qpos(leaf.joint, 1.2)
+    panel = env.episode.layout.fixtures["microwave"].door_panels[-1]
+    env.sim.data.set_joint_qpos(panel.joint, 1.2)
     observed, *_ = env.step(rest)
     assert not env.world.fixtures["microwave"].on
     assert observed["microwave_on"] == [0.0]

@@ -70,7 +70,7 @@ def _model(category: Category, position: np.ndarray, rotation: np.ndarray) -> mu
     option.integrator, option.cone = mujoco.mjtIntegrator.mjINT_IMPLICITFAST, mujoco.mjtCone.mjCONE_ELLIPTIC
     box = mujoco.mjtGeom.mjGEOM_BOX
     spec.worldbody.add_geom(type=box, size=[1, 1, 0.1], pos=[0, 0, -0.1], contype=1, conaffinity=0)
-    add_object(spec, spec.worldbody, "thing", category, looks=False)
+    add_object(spec, spec.worldbody, "thing", category, visual=False)
     turn = np.zeros(4)
     mujoco.mju_mat2Quat(turn, rotation.ravel())
     hand = spec.worldbody.add_body(name="hand", pos=position, quat=turn, gravcomp=1)

@@ -1,4 +1,4 @@
-"""Every make is proven, and a layout that is not put together from proven makes is refused."""
+"""Every variant is proven, and a layout that is not put together from proven variants is refused."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.blocks import Block
 from remac_env.kitchen.fixtures import certificates, models
-from remac_env.kitchen.fixtures.base import ONE_MAKE
+from remac_env.kitchen.fixtures.base import ONE_VARIANT
 from remac_env.kitchen.fixtures.certificates import Certificate
 from remac_env.robots import bodies
 from remac_env.robots.panda.body import Panda
@@ -28,8 +28,8 @@ NAME = "one_wall_large"
 TEXT = (layouts.FOLDER / f"{NAME}.toml").read_text(encoding="utf-8")
 CABINET = ("cabinet", "left_bar")
 KNOWN = certificates.load()
-MAKES = [(kind, make) for kind in models.kinds() for make in models.names(kind)]
-MAKES += [("counter", ONE_MAKE), ("drawer", ONE_MAKE), ("oven", ONE_MAKE)]
+VARIANTS = [(kind, variant) for kind in models.kinds() for variant in models.names(kind)]
+VARIANTS += [("counter", ONE_VARIANT), ("drawer", ONE_VARIANT), ("oven", ONE_VARIANT)]
 SKILLS = {
     "cabinet": {"open door", "close door", "place to", "pick up"},
     "microwave": {"open door", "close door", "turn on", "turn off", "place to", "pick up"},
@@ -69,24 +69,24 @@ def layout() -> layouts.Layout:
 # -- what is proven ----------------------------------------------------------------------------------------------------
 
 
-def test_nothing_else_is_proven_than_the_makes() -> None:
-    assert set(KNOWN) == set(MAKES) == set(module_trials.makes())
+def test_nothing_else_is_proven_than_the_variants() -> None:
+    assert set(KNOWN) == set(VARIANTS) == set(module_trials.variants())
 
 
-@pytest.mark.parametrize(("kind", "make"), MAKES)
-def test_every_make_is_proven_for_every_skill(kind: str, make: str) -> None:
-    proof = KNOWN[kind, make]
+@pytest.mark.parametrize(("kind", "variant"), VARIANTS)
+def test_every_variant_is_proven_for_every_skill(kind: str, variant: str) -> None:
+    proof = KNOWN[kind, variant]
     assert set(proof.skills) == SKILLS[kind]
     assert all(skill.proven and skill.tries >= 4 for skill in proof.skills.values()), "by both robots, twice"
-    assert proof.measures == certificates.measures_hash(kind, make), "run benchmarks/certify_modules.py"
-    assert proof.colliders == module_trials.colliders_hash(kind, make), "run benchmarks/certify_modules.py"
+    assert proof.measures == certificates.measures_hash(kind, variant), "run benchmarks/certify_modules.py"
+    assert proof.colliders == module_trials.colliders_hash(kind, variant), "run benchmarks/certify_modules.py"
 
 
 def test_a_proof_says_where_robots_stood() -> None:
     for proof in KNOWN.values():
         for name, skill in proof.skills.items():
             (left, near, turned), (right, far, other) = skill.stances
-            assert -0.5 < left <= right < 0.5 and -1.04 < near <= far <= -0.19, (proof.kind, proof.make, name)
+            assert -0.5 < left <= right < 0.5 and -1.04 < near <= far <= -0.19, (proof.kind, proof.variant, name)
             assert 1.2 < turned <= other < 1.95
             assert 0.3 < skill.reach[0] <= skill.reach[1] < 0.95
             (low, _), (high, front) = skill.floor
@@ -96,9 +96,9 @@ def test_a_proof_says_where_robots_stood() -> None:
     assert KNOWN["stove", "top"].sweep is None
 
 
-def test_fingerprints_tell_makes_apart_that_differ() -> None:
+def test_fingerprints_tell_variants_apart_that_differ() -> None:
     assert len({proof.measures for proof in KNOWN.values()}) == len(KNOWN)
-    same_to_the_touch = {("cabinet", make) for make in models.names("cabinet")}
+    same_to_the_touch = {("cabinet", variant) for variant in models.names("cabinet")}
     assert len({KNOWN[name].colliders for name in same_to_the_touch}) == len(same_to_the_touch)
 
 
@@ -132,10 +132,10 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("index", range(max(len(models.names(kind)) for kind in models.kinds())))
-def test_every_make_is_accepted(index: int) -> None:
+def test_every_variant_is_accepted(index: int) -> None:
     made = {kind: models.names(kind)[index % len(models.names(kind))] for kind in models.kinds()}
     kitchen = layouts.load("one_wall_small", FrozenMap(made))
-    assert {f.kind: f.make for f in kitchen.fixtures.values() if f.kind in made} == made
+    assert {f.kind: f.variant for f in kitchen.fixtures.values() if f.kind in made} == made
 
 
 @pytest.mark.long
@@ -217,10 +217,10 @@ def test_floor_that_is_not_free_is_refused(layout: layouts.Layout) -> None:
 
 
 def test_a_slot_out_of_reach_is_refused(layout: layouts.Layout) -> None:
-    counter = KNOWN["counter", ONE_MAKE]
+    counter = KNOWN["counter", ONE_VARIANT]
     narrow = replace(counter, size=Block((-0.1, 0.24, 0.9), (0.1, 0.24, 0.9)))
     with pytest.raises(KitchenFileError, match=r"fixtures\.counter\.slots \(counter\.0\).*off its proof"):
-        certificates.check(layout, "odd.toml", {**KNOWN, ("counter", ONE_MAKE): narrow})
+        certificates.check(layout, "odd.toml", {**KNOWN, ("counter", ONE_VARIANT): narrow})
 
 
 def test_a_malformed_file_is_refused(tmp_path: Path) -> None:

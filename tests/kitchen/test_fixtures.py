@@ -1,4 +1,4 @@
-"""The fixtures as MuJoCo models: joints, colliders where the facts say, reading of state, looks that change nothing."""
+"""The fixtures as MuJoCo models: joints, colliders where the facts say, reading of state; drawing changes nothing."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def bare() -> mujoco.MjModel:
 
 @pytest.fixture(scope="module")
 def dressed() -> mujoco.MjModel:
-    return build_model(LAYOUT, robots=(), objects={}, looks=True)
+    return build_model(LAYOUT, robots=(), objects={}, visual=True)
 
 
 def joints(model: mujoco.MjModel) -> list[str]:
@@ -69,7 +69,7 @@ def test_joints_are_as_measured(
     assert tuple(bare.joint(joint).range) == limits
 
 
-def test_looks_change_nothing_but_looks(bare: mujoco.MjModel, dressed: mujoco.MjModel) -> None:
+def test_visual_geometry_changes_nothing_but_pictures(bare: mujoco.MjModel, dressed: mujoco.MjModel) -> None:
     assert joints(bare) == joints(dressed)
     assert [bare.body(i).name for i in range(bare.nbody)] == [dressed.body(i).name for i in range(dressed.nbody)]
     moving = bare.body_dofnum > 0
@@ -85,13 +85,13 @@ def test_looks_change_nothing_but_looks(bare: mujoco.MjModel, dressed: mujoco.Mj
 
 def test_robots_and_objects_keep_their_order() -> None:
     robots, objects = ("robot_0", "robot_1"), {"vegetable": "carrot", "bowl": "bowl"}
-    models = [build_model(LAYOUT, robots=robots, objects=objects, looks=looks) for looks in (False, True)]
+    models = [build_model(LAYOUT, robots=robots, objects=objects, visual=visual) for visual in (False, True)]
     assert joints(models[0]) == joints(models[1])
     assert {"vegetable", "bowl", "robot_0/base_x", "robot_1/base_x"} <= set(joints(models[0]))
     assert models[0].nq == models[1].nq and models[0].nu == models[1].nu
 
 
-def test_looks_move_alike(bare: mujoco.MjModel, dressed: mujoco.MjModel) -> None:
+def test_visual_geometry_moves_alike(bare: mujoco.MjModel, dressed: mujoco.MjModel) -> None:
     ends = []
     for model in (bare, dressed):
         data = mujoco.MjData(model)
@@ -104,10 +104,10 @@ def test_looks_move_alike(bare: mujoco.MjModel, dressed: mujoco.MjModel) -> None
 
 
 def test_colliders_meet_objects_and_robots_and_leaves_meet_furniture_too(bare: mujoco.MjModel) -> None:
-    leaves = np.array([bare.body(body).name.endswith("/door") for body in bare.geom_bodyid])
+    panels = np.array([bare.body(body).name.endswith("/door") for body in bare.geom_bodyid])
     floor = bare.geom_bodyid == bare.body("room/floor").id
-    assert set(bare.geom_contype[~floor]) == {1} and set(bare.geom_contype[floor]) == {3} and leaves.any()
-    assert set(bare.geom_conaffinity[leaves]) == {1} and set(bare.geom_conaffinity[~leaves]) == {0}
+    assert set(bare.geom_contype[~floor]) == {1} and set(bare.geom_contype[floor]) == {3} and panels.any()
+    assert set(bare.geom_conaffinity[panels]) == {1} and set(bare.geom_conaffinity[~panels]) == {0}
     bar_geom = bare.geom("microwave/handle")
     assert bar_geom.size[0] == pytest.approx(0.009)
 
@@ -152,30 +152,30 @@ def test_doors_open_towards_the_robot(bare: mujoco.MjModel, name: str) -> None:
     assert fixture.read(bare, data).door_angles == (OPENED,)
 
 
-DOUBLE = [make for make in models.names("cabinet") if make.startswith("double")]
+DOUBLE = [variant for variant in models.names("cabinet") if variant.startswith("double")]
 
 
-def double(make: str) -> layouts.Layout:
-    return layouts.load("one_wall_large", FrozenMap({"cabinet": make}))
+def double(variant: str) -> layouts.Layout:
+    return layouts.load("one_wall_large", FrozenMap({"cabinet": variant}))
 
 
-@pytest.mark.parametrize("make", DOUBLE)
-def test_two_leaves_meet_in_the_middle_and_open_to_both_sides(make: str) -> None:
-    layout = double(make)
+@pytest.mark.parametrize("variant", DOUBLE)
+def test_two_door_panels_meet_in_the_middle_and_open_to_both_sides(variant: str) -> None:
+    layout = double(variant)
     cabinet = layout.fixtures["cabinet"]
-    left, right = cabinet.leaves
+    left, right = cabinet.door_panels
     assert cabinet.opens_to == "both" and (left.side, right.side) == ("left", "right")
     assert left.hinge + left.width == pytest.approx(right.hinge - right.width), "no gap and no overlap"
     model = build_model(layout, robots=(), objects={})
     data = mujoco.MjData(model)
     assert joints(model)[:2] == ["cabinet/left_door", "cabinet/right_door"]
     mujoco.mj_forward(model, data)
-    handles = [data.site(leaf.grip).xpos.copy() for leaf in (left, right)]
+    handles = [data.site(panel.grip).xpos.copy() for panel in (left, right)]
     assert 0.05 < handles[1][0] - handles[0][0] < 0.15
     for joint, value in cabinet.joints(OPENED, frozenset()).items():
         data.joint(joint).qpos[0] = value
     mujoco.mj_forward(model, data)
-    opened = [data.site(leaf.grip).xpos for leaf in (left, right)]
+    opened = [data.site(panel.grip).xpos for panel in (left, right)]
     assert opened[0][0] < handles[0][0] - 0.15 and opened[1][0] > handles[1][0] + 0.15
     swept = np.array(cabinet.swept_points)
     for place in opened:

@@ -13,20 +13,20 @@ from remac_env.kitchen.fixtures.fronts import THICKNESS, draw_front
 class Paper:
     """A part that notes the boxes drawn on it and refuses those without an extent."""
 
-    looks = True
+    visual = True
 
     def __init__(self, panel: str, pull: str) -> None:
-        self.make, self.boxes = (panel, pull), []
+        self.fronts, self.boxes = (panel, pull), []
 
-    def drawn_box(self, low, high, material, **_) -> None:
+    def visual_box(self, low, high, material, **_) -> None:
         if min(b - a for a, b in zip(low, high, strict=True)) <= 0:
             raise ValueError(f"no extent: {low}, {high}")
         self.boxes.append((low, high))
 
-    def drawn_cylinder(self, *_, **__) -> None:
+    def visual_cylinder(self, *_, **__) -> None:
         pass
 
-    drawn_capsule = drawn_cylinder
+    visual_capsule = visual_cylinder
 
 
 @pytest.mark.parametrize("panel", ["shaker", "slab", "raised", "beaded"])
@@ -50,5 +50,5 @@ def test_a_wide_raised_panel_has_its_field() -> None:
 def test_every_layout_is_drawn_in_every_style(name: str) -> None:
     for look in styles.names():
         style = styles.load(look)
-        spec = build_spec(layouts.load(name, style.models), robots=[], objects={}, style=style, looks=True)
+        spec = build_spec(layouts.load(name, style.models), robots=[], objects={}, style=style, visual=True)
         assert len(spec.materials) > 10

@@ -126,11 +126,11 @@ def test_noise_tiles_without_a_seam() -> None:
 
 
 def test_styles_differ_and_cover_all_roles() -> None:
-    looks = [style.load(name) for name in style.names()]
-    assert {"modern_1", "farmhouse", "industrial", "coastal"} <= {look.name for look in looks}
-    assert all(tuple(look.finishes) == style.roles() for look in looks)
+    styled = [style.load(name) for name in style.names()]
+    assert {"modern_1", "farmhouse", "industrial", "coastal"} <= {look.name for look in styled}
+    assert all(tuple(look.finishes) == style.roles() for look in styled)
     for role in ("base_door", "wall", "counter", "backsplash", "handle"):
-        assert len({(look[role].pattern, look[role].color) for look in looks}) == len(looks), role
+        assert len({(look[role].pattern, look[role].color) for look in styled}) == len(styled), role
 
 
 @pytest.mark.parametrize(

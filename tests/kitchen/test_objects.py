@@ -28,7 +28,7 @@ CATEGORIES = catalogue.load()
 FOOD = [name for name, category in CATEGORIES.items() if category.small]
 
 
-def model_of(*things: tuple[str, str], looks: bool = False) -> mujoco.MjModel:
+def model_of(*things: tuple[str, str], visual: bool = False) -> mujoco.MjModel:
     """A table with objects (noun, category) on it, at the origin."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -38,7 +38,7 @@ def model_of(*things: tuple[str, str], looks: bool = False) -> mujoco.MjModel:
     table = mujoco.mjtGeom.mjGEOM_BOX
     spec.worldbody.add_geom(type=table, size=[1, 1, 0.1], pos=[0, 0, -0.1], contype=1, conaffinity=0)
     for noun, category in things:
-        add_object(spec, spec.worldbody, noun, category, looks=looks)
+        add_object(spec, spec.worldbody, noun, category, visual=visual)
     return spec.compile()
 
 
@@ -148,14 +148,14 @@ def test_drawn_shape_matches_the_body(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CATEGORIES)
-def test_looks_change_neither_mass_nor_contacts(name: str) -> None:
-    bare, drawn = model_of(("thing", name)), model_of(("thing", name), looks=True)
+def test_visual_geometry_changes_neither_mass_nor_contacts(name: str) -> None:
+    bare, drawn = model_of(("thing", name)), model_of(("thing", name), visual=True)
     assert bare.nq == drawn.nq and drawn.ngeom > bare.ngeom
     assert drawn.body("thing").mass == pytest.approx(bare.body("thing").mass)
     assert drawn.body("thing").inertia == pytest.approx(bare.body("thing").inertia)
     assert bare.body("thing").mass[0] == pytest.approx(CATEGORIES[name].mass, rel=0.2)
-    looks = drawn.geom_group == 1
-    assert looks.any() and not drawn.geom_contype[looks].any() and not drawn.geom_conaffinity[looks].any()
+    visual = drawn.geom_group == 1
+    assert visual.any() and not drawn.geom_contype[visual].any() and not drawn.geom_conaffinity[visual].any()
 
 
 def test_shapes_are_small() -> None:
@@ -234,7 +234,7 @@ TABLE = {
 def test_a_category_from_outside_is_drawn_as_its_body() -> None:
     own = catalogue.parse("leek", {**TABLE, "color": "#00ff00"})
     spec = mujoco.MjSpec()
-    add_object(spec, spec.worldbody, "leek", own, looks=True)
+    add_object(spec, spec.worldbody, "leek", own, visual=True)
     model = spec.compile()
     assert own.roles == ("vegetable", "leek")
     assert list(model.geom_group) == [3, 3, 1, 1]

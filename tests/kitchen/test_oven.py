@@ -52,7 +52,7 @@ def test_its_door_comes_down_level() -> None:
         mujoco.mj_forward(model, data)
         reading = oven.read(model, data)
         assert reading.door_angles[0] == pytest.approx(opened) and reading.door == state
-        (flap,) = oven.leaves
+        (flap,) = oven.door_panels
         handle[opened] = data.site("oven/handle").xpos.copy()
         assert handle[opened] - handle[0.0] == pytest.approx(flap.way(flap.position(opened)), abs=1e-9)
     assert handle[OPEN_TO][2] < 0.95 < handle[0.0][2] and handle[OPEN_TO][1] < -0.3

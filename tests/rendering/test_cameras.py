@@ -69,13 +69,13 @@ def layout(request) -> layouts.Layout:
 def kitchen(layout) -> tuple[mujoco.MjModel, mujoco.MjData]:
     from remac_env.kitchen.builder import build_spec
 
-    spec = build_spec(layout, robots=["robot_0"], objects={"vegetable": "carrot"}, looks=True)
+    spec = build_spec(layout, robots=["robot_0"], objects={"vegetable": "carrot"}, visual=True)
     cameras.add_cameras(spec, layout, ["robot_0"])
     model = spec.compile()
     data = mujoco.MjData(model)
     for fixture in layout.fixtures.values():
-        for leaf in fixture.leaves:
-            data.joint(leaf.joint).qpos[0] = 1.45
+        for panel in fixture.door_panels:
+            data.joint(panel.joint).qpos[0] = 1.45
     return model, data
 
 

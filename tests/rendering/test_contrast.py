@@ -38,7 +38,7 @@ def test_pale_things_stand_out_from_the_worktop(look: str) -> None:
     style = styles.load(look)
     layout = layouts.load("one_wall_large", style.models)
     slot = next(slot for slot in layout.slots.values() if slot.fixture == "counter")
-    spec = build_spec(layout, robots=[], objects={name: name for name in PALEST}, style=style, looks=True)
+    spec = build_spec(layout, robots=[], objects={name: name for name in PALEST}, style=style, visual=True)
     cameras.add_cameras(spec, layout, [])
     model = spec.compile()
     data = mujoco.MjData(model)

@@ -122,7 +122,7 @@ def test_wrist_pictures_are_upright(kitchen: Kitchen, wrist: float, bend: float)
 def test_little_of_the_front_picture_is_floor(name: str) -> None:
     layout = layouts.load(name)
     robots = ["robot_0", "robot_1"]
-    spec = build_spec(layout, robots=robots, objects={}, looks=True)
+    spec = build_spec(layout, robots=robots, objects={}, visual=True)
     cameras.add_cameras(spec, layout, robots)
     spec.worldbody.add_camera(name="down", pos=[0.0, -2.0, 6.0], fovy=46.0)
     model = spec.compile()

@@ -108,7 +108,7 @@ def test_servos_hold_a_tucked_robot_against_gravity() -> None:
     spec.compiler.degree = False
     spec.option.timestep = 0.005
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    add_robot(spec, "robot_0", looks=True)
+    add_robot(spec, "robot_0", visual=True)
     model = spec.compile()
     data = mujoco.MjData(model)
     q = panda.tucked(0.2, -0.3, 1.0)

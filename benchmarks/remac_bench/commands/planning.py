@@ -121,10 +121,10 @@ def _where(given: Mapping[str, Any]) -> dict[str, Any]:
     kinds = parse_names(joined(given["starts"], "starts") or "paper", "starts")
     for kind in kinds:
         check_choice("starts", kind, STARTS)
-    crews = parse_names(joined(given["robots"], "robots") or "1", "robots")
-    if not set(crews) <= {"1", "2"}:
-        raise UsageError(f"robots {','.join(crews)!r} is not valid; valid: 1, 2, or 1,2")
-    return {"count": given["count"], "robots": [int(crew) for crew in crews], "starts": kinds}
+    teams = parse_names(joined(given["robots"], "robots") or "1", "robots")
+    if not set(teams) <= {"1", "2"}:
+        raise UsageError(f"robots {','.join(teams)!r} is not valid; valid: 1, 2, or 1,2")
+    return {"count": given["count"], "robots": [int(team) for team in teams], "starts": kinds}
 
 
 def _collected(made: Iterator[Result], book: Book) -> list[Result]:

@@ -55,9 +55,9 @@ def reflection(
     teaching = teachers(planners, reflectors, book)
     desk = Desk(planners, book)
     for kind in starts:
-        for crew in robots:
+        for team in robots:
             for task in tasks:
-                wanted = partial(outdone, task, count=count, robots=crew, starts=kind)
+                wanted = partial(outdone, task, count=count, robots=team, starts=kind)
                 by_teacher = {teacher: wanted(teacher) for teacher in dict.fromkeys(teaching.values())}
                 found = {name: by_teacher[teacher] for name, teacher in teaching.items()}
                 for name, cell in _in_turns(found):
@@ -123,10 +123,10 @@ def _cells(
     tasks: Sequence[str], count: int, robots: Sequence[int], starts: Sequence[str], *, wording: int = 3
 ) -> Iterator[Cell]:
     for kind in starts:
-        for crew in robots:
+        for team in robots:
             for task in tasks:
                 for seed in range(count):
-                    yield Cell(task=task, robots=crew, seed=seed, starts=kind, wording=wording)
+                    yield Cell(task=task, robots=team, seed=seed, starts=kind, wording=wording)
 
 
 def _in_turns(cells: Mapping[str, Iterable[Cell]]) -> Iterator[tuple[str, Cell]]:

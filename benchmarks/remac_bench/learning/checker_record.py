@@ -140,8 +140,8 @@ class _Episode:
         if isinstance(self.backend, PhysicsBackend):
             positions = self.backend.positions()
             for name, angle in ajar.items():
-                for leaf in self.layout.fixtures[name].leaves:
-                    positions[self.backend.model.joint(leaf.joint).qposadr[0]] = leaf.position(angle)
+                for panel in self.layout.fixtures[name].door_panels:
+                    positions[self.backend.model.joint(panel.joint).qposadr[0]] = panel.position(angle)
             self.stage.show_positions(positions, world)
             return
         spread = {

@@ -24,7 +24,7 @@ from remac_env.backends.physics.controllers.learned.library import weights_of
 from remac_env.backends.physics.manual import LASTING, Manual
 from remac_env.errors import PhysicsError
 from remac_env.lowlevel.control import Joints
-from remac_env.lowlevel.looks import Looks
+from remac_env.lowlevel.drawing import Drawing
 from remac_env.lowlevel.starts import ROBOT, Ready, get_ready
 from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
@@ -55,7 +55,7 @@ class Recorder:
     image_size: int | None = None
     case: str | None = None
     led_by: Path | None = None
-    _looks: Looks = field(default_factory=Looks)
+    _drawing: Drawing = field(default_factory=Drawing)
     _backends: dict[str, PhysicsBackend] = field(default_factory=dict)
 
     def record(self, seed: int, *, style: str | None = None, layout: str | None = None) -> Demo | None:
@@ -116,11 +116,11 @@ class Recorder:
         """What takes pictures of this start; it takes none where none are wanted."""
         if (size := self.image_size) is None:
             return dict
-        return lambda: self._looks.observe(ready, manual, backend, size=size)
+        return lambda: self._drawing.observe(ready, manual, backend, size=size)
 
     def close(self) -> None:
         """Free the renderer and the simulators."""
-        self._looks.close()
+        self._drawing.close()
         for backend in self._backends.values():
             backend.close()
         self._backends.clear()

@@ -38,10 +38,10 @@ class Closers:
         self._from, self.at_work = {}, False
         for (process, name), since in processes.items():
             if process.does == "shut":
-                for leaf in self._layout.fixtures[name].leaves:
-                    joint = int(self._bodies.model.joint(leaf.joint).dofadr[0])
+                for panel in self._layout.fixtures[name].door_panels:
+                    joint = int(self._bodies.model.joint(panel.joint).dofadr[0])
                     self._from[joint] = since + process.seconds - FALL
-                    self._force[joint] = self._pull_of(joint, leaf.position(OPEN_TO))
+                    self._force[joint] = self._pull_of(joint, panel.position(OPEN_TO))
 
     @property
     def armed(self) -> bool:

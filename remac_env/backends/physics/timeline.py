@@ -296,5 +296,5 @@ def _model(
 ) -> mujoco.MjModel:
     """Compiled colliders; a model is never written to, so episodes share it."""
     return build_model(
-        layout, robots=robots, objects=dict(objects), looks=False, body=bodies.get(body), quirks=quirks
+        layout, robots=robots, objects=dict(objects), visual=False, body=bodies.get(body), quirks=quirks
     )

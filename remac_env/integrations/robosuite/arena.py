@@ -33,10 +33,10 @@ _MEMORY = "64M"  # of a model's arena; robosuite's limits of contacts are no lon
 
 
 class KitchenArena(Arena):  # type: ignore[misc]
-    """An episode's kitchen with its objects; colliders only without `looks`."""
+    """An episode's kitchen with its objects; colliders only without `visual`."""
 
-    def __init__(self, episode: Episode, *, looks: bool) -> None:
-        root = ET.fromstring(_description(episode, looks=looks))
+    def __init__(self, episode: Episode, *, visual: bool) -> None:
+        root = ET.fromstring(_description(episode, visual=visual))
         _regroup(root)
         _name_cameras(root)
         with TemporaryDirectory() as folder:
@@ -63,10 +63,10 @@ def recorded_facts(text: str) -> dict[str, Any]:
     return {} if found is None else dict(json.loads(found.get("data", "{}")))
 
 
-def _description(episode: Episode, *, looks: bool) -> str:
+def _description(episode: Episode, *, visual: bool) -> str:
     """The kitchen as MJCF text."""
     style = styles.load(episode.start.style)
-    spec = build_spec(episode.layout, robots=(), objects=episode.things, style=style, looks=looks)
+    spec = build_spec(episode.layout, robots=(), objects=episode.objects, style=style, visual=visual)
     add_cameras(spec, episode.layout, ())
     spec.compiler.degree = False
     write_textures(spec)

@@ -83,7 +83,7 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
         self._worlds.check_cell(style, layout)
         self._options: dict[str, Any] = {"style": style, "layout": layout, "starts": starts, "naming": naming}
         self._seeds = np.random.default_rng()
-        self._looks, self.use_object_obs = bool(looks), bool(use_object_obs)
+        self._visual, self.use_object_obs = bool(looks), bool(use_object_obs)
         self.reward_shaping, self.reward_scale = bool(reward_shaping), float(reward_scale)
         # As robosuite's own tasks have it.
         super().__init__(robots=robots, seed=_checked(seed), **{"initialization_noise": "default", **options})
@@ -116,7 +116,7 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
             super()._load_model()
             self._put_together(episode)
         if missing(self.edit_model_xml(xml_string)):
-            KitchenArena(self.episode, looks=True)  # writes its textures
+            KitchenArena(self.episode, visual=True)  # writes its textures
         self.hard_reset = True  # what is observed are the objects of this episode
         try:
             super().reset_from_xml_string(xml_string)
@@ -161,7 +161,7 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
             place = asides[index]
             robot.robot_model.set_base_xpos([place.x + offset.dx, place.y + offset.dy, 0.0])
             robot.robot_model.set_base_ori([0.0, 0.0, place.yaw + offset.yaw])
-        arena = KitchenArena(self.episode, looks=self._looks)
+        arena = KitchenArena(self.episode, visual=self._visual)
         self.model = ManipulationTask(mujoco_arena=arena, mujoco_robots=[robot.robot_model for robot in self.robots])
         arena.rule(self.model, macros.SIMULATION_TIMESTEP)
 
@@ -176,8 +176,8 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
         episode = self.episode
         self._bodies = Reading(self.sim, dict(zip(episode.start.scene.robots, self.robots, strict=True)))
         if not self.deterministic_reset:  # else a recorded state is about to be set
-            pose_start(self._bodies, episode.layout, episode.things, episode.start)
-        self._truth = Truth(self._bodies, episode.start, episode.layout, episode.things)
+            pose_start(self._bodies, episode.layout, episode.objects, episode.start)
+        self._truth = Truth(self._bodies, episode.start, episode.layout, episode.objects)
         self._substeps, self._period = 0, max(1, round(CONTROL_PERIOD / self.model_timestep))
         self._shown: frozenset[str] = frozenset()
         self._show(self.world)
@@ -262,7 +262,7 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
     def _show(self, world: WorldState) -> None:
         """Let water, flames and lamps be seen where something is on."""
         on = frozenset().union(*(state.on for state in world.fixtures.values()))
-        if self._looks and on != self._shown:
+        if self._visual and on != self._shown:
             show_switches(self._bodies.model, on)
         self._shown = on
 

@@ -35,7 +35,7 @@ class Episode:
     cell: Cell
     start: Start
     layout: Layout
-    things: Mapping[str, Category]
+    objects: Mapping[str, Category]
     roles: Mapping[str, str]
     goal: Goal
     sentence: str
@@ -62,7 +62,7 @@ def draw(worlds: TaskWorlds, cell: Cell) -> Episode:
         cell=cell,
         start=start,
         layout=worlds.layout_of(start),
-        things={name: worlds.categories[category] for name, category in start.categories.items()},
+        objects={name: worlds.categories[category] for name, category in start.categories.items()},
         roles=roles,
         goal=spec.goal.bind(roles),
         sentence=spec.sentence(WORDING, worlds.nouns(start, roles)),

@@ -36,7 +36,7 @@ def task_sensors(
     for name in fixtures:
         fixture = episode.layout.fixtures[name]
         yield f"{name}_pos", _always(_middle(episode.layout, fixture))
-        if fixture.leaves:
+        if fixture.door_panels:
             yield f"{name}_door", _door(bodies, fixture)
             yield f"{name}_handle_pos", _handle(bodies, fixture)
         if fixture.switches:
@@ -80,7 +80,7 @@ def _always(value: Array) -> Sensor:
 def _door(bodies: Source, fixture: Fixture) -> Sensor:
     @sensor(modality="object")
     def read(cache: dict[str, Any]) -> Array:
-        angles = [bodies().joint(leaf.joint) for leaf in fixture.leaves]
+        angles = [bodies().joint(panel.joint) for panel in fixture.door_panels]
         return np.array([min(angles), max(angles)])
 
     return read  # type: ignore[no-any-return]
@@ -90,8 +90,8 @@ def _handle(bodies: Source, fixture: Fixture) -> Sensor:
     @sensor(modality="object")
     def read(cache: dict[str, Any]) -> Array:
         found = bodies()
-        leaf = min(fixture.leaves, key=lambda leaf: found.joint(leaf.joint))
-        return found.data.site_xpos[found.model.site(leaf.grip).id].copy()
+        panel = min(fixture.door_panels, key=lambda panel: found.joint(panel.joint))
+        return found.data.site_xpos[found.model.site(panel.grip).id].copy()
 
     return read  # type: ignore[no-any-return]
 

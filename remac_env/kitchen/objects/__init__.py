@@ -11,14 +11,13 @@ if TYPE_CHECKING:
 
 
 def add_object(
-    spec: mujoco.MjSpec, worldbody: mujoco.MjsBody, noun: str, category: str | Category, *, looks: bool,
+    spec: mujoco.MjSpec, worldbody: mujoco.MjsBody, noun: str, category: str | Category, *, visual: bool,
     stained: bool = False,
 ) -> mujoco.MjsBody:
     """Add an object as a body with a free joint, both named by the noun, and return the body.
 
-    Its colliders, which carry all its mass, are there with and without looks; drawn shapes only with. stained: whether
-    there are stains on it until it is washed. Raises
-    UnknownNameError for a category that is not in the catalogue.
+    Its colliders, which carry all its mass, are there with and without visual geometry. stained: whether there are
+    stains on it until it is washed. Raises UnknownNameError for a category that is not in the catalogue.
     """
     from remac_env.kitchen.objects.colliders import add_colliders
     from remac_env.kitchen.objects.drawing import draw
@@ -27,6 +26,6 @@ def add_object(
     body = worldbody.add_body(name=noun, pos=[0.0, 0.0, kind.rest_height])
     body.add_freejoint(name=noun)
     add_colliders(body, kind)
-    if looks:
+    if visual:
         draw(spec, body, noun, kind, stained=stained)
     return body

@@ -1,4 +1,4 @@
-"""Drawn shapes read from `looks/*.toml`: each a list of parts, a part one mesh by one of `MAKERS`. No simulator needed.
+"""Drawn shapes read from `visual/*.toml`: lists of parts, each one mesh by one of `MAKERS`. No simulator needed.
 
 Lengths are metres, angles radians. Every part has `make`, the measures of that maker, and of these what it needs:
     color       "#rrggbb"; shine: specular and shininess, 0..1; paint: strokes over the colour (`paint.STROKES`)
@@ -38,9 +38,9 @@ from remac_env.kitchen.objects.paint import paint
 from remac_env.kitchen.objects.part import DrawnPart
 from remac_env.kitchen.style import Finish, hex_color
 
-FOLDER = Path(__file__).with_name("looks")
+FOLDER = Path(__file__).with_name("visual")
 _UP = (0, 0, 1)
-_LOOKS = ("color", "shine", "paint", "repeat", "wobble", "lie", "spin", "at")
+_SHARED = ("color", "shine", "paint", "repeat", "wobble", "lie", "spin", "at")
 
 
 @lru_cache(maxsize=1)
@@ -68,8 +68,8 @@ def part(table: Mapping[str, Any], *, source: object, where: str) -> DrawnPart:
     if kind not in MAKERS:
         raise KitchenFileError(source, f"{where}.make", f"got {kind!r}", list(MAKERS))
     takes = signature(MAKERS[kind]).parameters
-    for key in table.keys() - {"make", *takes, *_LOOKS}:
-        raise KitchenFileError(source, f"{where}.{key}", "is not a known key", [*takes, *_LOOKS])
+    for key in table.keys() - {"make", *takes, *_SHARED}:
+        raise KitchenFileError(source, f"{where}.{key}", "is not a known key", [*takes, *_SHARED])
     for key, measure in takes.items():
         if measure.default is Parameter.empty and key not in table:
             raise KitchenFileError(source, f"{where}.{key}", "is missing")

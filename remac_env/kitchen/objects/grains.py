@@ -1,4 +1,4 @@
-"""Grains of seasoning on a thing, seen only while it has been seasoned, and stains: one drawn mesh each."""
+"""Grains of seasoning on an object, seen only while it has been seasoned, and stains: one drawn mesh each."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from remac_env.kitchen.style import Finish
 from remac_env.kitchen.textures import Image
 
 PICTURE_SIZE = 128
-"""Pixels of the square picture on a thing: enough for something that is rarely larger than 100 pixels on screen."""
+"""Pixels of the square picture on an object: enough for something that is rarely larger than 100 pixels on screen."""
 
 
 @dataclass(frozen=True, eq=False)

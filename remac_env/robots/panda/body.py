@@ -69,13 +69,13 @@ class Panda:
         return measures.tucked(x, y, yaw)
 
     def add_to(
-        self, spec: mujoco.MjSpec, name: str, *, looks: bool = False,
+        self, spec: mujoco.MjSpec, name: str, *, visual: bool = False,
         accent: tuple[float, float, float] = (0.1, 0.4, 0.8),
     ) -> None:
         """See Body."""
         from remac_env.robots.panda.model import add_robot
 
-        add_robot(spec, name, looks=looks, accent=accent, mount_height=self.mount_height)
+        add_robot(spec, name, visual=visual, accent=accent, mount_height=self.mount_height)
 
     def kinematics(self, arm: str = "") -> Kinematics:
         """See Body."""

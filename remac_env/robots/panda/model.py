@@ -38,7 +38,7 @@ its radius times the sliding friction, 6 mm; of its half length of 18 mm, 12 mm;
 BUMPER: Mapping[str, object] = MappingProxyType({
     "friction": [0.3, 0.005, 0.0001], "priority": 1, "solref": [0.01, 1.0], "solimp": [0.98, 0.999, 0.001, 0.5, 2.0],
 })  # fmt: skip
-"""How a base touches things: with a smooth skirt, so that what it pushes slides off it."""
+"""How a base touches objects: with a smooth skirt, so that what it pushes slides off it."""
 
 _BOX = mujoco.mjtGeom.mjGEOM_BOX
 _CAPSULE = mujoco.mjtGeom.mjGEOM_CAPSULE
@@ -47,20 +47,20 @@ _X_AXIS = (1.0, 0.0, 0.0)
 
 
 def add_robot(
-    spec: mujoco.MjSpec, name: str, *, looks: bool = False, accent: tuple[float, float, float] = (0.1, 0.4, 0.8),
+    spec: mujoco.MjSpec, name: str, *, visual: bool = False, accent: tuple[float, float, float] = (0.1, 0.4, 0.8),
     mount_height: float = panda.MOUNT_HEIGHT,
 ) -> None:
     """Add the robot ``name`` (for instance ``robot_0``) to ``spec``, at the world's origin.
 
-    ``looks`` also adds drawn geoms (group 1, never colliding, massless); ``accent`` is the RGB colour by which
-    robots are told apart. Joints and their order do not depend on ``looks``.
+    ``visual`` also adds drawn geoms (group 1, never colliding, massless); ``accent`` is the RGB colour by which
+    robots are told apart. Joints and their order do not depend on ``visual``.
     """
     links = _add_bodies(spec, name, mount_height)
     _add_servos(spec, name)
     for one, other in panda.ALWAYS_NEAR:
         spec.add_exclude(bodyname1=f"{name}/{one}", bodyname2=f"{name}/{other}")
-    if looks:
-        from remac_env.robots.panda import looks as drawing
+    if visual:
+        from remac_env.robots.panda import visual as drawing
 
         drawing.dress(spec, name, links, accent)
 

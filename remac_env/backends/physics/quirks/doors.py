@@ -14,12 +14,12 @@ _SWING = 0.8  # rad/s with which doors fall shut and come open
 
 
 class _OfDoor:
-    """What has to do with a door: a drive at each of its leaves."""
+    """What has to do with a door: a drive at each of its panels."""
 
     def __init__(self, around: Surroundings, quirk: Quirk, truth: Truth) -> None:
         self.around, self.fixture, self.struck = around, quirk.about, set[str]()
-        self.leaves = around.layout.fixtures[quirk.about].leaves
-        self.drives = [JointDrive(around.simulation, leaf.joint) for leaf in self.leaves]
+        self.door_panels = around.layout.fixtures[quirk.about].door_panels
+        self.drives = [JointDrive(around.simulation, panel.joint) for panel in self.door_panels]
         self.at_work = False
 
     def rest(self) -> None:
@@ -28,8 +28,8 @@ class _OfDoor:
         self.at_work = False
 
     def go(self, angle: float) -> None:
-        for leaf, drive in zip(self.leaves, self.drives, strict=True):
-            drive.toward(leaf.position(angle), speed=abs(leaf.position(_SWING)))
+        for panel, drive in zip(self.door_panels, self.drives, strict=True):
+            drive.toward(panel.position(angle), speed=abs(panel.position(_SWING)))
 
 
 class Falls(_OfDoor):
@@ -76,7 +76,7 @@ class Jams(_OfDoor):
         self.at_work = self._caught and opened > 0.5 * AJAR
         if not self._caught:
             return
-        held = any(self.around.touched(leaf.joint) for leaf in self.leaves)
+        held = any(self.around.touched(panel.joint) for panel in self.door_panels)
         if held and opened >= AJAR:
             self._strained = True
             self.struck.add(self.fixture)
@@ -87,5 +87,5 @@ class Jams(_OfDoor):
 
     def push(self) -> None:
         if self.at_work:
-            for leaf, drive in zip(self.leaves, self.drives, strict=True):
-                drive.stop_at(leaf.position(AJAR))
+            for panel, drive in zip(self.door_panels, self.drives, strict=True):
+                drive.stop_at(panel.position(AJAR))

@@ -18,11 +18,11 @@ from remac_env.rules.places import landing, switch_for
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import CLOSED_MAX, OPEN_MIN, Place
 
-_RISE = 0.10  # m that a thing is lifted once it is picked up for certain
-_ROLLED = 0.05  # m by which a thing that was missed lies higher or lower at most; else it has fallen
-_HELD_PART = 0.5  # of picking up that is done once the hand holds the thing
+_RISE = 0.10  # m that an object is lifted once it is picked up for certain
+_ROLLED = 0.05  # m by which an object that was missed lies higher or lower at most; else it has fallen
+_HELD_PART = 0.5  # of picking up that is done once the hand holds the object
 _IN_HAND = 0.15  # m between the hand and the frame of what it holds, at most
-_THERE = 0.08  # m from its spot at which a thing has been put there
+_THERE = 0.08  # m from its spot at which an object has been put there
 _A_TURN = 0.3  # m that count as much as a turn of the base by 1 rad
 
 
@@ -34,7 +34,7 @@ def aim_of(subtask: Subtask, sensing: Sensing) -> Aim:
     if row.goes is not None:
         return _Standing(sensing, stand)
     if row.target == "door":
-        return _Leaves(sensing, stand, name, OPEN_TO if "door_open" in wanted else 0.0)
+        return _Panels(sensing, stand, name, OPEN_TO if "door_open" in wanted else 0.0)
     rules = build_scene(layout, sensing.objects, (sensing.name,))
     if row.target == "switch":
         on = "switched_on" in wanted
@@ -45,7 +45,7 @@ def aim_of(subtask: Subtask, sensing: Sensing) -> Aim:
         return _Taken(sensing, stand, name)
     place = landing(rules, world, sensing.name, name) if row.puts else None
     held = world.robots[sensing.name].holding
-    return _Thing(sensing, stand, name) if place is None or held is None else _Put(sensing, stand, held, place)
+    return _Object(sensing, stand, name) if place is None or held is None else _Put(sensing, stand, held, place)
 
 
 class _Standing(Aim):
@@ -70,49 +70,49 @@ class _Standing(Aim):
         return math.hypot(x, y) + _A_TURN * abs(turn)
 
 
-class _Leaves(Aim):
-    """The leaves of a door, or a drawer: the one nearer to the robot first, each until it is there and let go."""
+class _Panels(Aim):
+    """The panels of a door, or a drawer: the one nearer to the robot first, each until it is there and let go."""
 
     def __init__(self, sensing: Sensing, stand: Stand, name: str, opened: float) -> None:
         super().__init__(sensing, stand)
         self._name, self._opened, self._turn = name, opened, 0
-        leaves = list(enumerate(sensing.layout.fixtures[name].leaves))
+        panels = list(enumerate(sensing.layout.fixtures[name].door_panels))
         aside = stand.joints(sensing.body.q)[0]
-        self._leaves = sorted(leaves, key=lambda each: abs(self._handle(each[1])[0] - aside))
+        self._panels = sorted(panels, key=lambda each: abs(self._handle(each[1])[0] - aside))
         self._first = sensing.reading(name).door_angles
 
     def update(self) -> None:
-        """Go on to the next leaf once one is where it is wanted and the hand has let go of it."""
-        last = len(self._leaves) - 1
-        while self._turn < last and self._there(self._leaves[self._turn][0]) and not feels(self._sensing.body):
+        """Go on to the next panel once one is where it is wanted and the hand has let go of it."""
+        last = len(self._panels) - 1
+        while self._turn < last and self._there(self._panels[self._turn][0]) and not feels(self._sensing.body):
             self._turn += 1
 
     def achieved(self) -> bool:
-        """Whether every leaf is where it is wanted."""
-        return all(self._there(number) for number, _ in self._leaves)
+        """Whether every panel is where it is wanted."""
+        return all(self._there(number) for number, _ in self._panels)
 
     def missed(self) -> bool:
         """Where one is not."""
         return not self.achieved()
 
     def target(self) -> Target:
-        """The handle of the leaf whose turn it is."""
-        number, leaf = self._leaves[self._turn]
-        hinged = leaf.sign if isinstance(leaf, Door) else 0.0
-        joint, bar = leaf.position(self._angles[number]), leaf.bar if hinged else (0.0, 0.0, 0.0)
-        goal = leaf.position(self._opened)
-        return Target(self._handle(leaf), -hinged * joint, bar, joint=joint, goal=goal, side=hinged)
+        """The handle of the panel whose turn it is."""
+        number, panel = self._panels[self._turn]
+        hinged = panel.sign if isinstance(panel, Door) else 0.0
+        joint, bar = panel.position(self._angles[number]), panel.bar if hinged else (0.0, 0.0, 0.0)
+        goal = panel.position(self._opened)
+        return Target(self._handle(panel), -hinged * joint, bar, joint=joint, goal=goal, side=hinged)
 
     def done(self) -> float:
-        """The share of their ways that the leaves have gone."""
+        """The share of their ways that the panels have gone."""
         return float(np.mean([_share(*way, self._opened) for way in zip(self._angles, self._first, strict=True)]))
 
     @property
     def _angles(self) -> tuple[float, ...]:
         return self._sensing.reading(self._name).door_angles
 
-    def _handle(self, leaf: Door | Level) -> Array:
-        return self.stand.point(self._sensing.pose(leaf.grip).position)
+    def _handle(self, panel: Door | Level) -> Array:
+        return self.stand.point(self._sensing.pose(panel.grip).position)
 
     def _there(self, number: int) -> bool:
         angle = self._angles[number]
@@ -169,15 +169,15 @@ class _Switch(Aim):
         return float(np.linalg.norm(rotation_vector(self.stand.turn(pose.rotation))))
 
 
-class _Thing(Aim):
-    """A thing that stays where it is, as food that is to be seasoned."""
+class _Object(Aim):
+    """An object that stays where it is, as food that is to be seasoned."""
 
     def __init__(self, sensing: Sensing, stand: Stand, name: str) -> None:
         super().__init__(sensing, stand)
         self._name, self._kind = name, sensing.objects[name]
 
     def target(self) -> Target:
-        """The thing as it is seen, with how it is to be grasped."""
+        """The object as it is seen, with how it is to be grasped."""
         pose = self._sensing.pose(self._name)
         axes, grasp = self.stand.turn(pose.rotation), self._kind.grasp
         axis = axes[:, 0] if abs(axes[2, 0]) < 0.8 else axes[:, 1]
@@ -191,8 +191,8 @@ class _Thing(Aim):
         return 0.0
 
 
-class _Taken(_Thing):
-    """A thing that is to be taken into the hand."""
+class _Taken(_Object):
+    """An object that is to be taken into the hand."""
 
     def __init__(self, sensing: Sensing, stand: Stand, name: str) -> None:
         super().__init__(sensing, stand, name)
@@ -236,7 +236,7 @@ class _Put(Aim):
         return not self.achieved() and feels(self._sensing.body)
 
     def done(self) -> float:
-        """The share of its way that the thing has gone."""
+        """The share of its way that the object has gone."""
         return max(0.0, 1.0 - self._away() / self._first)
 
     def _spot(self) -> Array:

@@ -1,7 +1,7 @@
 """What a policy sees of a skill, as one flat vector with names, units and ranges.
 
 Recording, training and playing share this file; VERSION is raised whenever a vector changes, and policies that were
-trained on another version are refused. Everything is told in the frame of the stand.
+trained on another version are refused. Everything is expressed in the frame of the stand.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The frame in which a policy is told everything: that of the place where the robot works."""
+"""The frame in which a policy sees everything: that of the place where the robot works."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Stand:
         return told
 
     def moved(self, q: Array, change: Array) -> Array:
-        """A configuration (11,) of the room after a change (11,) that is told in this frame."""
+        """A configuration (11,) of the room after a change (11,) that is expressed in this frame."""
         told = q + change
         told[:2] = q[:2] + self.axes[:2, :2] @ change[:2]
         return told

@@ -49,8 +49,8 @@ def close_door(here: Workspace, name: str) -> Steps:
 
 def _swing(here: Workspace, name: str, target: float) -> Steps:
     """The panels in turn, those nearer to the robot first; of two, one that stands there already is left alone."""
-    levels = [panel for panel in here.kitchen.fixture(name).leaves if isinstance(panel, Level)]
-    panels = [_door(here, panel) for panel in here.kitchen.fixture(name).leaves if isinstance(panel, Door)]
+    levels = [panel for panel in here.kitchen.fixture(name).door_panels if isinstance(panel, Level)]
+    panels = [_door(here, panel) for panel in here.kitchen.fixture(name).door_panels if isinstance(panel, Door)]
     here.begin()
     yield from tuck(here)
     aside, angle = float(here.robot.q[0]), here.sensed.joint

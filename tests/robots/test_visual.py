@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from remac_env.robots.panda import looks
 from remac_env.robots.panda import measures as panda
-from remac_env.robots.panda.looks_parts import ACCENT, MATERIALS, SHELL, robot_parts
+from remac_env.robots.panda import visual
 from remac_env.robots.panda.model import add_robot
+from remac_env.robots.panda.visual_parts import ACCENT, MATERIALS, SHELL, robot_parts
 
 ROBOTS = {"robot_0": (0.1, 0.4, 0.8), "robot_1": (0.9, 0.5, 0.1)}
 KINDS = ("BODY", "JOINT", "SITE", "ACTUATOR", "EQUALITY", "EXCLUDE")
@@ -21,7 +21,7 @@ def build(*, drawn: bool) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     for name, accent in ROBOTS.items():
-        add_robot(spec, name, looks=drawn, accent=accent)
+        add_robot(spec, name, visual=drawn, accent=accent)
     return spec.compile()
 
 
@@ -39,7 +39,7 @@ def drawn_geoms(model: mujoco.MjModel, robot: str) -> list[int]:
     return [
         geom
         for geom in range(model.ngeom)
-        if model.geom_group[geom] == looks.DRAWN_GROUP
+        if model.geom_group[geom] == visual.DRAWN_GROUP
         and model.body(model.geom_bodyid[geom]).name.startswith(f"{robot}/")
     ]
 
@@ -60,7 +60,7 @@ def test_bodies_do_not_depend_on_looks(bare, drawn, field: str) -> None:
 
 
 def test_colliders_do_not_depend_on_looks(bare, drawn) -> None:
-    solid = np.flatnonzero(drawn.geom_group != looks.DRAWN_GROUP)
+    solid = np.flatnonzero(drawn.geom_group != visual.DRAWN_GROUP)
     assert len(solid) == bare.ngeom
     for field in ("type", "size", "pos", "quat", "bodyid", "contype", "conaffinity", "friction", "solref"):
         np.testing.assert_array_equal(getattr(bare, f"geom_{field}"), getattr(drawn, f"geom_{field}")[solid])

@@ -10,7 +10,7 @@ from remac_env.pictures import Moment, Picture, Pictures
 CAMERAS = ("front", "side", "wrist")
 
 
-class Looks:
+class Drawing:
     """Draws starts; one renderer, made anew where the task changes."""
 
     def __init__(self) -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from remac_env.kitchen.materials import add_finish
 from remac_env.kitchen.meshes import add_mesh
 from remac_env.kitchen.style import Finish
-from remac_env.robots.panda.looks_parts import ACCENT, JOINT, METAL, RUBBER, SHELL, robot_parts
+from remac_env.robots.panda.visual_parts import ACCENT, JOINT, METAL, RUBBER, SHELL, robot_parts
 
 if TYPE_CHECKING:
     import mujoco
