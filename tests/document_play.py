@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import re
+import runpy
 import socket
 import subprocess
 import sys
@@ -92,7 +93,8 @@ class Play:
         if block.file is None:
             code = re.sub(r"robots=2\)", 'robots=2, backend="symbolic")', block.code)
             with contextlib.redirect_stdout(io.StringIO()) as said:
-                exec(compile(code, block.where, "exec"), {"__name__": "page"})  # noqa: S102 - alone, as it is copied
+                (self.folder / "page.py").write_text(code)  # alone, as it is copied
+                runpy.run_path(str(self.folder / "page.py"), run_name="page")
             if block.prints is not None and said.getvalue().strip() != block.prints.strip():
                 raise DocumentError(f"{block.where} prints\n{said.getvalue()}and not\n{block.prints}")
             return
