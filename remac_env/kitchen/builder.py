@@ -96,7 +96,7 @@ def _face(layout: Layout, wall: Wall) -> Face:
 
 
 def show_switches(model: mujoco.MjModel, on: frozenset[str]) -> None:
-    """Make water, flames and lamps of the switches in `on` visible in a model with looks, and all others invisible."""
+    """Make water, flames and lamps of the switches in `on` visible in a drawn model, and all others invisible."""
     for geom, switch in marked(model, SWITCHED):
         material = model.geom_matid[geom]
         model.geom_rgba[geom, 3] = model.mat_rgba[material, 3] if switch in on else 0.0

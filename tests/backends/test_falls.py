@@ -8,7 +8,7 @@ import pytest
 from physics_kit import ROBOT, command, kitchen, run
 
 from remac_env.backends.physics.controllers.scripted import controller
-from remac_env.backends.physics.controllers.scripted.skill import Steps
+from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps
 from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.falls import fallen
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
@@ -95,7 +95,12 @@ def test_a_skill_that_only_says_that_it_took_something_slipped_and_took_its_time
     def idle(here: Workspace, *_: Any) -> Steps:
         yield from [here.robot.command] * 10
 
-    monkeypatch.setattr(controller, "motion", idle)
-    result = backend.run_round({ROBOT: command(worlds, "pick up mug")})
-    assert result.outcomes[ROBOT].reason == "slipped"
-    assert result.outcomes[ROBOT].seconds == result.seconds == pytest.approx(10 * CONTROL_PERIOD)
+    def fails(here: Workspace, *_: Any) -> Steps:
+        yield from [here.robot.command] * 10
+        raise SkillFailure("slipped", "it says so itself")
+
+    for motion in (idle, fails):
+        monkeypatch.setattr(controller, "motion", motion)
+        result = backend.run_round({ROBOT: command(worlds, "pick up mug")})
+        assert result.outcomes[ROBOT].reason == "slipped"
+        assert result.outcomes[ROBOT].seconds == result.seconds == pytest.approx(10 * CONTROL_PERIOD)

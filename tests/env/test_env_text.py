@@ -24,16 +24,19 @@ def kitchen(task: str = "HeatOnStove", **options: Any) -> Any:
     return env
 
 
-def told(scene: Any) -> str:
-    return describe(public_scene(scene), ["wait"], "tidy up")
+def told(scene: Any, **options: Any) -> str:
+    return describe(public_scene(scene), ["wait"], "tidy up", **options)
 
 
+@pytest.mark.parametrize("clock", ["rounds", "events"])
 @pytest.mark.parametrize("robots", [1, 2])
-def test_rounds_and_the_commands_that_are_about_no_thing_are_defined(robots: int) -> None:
-    text = told(kitchen(robots=robots).start.scene)
-    for name in ("`wait`", "`done`", "`navigate aside`", "In a round"):
+def test_time_and_the_commands_that_are_about_no_object_are_defined(robots: int, clock: str) -> None:
+    text = told(kitchen(robots=robots).start.scene, clock=clock)
+    for name in ("`wait`", "`done`", "`navigate aside`", "In a round" if clock == "rounds" else "Commands take time"):
         assert text.count(name) == 1
-    assert ("all of them together" in text) is ("Two robots cannot be in the same place" in text) is (robots == 2)
+    assert "A fixture is used from its place, and so is an object that is there; `navigate to` goes to that place." in text
+    together = "all of them together" if clock == "rounds" else "whatever the others do"
+    assert (together in text) is ("Two robots cannot be in the same place" in text) is (robots == 2)
     assert "The same place serves the sink and the faucet." in text
     assert "such as a filled vessel, cannot be picked up" in text
 

@@ -1,4 +1,4 @@
-"""The recipe for a kind of fixture in docs/extending.md, followed to the letter: its toaster is built, read and worked."""
+"""The recipe for a kind of fixture in docs/extending.md, to the letter: its toaster is built, read and worked."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_its_model_has_the_parts_that_it_names_and_reads_them(toaster: Any) -> N
     for joint, at in toaster.joints(0.0, frozenset({"toaster"})).items():
         data.joint(joint).qpos[0] = at
     assert toaster.read(model, data).on == {"toaster"}
-    assert not build_model(layout, robots=(), objects={}).ngeom == model.ngeom
+    assert build_model(layout, robots=(), objects={}).ngeom < model.ngeom
 
 
 @pytest.mark.long

@@ -56,13 +56,13 @@ def _draw_grains(spec: mujoco.MjSpec, body: mujoco.MjsBody, noun: str, category:
 
 
 def show_seasoned(model: mujoco.MjModel, seasoned: Collection[str]) -> None:
-    """Make the grains on these objects visible in a model with looks, and those on all others invisible."""
+    """Make the grains on these objects visible in a drawn model, and those on all others invisible."""
     for geom, noun in marked(model, SEASONED_GEOM):
         model.geom_rgba[geom, 3] = float(noun in seasoned)
 
 
 def show_stains(model: mujoco.MjModel, clean: Collection[str]) -> None:
-    """Make the stains on these objects invisible in a model with looks, and those on all others visible."""
+    """Make the stains on these objects invisible in a drawn model, and those on all others visible."""
     for geom, noun in marked(model, STAINED_GEOM):
         model.geom_rgba[geom] = [*STAIN.color, float(noun not in clean)]
 

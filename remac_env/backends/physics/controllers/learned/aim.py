@@ -24,10 +24,10 @@ _CLEAR = 0.12  # m between the hand and what it has let go of, from which on the
 class Target:
     """What is known of a target. Lengths m, angles rad.
 
-    at: where the hand is wanted (3,). yaw: about the vertical. size: half extents (3,) of a thing, or the handle's
-    place on a leaf. grasp: how a thing is grasped: height, width, lean, and 1 where from any side. joint, goal: where a
-    joint stands and is to stand. side: 1 for a leaf hinged on the left, -1 on the right. worked: 1 once a button has
-    been pressed by this subtask.
+    at: where the hand is wanted (3,). yaw: about the vertical. size: half extents (3,) of an object, or the
+    handle's place on a panel. grasp: how an object is grasped: height, width, lean, and 1 where from any side. joint,
+    goal: where a joint stands and is to stand. side: 1 for a panel hinged on the left, -1 on the right. worked: 1 once
+    a button has been pressed by this subtask.
     """
 
     at: Array
@@ -41,7 +41,7 @@ class Target:
 
 
 class Aim(ABC):
-    """Of one subtask of one robot. ``stand``: the frame in which everything is told."""
+    """Of one subtask of one robot. ``stand``: the frame in which everything is expressed."""
 
     by_hand = True
     """Whether the hand has to come to `target().at`."""
