@@ -208,14 +208,8 @@ def proven(certificate: Certificate | None) -> dict[str, Any]:
 
 
 def make_record(
-    job: Job,
-    iteration: int,
-    *,
-    course: Course,
-    report: Mapping[str, Any],
-    fault: BlamedError | None,
-    wall_seconds: float = 0.0,
-    video: VideoEntry | None = None,
+    job: Job, iteration: int, *, course: Course, report: Mapping[str, Any], fault: BlamedError | None,
+    wall_seconds: float = 0.0, video: VideoEntry | None = None,
 ) -> Record:
     """The record of one episode, or of one that an error kept from beginning."""
     shared = course.shared

@@ -34,7 +34,8 @@ def test_time_and_the_commands_that_are_about_no_object_are_defined(robots: int,
     text = told(kitchen(robots=robots).start.scene, clock=clock)
     for name in ("`wait`", "`done`", "`navigate aside`", "In a round" if clock == "rounds" else "Commands take time"):
         assert text.count(name) == 1
-    assert "A fixture is used from its place, and so is an object that is there; `navigate to` goes to that place." in text
+    place = "A fixture is used from its place, and so is an object that is there; `navigate to` goes to that place."
+    assert place in text
     together = "all of them together" if clock == "rounds" else "whatever the others do"
     assert (together in text) is ("Two robots cannot be in the same place" in text) is (robots == 2)
     assert "The same place serves the sink and the faucet." in text
