@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping
 
+from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
@@ -86,7 +87,7 @@ def main(*, trials: int, first_seed: int, only: str, body: str) -> None:
     table = Table("category", "trials", "without a failure", title=f"Handling objects in physics with body {body}")
     for name in names:
         table.add_row(name, str(trials), str(trials - len(failures[name])))
-    console.print(table)
+    show(table)
     console.print(f"{sum(not failures[name] for name in names)} of {len(names)} categories without a failure")
 
 

@@ -18,6 +18,7 @@ from multiprocessing import get_context
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
@@ -215,7 +216,7 @@ def main(*, trials: int, first_seed: int, processes: int) -> None:
     console = make_console()
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         found = list(pool.map(play, *zip(*jobs, strict=True)))
-    console.print(_table(found))
+    show(_table(found))
     for trial in found:
         lost = [f"{robot} {text}: {o.reason}: {o.detail}" for robot, text, o in trial.drives if not o.success]
         for line in lost:

@@ -13,8 +13,8 @@ from pathlib import Path
 import typer
 from remac_bench import agents, suites
 from remac_bench.board import Board, Cell, Column, Sheet
+from remac_bench.columns import across
 from remac_bench.command import run_script
-from remac_bench.console import console
 from remac_bench.flags import takes
 from remac_bench.job_lists import parse_names, parse_seeds
 from remac_bench.preflight.estimates import FILE, Costs, Need, measured
@@ -72,8 +72,7 @@ def main(
     if as_markdown:
         typer.echo(text)
         return
-    for part in board_tables(board, everything=True):
-        console().print(part, crop=False)
+    show(*board_tables(board, everything=True, across=across()))
 
 
 def sheets(costs: Costs) -> tuple[Sheet, ...]:

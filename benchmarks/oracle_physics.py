@@ -16,6 +16,7 @@ from itertools import product
 from multiprocessing import get_context
 from time import process_time
 
+from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
@@ -147,7 +148,7 @@ def main(
     table = Table(*columns, title=f"The oracle's plans in physics, {kind}, seeds {seeds}")
     for (name, robots), group in sorted(groups.items()):
         table.add_row(name, str(robots), *_row(group))
-    console.print(table)
+    show(table)
 
 
 def _row(group: list[Played]) -> Iterator[str]:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from remac_bench.blame.labels import LABELS, blame
+from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
 from remac_bench.flags import takes
 from remac_bench.job_lists import make_jobs
 from remac_bench.jobs import Job
@@ -34,7 +34,7 @@ def main(*, seeds: int, first_seed: int, physics: bool) -> None:
         labels = [blame(record, rescuing=False).label for record in records]
         right = f"{labels.count(kind) / len(labels):.1%}" if labels else "-"
         table.add_row(kind, str(len(labels)), right, *(str(labels.count(label)) for label in LABELS))
-    make_console().print(table)
+    show(table)
 
 
 class Wrong(OraclePlanner):

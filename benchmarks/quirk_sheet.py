@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
@@ -204,7 +205,7 @@ def main(*, only: str, backend: str, picture: Path | None) -> None:
             shown.append(each)
             console.print(f"{kind}: {each.sentence}: {', '.join(each.told)}", markup=False, soft_wrap=True)
             table.add_row(kind, each.condition, str(each.held), str(each.held_then))
-    console.print(table)
+    show(table)
     if picture is not None:
         load_opencv().imwrite(str(picture), sheet(shown)[..., ::-1])
 

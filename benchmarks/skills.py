@@ -19,6 +19,7 @@ from statistics import mean
 from typing import Any
 
 import numpy as np
+from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
@@ -127,7 +128,7 @@ def main(
         console.print(_curve(curve))
         return
     found = curve[noises[0]]
-    console.print(_table(found))
+    show(_table(found))
     for trial in found:
         if trial.outcome is None:
             console.print(f"seed {trial.seed}: {trial.label}: not tried, what it needs was not there")

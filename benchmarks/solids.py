@@ -20,8 +20,8 @@ import mujoco
 import numpy as np
 from drawn_solids import standing_out
 from numpy.typing import NDArray
+from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
 from remac_bench.flags import takes
 from rich.table import Table
 from skills import CHAINS, run_chain
@@ -159,11 +159,10 @@ def play(chain: Mapping[str, Any], seed: int) -> tuple[Depths, dict[tuple[str, s
 @takes("solids.trials", "script.first_seed", "script.only", "solids.staged", "script.processes")
 def main(*, trials: int, first_seed: int, only: str, staged: bool, processes: int) -> None:
     """Print how deep colliders reach into one another."""
-    console = make_console()
     if staged:
-        console.print(_falls())
-        console.print(_doors())
-        console.print(_drawn())
+        show(_falls())
+        show(_doors())
+        show(_drawn())
     chains = [chain for chain in tomllib.loads(CHAINS.read_text("utf-8"))["chain"] if only in chain["name"]]
     jobs = [(chain, first_seed + number) for chain in chains for number in range(trials)]
     if not jobs:
@@ -177,7 +176,7 @@ def main(*, trials: int, first_seed: int, only: str, staged: bool, processes: in
     table = Table("object", "into", "deepest, mm", "during", title=f"In play, {len(jobs)} chains")
     for pair, depth in sorted(deepest.items(), key=lambda entry: -entry[1]):
         table.add_row(*pair, f"{1000 * depth:.1f}", commands[pair])
-    console.print(table)
+    show(table)
 
 
 def _job(job: tuple[Mapping[str, Any], int]) -> tuple[Depths, dict[tuple[str, str], str]]:

@@ -23,8 +23,8 @@ from time import process_time
 import gymnasium
 import numpy as np
 import typer
+from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
 from remac_bench.flags import takes
 from rich.table import Table
 
@@ -65,7 +65,7 @@ def main(*, file: Path | None, only: str) -> None:
     table = Table("figure", "median", "unit", "aim", title="Speed, CPU time of one core")
     for figure in figures:
         table.add_row(figure.name, f"{figure.value:,.4g}", figure.unit, figure.aim)
-    make_console().print(table)
+    show(table)
     if file is not None:
         file.write_text(json.dumps([asdict(figure) for figure in figures], indent=1) + "\n", "utf-8")
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console
 from remac_bench.flags import takes
 from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
 from remac_bench.records import Record
@@ -29,13 +29,13 @@ def main(*, methods: str, seeds: str, starts: str, physics: bool, errors: str) -
     backend = "physics" if physics else "symbolic"
     if errors:
         rates = [float(rate) for rate in parse_names(errors, "errors")]
-        console().print(_by_error(rates, parse_seeds(seeds), kinds, backend), crop=False)
+        show(_by_error(rates, parse_seeds(seeds), kinds, backend))
         return
     table = Table("method", "starts", *TASKS, "IPL", "FPL", "rounds", box=SIMPLE_HEAD, title=f"two robots, {backend}")
     for method in parse_names(methods, "methods"):
         for kind in kinds:
             table.add_row(method, kind, *_row(play(method, TASKS, parse_seeds(seeds), kind, backend)))
-    console().print(table, crop=False)
+    show(table)
 
 
 def play(

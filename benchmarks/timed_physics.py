@@ -17,6 +17,7 @@ from statistics import mean
 from time import process_time
 from typing import Any
 
+from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
@@ -205,8 +206,7 @@ def main(*, seeds: str, tasks: str | None) -> None:
         table.add_row(task, *_row(group))
     every = [each for group in groups.values() for each in group]
     table.add_row("all", *_row(every))
-    console.print(table)
-    console.print(_skills(every))
+    show(table, _skills(every))
 
 
 def _lines(done: Episode) -> Iterator[str]:

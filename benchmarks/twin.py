@@ -22,6 +22,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
+from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
@@ -280,7 +281,7 @@ def main(
                 if line.verdict != "agree":
                     where = f"{line.task} {line.robots} seed {line.seed} {line.layout} round {line.round} {line.robot}"
                     console.print(f"{line.verdict}: {where}: {line.subtask}: {line.differs}", markup=False)
-    console.print(table(found, f"Both backends on one round, seeds {seeds}"))
+    show(table(found, f"Both backends on one round, seeds {seeds}"))
     if file is not None:
         file.write_text(json.dumps([asdict(line) for line in found], indent=1), encoding="utf-8")
 

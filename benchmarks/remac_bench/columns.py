@@ -13,12 +13,17 @@ from remac_bench.console import console
 _AROUND = 3  # letters between the texts of two columns: a blank on each side, and a line
 
 
-def show(*tables: Table) -> None:
-    """Print tables as wide as the terminal takes them."""
+def across() -> int:
+    """Columns of the terminal that a table may take."""
+    return console().width - 1
+
+
+def show(*parts: RenderableType) -> None:
+    """Print tables as wide as the terminal takes them, and what stands between them."""
     made = console()
-    for table in tables:
-        for part in laid_out(table, made.width):
-            made.print(part, crop=False)
+    for part in parts:
+        for piece in laid_out(part, made.width) if isinstance(part, Table) else [part]:
+            made.print(piece, crop=False)
 
 
 def laid_out(table: Table, width: int) -> list[RenderableType]:

@@ -43,7 +43,7 @@ FIRST = ("grades", "learning", "results", "ranking", "blame")
 """Sheets that are shown without `--all`, by the beginning of their key."""
 
 ACROSS = 118
-"""Characters side by side in a terminal; a wider sheet is shown in parts."""
+"""Characters side by side at most, however wide the terminal is; a wider sheet is shown in parts."""
 
 _GAP = 3
 """Characters between two columns."""
@@ -94,10 +94,10 @@ def read_rows(folder: str | Path) -> list[Row]:
     return _with_overall(read_records(folder))
 
 
-def main_table(folder: str | Path) -> list[RenderableType]:
+def main_table(folder: str | Path, *, across: int) -> list[RenderableType]:
     """The main table of a folder; errors as those of `read_records`."""
     records = read_records(folder)
-    return tables(_with_overall(records), note=code_note(records))
+    return tables(_with_overall(records), note=code_note(records), across=across)
 
 
 def read_board(*folders: str | Path, grades: Sequence[str] = (), templates: Sequence[str] = ()) -> Board:
@@ -116,28 +116,30 @@ def read_board(*folders: str | Path, grades: Sequence[str] = (), templates: Sequ
     return judging.board(records, blames=read_labels(folders), folder=named)
 
 
-def tables(rows: Sequence[Row], *, note: str = "") -> list[RenderableType]:
-    """The main table: one rich table for each setting, and the legend.
+def tables(rows: Sequence[Row], *, note: str = "", across: int) -> list[RenderableType]:
+    """The main table: one rich table for each setting, or parts of it, and the legend.
 
     Args:
         note: of which code the records are; see `remac_bench.judging.episodes.code_note`.
+        across: columns of the terminal.
     """
     sheets = with_checkers(results_sheets(rows, (), folder="DIR"), {row.agent: row.checker for row in rows})
     sheets = with_readers(sheets, {row.agent: row.given for row in rows})
     legend = f"[dim]{escape(plain(f'{LEGEND} {note}'))}[/dim]"
-    return [*(_table(sheet, _loud(sheet, compact(sheet))) for sheet in sheets), legend]
+    return [*(part for sheet in sheets for part in _tables(sheet, compact(sheet), across)), legend]
 
 
-def board_tables(board: Board, *, everything: bool = False) -> list[RenderableType]:
-    """The sheets of a board in rich; unless `everything` is asked for, the first ones, and the main columns alone."""
+def board_tables(board: Board, *, everything: bool = False, across: int) -> list[RenderableType]:
+    """The sheets of a board in rich; unless `everything` is asked for, the first ones, and the main columns alone.
+
+    Args:
+        across: columns of the terminal; a wider sheet comes in parts.
+    """
     made: list[RenderableType] = []
     for sheet in shown(board, everything=everything):
-        if sheet.key.startswith("results") and not everything:
-            made.append(_table(sheet, _loud(sheet, compact(sheet))))
-            continue
-        parts = _parts(sheet)
-        made += [_table(sheet, part, title=not index) for index, part in enumerate(parts)]
-        if sheet.caption:
+        narrow = sheet.key.startswith("results") and not everything
+        made += _tables(sheet, compact(sheet) if narrow else sheet.columns, across)
+        if sheet.caption and not narrow:
             made.append(f"[dim]{escape(plain(sheet.caption))}[/dim]\n")
     return [*made, *([f"[dim]{escape(plain(f'{LEGEND} {board.note}'))}[/dim]"] if _has_results(board) else [])]
 
@@ -222,11 +224,17 @@ def _loud(sheet: Sheet, columns: Sequence[Column]) -> tuple[Column, ...]:
     return tuple(column for column in columns if column.key not in quiet)
 
 
-def _parts(sheet: Sheet) -> list[tuple[Column, ...]]:
-    """The columns in parts that fit a terminal, each with the first words; columns without a cell are left out."""
-    used = _loud(sheet, [column for column in sheet.columns if any(column.key in row for row in sheet.rows)])
+def _tables(sheet: Sheet, columns: Sequence[Column], across: int) -> list[Table]:
+    """A sheet as one table, or in parts that fit the terminal; columns without a cell are left out."""
+    used = _loud(sheet, [column for column in columns if any(column.key in row for row in sheet.rows)])
+    parts = _parts(sheet, used, min(across, ACROSS))
+    return [_table(sheet, part, title=not index) for index, part in enumerate(parts)]
+
+
+def _parts(sheet: Sheet, used: Sequence[Column], across: int) -> list[tuple[Column, ...]]:
+    """The columns in parts, each with the first words."""
     front = tuple(itertools.takewhile(lambda column: not column.numeric, used))
-    room = left = ACROSS - sum(_width(sheet, column) for column in front)
+    room = left = across - sum(_width(sheet, column) for column in front)
     parts: list[list[Column]] = [[]]
     for column in used[len(front) :]:
         left -= _width(sheet, column)

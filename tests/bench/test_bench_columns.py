@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 from remac_bench.cli import app
 from remac_bench.columns import laid_out
@@ -50,3 +53,10 @@ def test_tasks_are_whole_in_eighty_columns(monkeypatch: pytest.MonkeyPatch) -> N
     names = {name for task in list_tasks() for name in (task["name"], *task["styles"], *task["layouts"])}
     for name in names:
         assert any(name in line.replace(",", " ").split() for line in lines), name
+
+
+def test_every_table_is_shown_as_it_fits() -> None:
+    root = Path(__file__).resolve().parents[2] / "benchmarks"
+    texts = {path: path.read_text("utf-8") for path in root.rglob("*.py")}
+    beside = [path.name for path, text in texts.items() if re.search(r"\bprint\(_?\w*(table|sheet)", text)]
+    assert beside == [] and sum("show(" in text for text in texts.values()) > 10

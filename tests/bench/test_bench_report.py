@@ -6,9 +6,11 @@ import csv
 import io
 from pathlib import Path
 
+import pytest
 from bench_helpers import record
 from remac_bench.cli import app
-from remac_bench.report import ACROSS, read_board, read_rows, tables
+from remac_bench.columns import across, show
+from remac_bench.report import ACROSS, board_tables, read_board, read_rows, tables
 from remac_bench.store import Store
 from rich.console import Console
 from typer.testing import CliRunner
@@ -39,12 +41,33 @@ def test_the_main_table_fits_a_hundred_columns(tmp_path: Path) -> None:
     named = {"task": "OpenMicrowavePnP"}
     Store(tmp_path).append([record(job=name, agent=name, method=name, **named) for name in ("CC", "REMAC")])
     screen = Console(width=200, record=True, file=io.StringIO())
-    for part in tables(read_rows(tmp_path)):
+    for part in tables(read_rows(tmp_path), across=200):
         screen.print(part)
     lines = [line.rstrip() for line in screen.export_text().splitlines()]
     table = [line for line in lines if line.startswith(("OpenMicrowavePnP", " OpenMicrowavePnP", " Task"))]
     assert len(table) == 3
     assert max(len(line) for line in table) <= 100
+
+
+def test_narrow_terminals_break_no_number_and_no_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fill(tmp_path)
+    long = "CC (max_money=1.0, model=custom:tiny)"
+    Store(tmp_path).append([record(job=f"long{seed}", agent=long, method="CC", seed=seed) for seed in range(3)])
+    board = read_board(tmp_path)
+
+    def said(columns: int) -> str:
+        monkeypatch.setenv("COLUMNS", str(columns))
+        show(*board_tables(board, everything=True, across=across()))
+        return capsys.readouterr().out
+
+    numbers = {word for word in said(300).split() if word[0].isdigit()}
+    assert len(numbers) > 20
+    for columns in (60, 80, 100):
+        narrow = said(columns)
+        assert max(map(len, narrow.splitlines())) <= columns
+        assert long in narrow and numbers <= set(narrow.split())
 
 
 def test_the_first_tables_and_all_of_them(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from remac_bench.columns import across, show
 from remac_bench.console import console
 from remac_bench.errors import UsageError
 from remac_bench.flags import takes
@@ -52,9 +53,7 @@ def report(
     if as_markdown:
         typer.echo(board_markdown(board, everything=everything))
         return
-    screen = console()
-    for part in board_tables(board, everything=everything):
-        screen.print(part, crop=False)
+    show(*board_tables(board, everything=everything, across=across()))
 
 
 def _parts(given: str | None) -> list[str]:
@@ -85,6 +84,5 @@ def blame(folder: Folder, *, as_markdown: bool, rescue: bool, extensions: list[s
     if as_markdown:
         typer.echo(board_markdown(board, everything=True))
     else:
-        for part in board_tables(board, everything=True):
-            console().print(part, crop=False)
+        show(*board_tables(board, everything=True, across=across()))
     typer.echo(f"{len(blames)} failed episodes; labels: {path}", err=True)

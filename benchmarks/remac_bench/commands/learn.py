@@ -162,7 +162,7 @@ def evaluate_checker(*, albums: Path, checker: Path | None, asked: bool, note: b
 
     weights = SHIPPED if checker is None else checker
     found, album = measured(weights, albums, asked_only=asked)
-    console().print(_checker_table(found))
+    show(_checker_table(found))
     console().print(
         f"{len(album.side)} views of {len(album.seeds)} episodes; layouts {', '.join(album.layouts)}; "
         f"styles {', '.join(album.styles)}"

@@ -12,6 +12,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from remac_bench import agents
+from remac_bench.columns import across, show
 from remac_bench.console import FAILED, INTERRUPTED, console, plain
 from remac_bench.deadline import waited_for
 from remac_bench.interrupts import SIGNALS, stoppable
@@ -48,10 +49,8 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
         raise typer.Exit(INTERRUPTED) from None
     finally:
         bar.stop()
-    screen = console()
-    for part in main_table(folder):
-        screen.print(part, crop=False)
-    screen.print(
+    show(*main_table(folder, across=across()))
+    console().print(
         f"{summary.played} jobs played, {summary.skipped} found finished. Records: {Path(folder) / FILE}",
         markup=False,
     )

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
+from remac_bench.columns import across, show
 from remac_bench.console import FAILED, console, plain
 from remac_bench.flags import takes
 
@@ -37,8 +38,7 @@ def accept(folder: Annotated[str, typer.Argument(help="A submission.")], *, reas
             screen.print(plain(reason), markup=False)
         screen.print(f"not accepted: {len(found.reasons)} reasons", markup=False)
         raise typer.Exit(FAILED)
-    for part in tables(found.rows):
-        screen.print(part, crop=False)
+    show(*tables(found.rows, across=across()))
     again = "" if found.reasked is None else (
         f"; {found.reasked.jobs} jobs asked again: {found.reasked.before} successes then, {found.reasked.now} now"
     )
@@ -56,7 +56,5 @@ def board(
 
     gather(folders, out)
     whole = read_board(out)
-    screen = console()
-    for part in board_tables(whole):
-        screen.print(part, crop=False)
+    show(*board_tables(whole, across=across()))
     typer.echo(f"pages: {write_pages(out, whole)}", err=True)
