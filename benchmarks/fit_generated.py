@@ -43,7 +43,7 @@ def starts(seeds: list[int]) -> Known:
 
 
 def sentence(template: str) -> str:
-    """What the goals of a template begin with: its own clauses, without any that a task has besides."""
+    """What the goals of a template have in them: its own clauses, without any that a task has besides."""
     row = templates.get(template)
     return clauses(row.goal_of({group.kind: ("one",) for group in row.groups}).told(3))
 

@@ -103,7 +103,8 @@ class Facts:
             if place.relation == "slot":
                 slot = slots[place.where]
                 ones += [first + at[around] for around in (place.where, slot.fixture) if around in at]
-                at_station.setdefault(slot.station, []).append(at[name])
+                for station in slot.stations:
+                    at_station.setdefault(station, []).append(at[name])
             if item.marks:
                 ones += [rest + 3 + self._marks.index(mark) for mark in item.marks if mark in self._marks]
         for name, state in world.fixtures.items():

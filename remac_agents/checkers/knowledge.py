@@ -50,7 +50,7 @@ def _no_vessel_needed(rules: Rules, holding: Holding, look: Look, robot: str, ta
     carried = {name for name in holding.values() if name is not None}
     there = {name: look(condition("inside", name, target)) for name in rules.objects if name not in carried}
     vessels = [name for name in there if fixture.kind in rules.objects[name].vessel_in]
-    places = [sum(rules.slots[slot].station == station for slot in fixture.slots)
+    places = [sum(station in rules.slots[slot].stations for slot in fixture.slots)
               for station in rules.stations_of(target)]  # fmt: skip
     if sum(answer is not False for answer in there.values()) < min(places, default=1):
         return False

@@ -2,7 +2,7 @@
 
 It reads the goal sentence, finds the task whose sentence it is, and answers with its plan, whatever the kitchen. Of
 generated tasks it knows one plan for each template and number of objects (`benchmarks/fit_generated.py`): the longest
-sentence that the goal begins with says which, and the objects that the goal means are put in in their order.
+sentence whose clauses are all in the goal says which, and the objects that the goal means are put in in their order.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def denoted(goal: str, facts: PublicScene) -> tuple[str, ...]:
 
 
 def clauses(goal: str) -> str:
-    """A goal sentence with commas alone between its clauses, so that one begins as another that has more of them."""
+    """A goal sentence with commas alone between its clauses."""
     return goal.replace(" and ", ", ")
 
 
@@ -58,8 +58,9 @@ Known = tuple[tuple[str, int, tuple[str, ...]], ...]
 
 
 def recalled(known: Known, goal: str, size: int) -> tuple[str, ...]:
-    """The plan of the longest sentence that the goal begins with, for so many objects; else for the next fewer."""
-    fitting = [(len(said), n, row) for said, n, row in known if goal.startswith(said) and n <= size]
+    """The plan of the longest sentence whose clauses the goal has, for so many objects; else for the next fewer."""
+    asked = set(goal.split(", "))
+    fitting = [(len(said), n, row) for said, n, row in known if asked.issuperset(said.split(", ")) and n <= size]
     return max(fitting, key=lambda entry: entry[:2])[2] if fitting else ()
 
 
@@ -84,6 +85,6 @@ def _learnt() -> tuple[tuple[str, tuple[str, ...]], ...]:
 
 @lru_cache(maxsize=1)
 def _generated() -> Known:
-    """(beginning of the goal sentence, number of objects, commands with fields for them by their numbers)."""
+    """(clauses of the goal sentence, number of objects, commands with fields for them by their numbers)."""
     data = tomllib.loads(resources.files("remac_agents").joinpath("planners", GENERATED).read_text("utf-8"))
     return tuple((row["sentence"], row["objects"], tuple(row["plan"])) for row in data["template"])

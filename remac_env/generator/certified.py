@@ -9,13 +9,16 @@ from remac_env.errors import OptionError
 from remac_env.generator.obstacles import untold
 from remac_env.kitchen.stated import stated_scene, stated_world
 from remac_env.kitchen.worlds import TaskWorlds
-from remac_env.oracle import OraclePlan, problem_id, shortest
+from remac_env.oracle import OraclePlan, problem_id, shortest, solvable
 from remac_env.oracle.bounds import make_bound
 from remac_env.rules.facts import Rules
 from remac_env.rules.knowledge import in_view
 from remac_env.rules.subtasks import WAIT
 from remac_env.state import WorldState
 from remac_env.tasks.spec import TaskSpec
+
+ALONE_STATES = 20_000
+"""States that the search looks at which proves that one robot cannot reach a part of a goal."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +76,13 @@ def scene_of(spec: TaskSpec, robots: int, knowledge: str) -> tuple[Rules, WorldS
     layout = worlds.layout(spec.layouts[0], spec.styles[0])
     scene = stated_scene(spec, layout, worlds.categories, names, knowledge=knowledge)
     return scene, stated_world(scene, spec.setup)
+
+
+def beyond_one(spec: TaskSpec) -> bool:
+    """Whether it is proven that one robot cannot do it: some part of the goal is out of its reach, however long it
+    tries. What cannot be followed to its end is not proven."""
+    scene, world = scene_of(spec, 1, "full")
+    return any(solvable(scene, world, part, max_states=ALONE_STATES) is False for part in spec.goal.atoms())
 
 
 def with_others(task: Certified, robots: int, knowledge: str) -> Certified:

@@ -8,7 +8,7 @@ import numpy as np
 
 from remac_env.errors import SamplingError
 from remac_env.generator import pools
-from remac_env.generator.obstacles import crowd, put_away, shut_again
+from remac_env.generator.obstacles import crowd, mixed, put_away, put_back, shut_again
 from remac_env.generator.placing import Room, doors_and_switches, place_members, place_others
 from remac_env.generator.templates import Group, Template
 from remac_env.kitchen import layout as layouts
@@ -57,8 +57,10 @@ def draw(template: Template, grade: int, rng: np.random.Generator) -> TaskSpec:
     objects |= {noun: category for noun, category in others.items() if noun in places}
     doors, on = doors_and_switches(template, bare, places, rng, away=away)
     further = shut_again(bare, places, away, grade, rng) or _further(template, bare, rng)
-    goal = template.goal_of(members, further=further)
-    said = tuple(goal.told(wording) for wording in (1, 2, 3))
+    clauses = [*template.goal, *put_back(bare, filling, template, grade, rng), *further]
+    goal = template.goal_of(members, clauses)
+    order, end = mixed(clauses, grade, rng)
+    said = tuple(template.goal_of(members, order).told(wording) + end for wording in (1, 2, 3))
     return TaskSpec(
         name=NAME,
         wordings=(said[0], said[1], said[2]),

@@ -10,7 +10,7 @@ import numpy as np
 
 from remac_env.errors import OptionError, SamplingError, check_choice, whole_number
 from remac_env.generator import templates
-from remac_env.generator.certified import Certified, certified, scene_of, with_others
+from remac_env.generator.certified import Certified, beyond_one, certified, scene_of, with_others
 from remac_env.generator.drawing import draw
 from remac_env.generator.obstacles import obstructed, untold
 from remac_env.generator.quirking import with_quirks
@@ -125,6 +125,8 @@ def _attempt(
     plan = witness(scene, world, spec.goal)
     if plan is None:
         return "no plan was found"
+    if row.team and not beyond_one(spec):
+        return "one robot may be able to do it alone"
     # A grade is that of the kitchen without its quirks, so that the same task can be had with and without them.
     plain = certified(spec, scene, world, plan, states=EXACT_STATES.get(grade, 0) // robots**3)
     if not GRADES.get(grade - 1, 0) < plain.upper <= GRADES[grade]:

@@ -1,7 +1,8 @@
 """What is in the way of a task from grade 3 on, and no sentence tells: objects put away, and places that are full.
 
 Who reads the goal alone does not know of it, and each kind asks for something else: a door to be opened before an
-object can be taken, something to be taken out before another goes in, or another place to be used.
+object can be taken, something to be taken out before another goes in, or another place to be used. In grade 5 what was in the
+way has to be back in the end, doors have to be shut, and the sentence does not say in which order to do all this.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from remac_env.generator.placing import Room
-from remac_env.generator.templates import Template
+from remac_env.generator.templates import Clause, Template
 from remac_env.oracle.commands import to_mark
 from remac_env.rules.facts import FixtureFacts, Rules
 from remac_env.rules.marks import WASHED
@@ -25,8 +26,17 @@ AWAY = {3: 1, 4: 2, 5: 3}
 FULL = {3: (0.6,), 4: (0.8, 0.4), 5: (1.0, 1.0)}
 """Grade -> how often a place that it needs is full, and how often another one is too."""
 
-SHUT_AGAIN = {4: 0.5, 5: 1.0}
-"""Grade -> how often a door behind which something is put away is to be shut in the end."""
+SHUT_AGAIN = {4: (0.5, 1), 5: (1.0, 3)}
+"""Grade -> how often doors behind which something is put away are to be shut in the end, and how many at most."""
+
+PUT_BACK = {5: 2}
+"""Grade -> how many of the things that fill what gives a mark are to be back there in the end, at most."""
+
+MIXED = (5,)
+"""Grades whose sentences do not have their clauses in an order in which they can be reached, and say so."""
+
+ANY_ORDER = ", in whatever order that takes"
+"""How they say so."""
 
 MOST_FILLING = 8
 """Objects that fill a place at most."""
@@ -73,12 +83,35 @@ def crowd(
 def shut_again(
     scene: Rules, places: Mapping[str, Place], away: Sequence[str], grade: int, rng: np.random.Generator
 ) -> list[dict[str, str]]:
-    """Perhaps a clause: a door behind which something is put away is to be shut in the end, as it is at the start."""
+    """Perhaps clauses: doors behind which something is put away are to be shut in the end, as they are at the start."""
+    often, most = SHUT_AGAIN.get(grade, (0.0, 0))
     stores = dict.fromkeys(scene.slots[places[noun].where].fixture for noun in away)
     doors = [name for name in stores if scene.fixtures[name].door]
-    if not doors or rng.random() >= SHUT_AGAIN.get(grade, 0.0):
+    if not doors or rng.random() >= often:
         return []
-    return [{"shut": str(rng.choice(doors))}]
+    return [{"shut": str(name)} for name in rng.choice(doors, size=min(most, len(doors)), replace=False)]
+
+
+def put_back(
+    scene: Rules, filling: Mapping[str, Place], template: Template, grade: int, rng: np.random.Generator
+) -> list[dict[str, str]]:
+    """Clauses: what fills a fixture that gives a mark is to be there in the end, as it is at the start."""
+    if grade not in PUT_BACK:
+        return []
+    giving = {facts.name for mark in template.gives for facts in _givers(scene, mark)}
+    at = {noun: scene.slots[place.where].fixture for noun, place in filling.items()}
+    there = [noun for noun in at if at[noun] in giving]
+    return [{"keep": there[n], "into": at[there[n]]} for n in rng.permutation(len(there))[: PUT_BACK[grade]]]
+
+
+def mixed(clauses: Sequence[Clause], grade: int, rng: np.random.Generator) -> tuple[list[Clause], str]:
+    """The clauses as the sentence has them, in another order than that in which they can be reached, and its end."""
+    if grade not in MIXED or len(clauses) < 2:
+        return list(clauses), ""
+    order = list(range(len(clauses)))
+    while order == sorted(order):
+        order = [int(at) for at in rng.permutation(len(clauses))]
+    return [clauses[at] for at in order], ANY_ORDER
 
 
 def _needed(

@@ -72,9 +72,9 @@ class Template:
                 words += [value] if isinstance(value, str) else value if isinstance(value, list) else []
         return frozenset(words)
 
-    def goal_of(self, members: Members, *, further: Sequence[Clause] = ()) -> Goal:
-        """Its goal for these objects, with further clauses."""
-        goals = [_clause(clause, members) for clause in (*self.goal, *further)]
+    def goal_of(self, members: Members, clauses: Sequence[Clause] = ()) -> Goal:
+        """Its goal for these objects; of these clauses where they are not its own alone."""
+        goals = [_clause(clause, members) for clause in clauses or self.goal]
         held = [Released(name) for group in self.groups for name in members[group.kind]]
         return All(*goals, *held)
 
@@ -83,6 +83,8 @@ def _clause(clause: Clause, members: Members) -> Goal:
     for key, make in _OF_FIXTURES.items():
         if key in clause:
             return make(clause[key])
+    if "keep" in clause:
+        return Inside(clause["keep"], clause["into"])
     kind = clause.get("all") or clause["some"]
     each = _each(clause)
     if "all" in clause:

@@ -17,6 +17,7 @@ from remac_env.options import NAMINGS, STARTS
 from remac_env.robots import bodies
 from remac_env.rules.facts import Rules
 from remac_env.rules.processes import chosen
+from remac_env.rules.quirks import laid_out
 from remac_env.rules.rounds import at_rest
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
@@ -83,10 +84,10 @@ def sample(
     extra = generator(seed, "vessels", spec.name, layout.name, style, starts)
     objects |= _with_vessels(others, layout, categories, objects, extra)
     slow = [(name, tuple(noun.format(**names) for noun in about)) for name, about in spec.processes]
-    scene = replace(
+    scene = laid_out(replace(
         build_scene(layout, objects, robots, annexes=spec.annexes, gives=spec.gives),
         quirks=spec.quirks, orders=spec.orders, hides=knowledge == "seen", processes=chosen(slow),
-    )  # fmt: skip
+    ))  # fmt: skip
     for needed in spec.fixtures:
         check_choice(f"fixture (in layout {layout.name}, for {spec.name})", needed, scene.fixtures)
     goal = spec.goal.bind(names)

@@ -13,6 +13,7 @@ from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.scene import build_scene, resting_fixtures
 from remac_env.kitchen.starts import CLOSED_AT_RESET, offset_in, park
 from remac_env.rules.facts import Rules
+from remac_env.rules.quirks import laid_out
 from remac_env.rules.rounds import at_rest
 from remac_env.seeding import generator
 from remac_env.start import Offset, Start
@@ -33,7 +34,7 @@ def stated_scene(
         check_choice(f"category of task {spec.name}", name, categories)
     chosen = {noun: categories[name] for noun, name in objects.items()}
     scene = build_scene(layout, chosen, robots, annexes=spec.annexes, gives=spec.gives)
-    return replace(scene, quirks=spec.quirks, orders=spec.orders, hides=knowledge == "seen")
+    return laid_out(replace(scene, quirks=spec.quirks, orders=spec.orders, hides=knowledge == "seen"))
 
 
 def stated_world(scene: Rules, setup: Setup) -> WorldState:

@@ -143,7 +143,7 @@ def _durative(action: Action) -> Iterator[str]:
 def _static(rules: Rules) -> Iterator[str]:
     """What cannot change."""
     for name, slot in rules.slots.items():
-        yield f"slot-at {slot_name(name)} {station_name(slot.station)}"
+        yield from (f"slot-at {slot_name(name)} {station_name(station)}" for station in slot.stations)
         yield f"slot-of {slot_name(name)} {name_of(slot.fixture)}"
     for name in rules.fixtures:
         yield from (f"used-from {name_of(name)} {station_name(station)}" for station in rules.stations_of(name))

@@ -13,11 +13,17 @@ ASIDE = "aside"
 
 @dataclass(frozen=True, slots=True)
 class SlotFacts:
-    """A place on a surface that can hold one object."""
+    """A place on a surface that can hold one object. `across`: the station on its other side, "" for none."""
 
     name: str
     fixture: str
     station: str
+    across: str = ""
+
+    @property
+    def stations(self) -> tuple[str, ...]:
+        """Where robots stand to use it."""
+        return (self.station, self.across) if self.across else (self.station,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +147,7 @@ class Rules:
     def stations(self) -> tuple[str, ...]:
         """All stations, in the order of the fixtures and then of the slots, without `aside`."""
         names = [fixture.station for fixture in self.fixtures.values()]
-        names += [slot.station for slot in self.slots.values()]
+        names += [station for slot in self.slots.values() for station in slot.stations]
         return tuple(dict.fromkeys(names))
 
     @cached_property
@@ -161,8 +167,9 @@ class Rules:
 
     @cached_property
     def _stations_of(self) -> dict[str, tuple[str, ...]]:
-        of = {name: [self.slots[slot].station for slot in facts.slots] for name, facts in self.fixtures.items()}
-        return {name: tuple(dict.fromkeys(at or [self.fixtures[name].station])) for name, at in of.items()}
+        of = {name: [self.slots[slot] for slot in facts.slots] for name, facts in self.fixtures.items()}
+        at = {name: [*(s.station for s in slots), *(s.across for s in slots if s.across)] for name, slots in of.items()}
+        return {name: tuple(dict.fromkeys(names or [self.fixtures[name].station])) for name, names in at.items()}
 
     @cached_property
     def _fixtures_at(self) -> dict[str, tuple[str, ...]]:

@@ -29,7 +29,7 @@ def _visible(rules: Rules, world: WorldState, name: str) -> bool:
         return True
     slot = rules.slots[place.where]
     door = world.fixtures[slot.fixture].door
-    return door is None or (door == "open" and any(robot.station == slot.station for robot in world.robots.values()))
+    return door is None or (door == "open" and any(robot.station in slot.stations for robot in world.robots.values()))
 
 
 def as_known(world: WorldState, seen: Collection[str]) -> WorldState:

@@ -11,21 +11,23 @@ def stations_of(rules: Rules, world: WorldState, target: str) -> tuple[str, ...]
     if target in rules.fixtures:
         return rules.stations_of(target)
     place = base_place(world, target)
-    return (rules.slots[place.where].station,) if place.relation == "slot" else ()
+    return rules.slots[place.where].stations if place.relation == "slot" else ()
 
 
 def destination(rules: Rules, world: WorldState, robot: str, target: str) -> str | None:
     """The station at which `navigate to target` ends for this robot, or None when there is none.
 
     Of several stations (a long counter) the robot keeps its own, else takes the first with a free slot that no other
-    robot uses, else the first with a free slot, else the first.
+    robot uses, else the first with a free slot, else the first; of an object's the same, whatever is free.
     """
     options = stations_of(rules, world, target)
     if len(options) < 2:
         return options[0] if options else None
     here = world.robots[robot].station
     full = {item.place.where for item in world.objects.values() if item.place.relation == "slot"}
-    roomy = {rules.slots[name].station for name in rules.fixtures[target].slots if name not in full}
+    fixture = rules.fixtures.get(target)
+    slots = () if fixture is None else (rules.slots[name] for name in fixture.slots if name not in full)
+    roomy = set(options) if fixture is None else {station for slot in slots for station in slot.stations}
     if here in roomy:
         return here
     free = [name for name in options if name in roomy]
@@ -48,7 +50,7 @@ def landing(rules: Rules, world: WorldState, robot: str, target: str) -> Place |
         small = held is None or rules.objects[held].small
         return Place("vessel", target) if small and has_room(rules, world, target) and held != target else None
     here = world.robots[robot].station
-    slots = [name for name in rules.fixtures[target].slots if rules.slots[name].station == here]
+    slots = [name for name in rules.fixtures[target].slots if here in rules.slots[name].stations]
     free = [name for name in slots if occupant(world, name) is None]
     lit = [name for name in free if name in world.fixtures[target].on]
     if free:

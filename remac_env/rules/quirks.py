@@ -7,11 +7,12 @@ condition is false that should be true. Whoever has found one can do something a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from itertools import permutations
+from dataclasses import dataclass, replace
 
 from remac_env.errors import check_choice
-from remac_env.rules.facts import Quirk, Rules
+from remac_env.frozen import FrozenMap
+from remac_env.rules import subjects
+from remac_env.rules.facts import ASIDE, Quirk, Rules
 from remac_env.rules.marks import WASHED
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.places import landing, switch_for
@@ -52,6 +53,8 @@ class QuirkKind:
         team: no robot alone can do anything about it.
         marks_alone: it takes marks from objects and does nothing else; in physics too it is these rules that do it.
         fills, stains: how what it is about looks from the start: full up to the front, or with stains in it.
+        across: it is a floor plan: what stands on the other can also be used from where it is about. Anybody may know
+            that; no layout of physics has it.
     """
 
     name: str
@@ -68,6 +71,7 @@ class QuirkKind:
     marks_alone: bool = False
     fills: bool = False
     stains: bool = False
+    across: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a row that shows in no condition."""
@@ -85,52 +89,6 @@ def _attended(rules: Rules, world: WorldState, fixture: str, *, but: str = "") -
 
 def _turns_on(quirk: Quirk, subtask: Subtask) -> bool:
     return subtask.skill == "turn on" and subtask.target == quirk.about
-
-
-# -- what they are about --------------------------------------------------------------------------------------------
-
-
-def _doors(rules: Rules) -> Iterator[tuple[str, str]]:
-    yield from ((name, "") for name, facts in rules.fixtures.items() if facts.door)
-
-
-def _switches(rules: Rules) -> Iterator[tuple[str, str]]:
-    yield from ((name, "") for name, facts in rules.fixtures.items() if facts.switches)
-
-
-def _burners(rules: Rules) -> Iterator[tuple[str, str]]:
-    yield from ((facts.slots[0], "") for facts in rules.fixtures.values() if facts.switch_per_slot)
-
-
-def _switch_pairs(rules: Rules) -> Iterator[tuple[str, str]]:
-    yield from permutations([name for name, _ in _switches(rules)], 2)
-
-
-def _distant_switches(rules: Rules) -> Iterator[tuple[str, str]]:
-    for one, other in _switch_pairs(rules):
-        ways = [(a, b) for a in rules.stations_of(one) for b in rules.stations_of(other)]
-        if not any(rules.conflicting(a, b) for a, b in ways):
-            yield one, other
-
-
-def _switch_and_door(rules: Rules) -> Iterator[tuple[str, str]]:
-    yield from ((one, other) for one, _ in _switches(rules) for other, _ in _doors(rules) if one != other)
-
-
-def _stores(rules: Rules) -> Iterator[tuple[str, str]]:
-    yield from ((name, "") for name, facts in rules.fixtures.items() if facts.slots and facts.door)
-
-
-def _ranges(rules: Rules) -> Iterator[tuple[str, str]]:
-    yield from ((name, "") for name, facts in rules.fixtures.items() if facts.switch_per_slot)
-
-
-def _vessels(rules: Rules) -> Iterator[tuple[str, str]]:
-    yield from ((name, "") for name, facts in rules.objects.items() if facts.holds and facts.washable)
-
-
-def _objects(rules: Rules) -> Iterator[tuple[str, str]]:
-    yield from ((name, "") for name, facts in rules.objects.items() if not facts.holds)
 
 
 # -- what they do ---------------------------------------------------------------------------------------------------
@@ -204,6 +162,14 @@ def _comes_loose(quirk: Quirk, rules: Rules, world: WorldState, subtask: Subtask
     return world.with_object(quirk.about, marks=world.objects[quirk.about].marks | {LOOSENED})
 
 
+def _no_way(quirk: Quirk, rules: Rules, world: WorldState, robot: str, subtask: Subtask) -> bool:
+    here, leads = world.robots[robot].station, subtask.row.goes
+    if leads is None or here == ASIDE:
+        return False
+    goal, far = leads(rules, world, robot, subtask.target), rules.fixtures[quirk.about].station
+    return goal != here and (goal == ASIDE or (goal == far) != (here == far))
+
+
 def _soils(quirk: Quirk, rules: Rules, world: WorldState) -> WorldState:
     if WASHED in world.objects[quirk.about].marks:
         return world
@@ -217,43 +183,50 @@ def _soils(quirk: Quirk, rules: Rules, world: WorldState) -> WorldState:
 
 QUIRKS: dict[str, QuirkKind] = by_name("quirk", "sentence", (
     QuirkKind(name="jammed door", sentence="the {0} door jams: the first pull only brings it ajar", shows="door_open",
-              looks="the door stands ajar", remedy="pull again", draws=_doors, hinders=_jams, spoils=_gives_way),
+              looks="the door stands ajar", remedy="pull again", draws=subjects.doors,
+              hinders=_jams, spoils=_gives_way),
     QuirkKind(name="stuck object", sentence="the {0} sticks to what it stands on: the first pull only loosens it",
-              shows="holding", looks="it is still where it was", remedy="pick it up again", draws=_objects,
+              shows="holding", looks="it is still where it was", remedy="pick it up again", draws=subjects.objects,
               hinders=_sticks, spoils=_comes_loose),
     QuirkKind(name="cold burner", sentence="{0} stays cold", shows="switched_on", looks="no flame",
-              remedy="use another burner: put something else on this one first", draws=_burners, hinders=_cold),
+              remedy="use another burner: put something else on this one first", draws=subjects.burners, hinders=_cold),
     QuirkKind(name="dead switch", sentence="the {0} has no power", shows="switched_on", looks="no light, no flame",
-              remedy="use another fixture that does the same", draws=_switches,
+              remedy="use another fixture that does the same", draws=subjects.switches,
               hinders=lambda quirk, rules, world, robot, subtask: _turns_on(quirk, subtask)),
     QuirkKind(name="enabling switch", sentence="the {0} only comes on while the {1} is on", shows="switched_on",
-              looks="no light, no flame", remedy="turn on the other one first", draws=_switch_pairs,
+              looks="no light, no flame", remedy="turn on the other one first", draws=subjects.switch_pairs,
               hinders=_other_is_off),
     QuirkKind(name="guard door", sentence="the {0} only comes on while the {1} door is shut", shows="switched_on",
               looks="no light, no flame, and a door that is open", remedy="shut that door first",
-              draws=_switch_and_door, hinders=_other_is_open),
+              draws=subjects.switch_and_door, hinders=_other_is_open),
     QuirkKind(name="fuse", sentence="turning on the {0} turns off the {1}", shows="switched_on",
               looks="the other one has gone out", remedy="turn it on again, or be done with it before",
-              draws=_switch_pairs, changes=_other_goes_off),
+              draws=subjects.switch_pairs, changes=_other_goes_off),
     QuirkKind(name="spring switch", sentence="the {0} goes off when nobody stands there", shows="switched_on",
-              looks="it has gone out", remedy="stay there while it has to be on", draws=_switches, drifts=_goes_off),
+              looks="it has gone out", remedy="stay there while it has to be on",
+              draws=subjects.switches, drifts=_goes_off),
     QuirkKind(name="falling door", sentence="the {0} door falls shut when nobody stands there", shows="accessible",
-              looks="the door is shut again", remedy="let another robot hold it", draws=_doors,
+              looks="the door is shut again", remedy="let another robot hold it", draws=subjects.doors,
               drifts=_falls_shut, team=True),
     QuirkKind(name="swinging door", sentence="the {0} door comes open when nobody stands there", shows="door_closed",
-              looks="the door stands ajar", remedy="shut it last, and stay there", draws=_doors, drifts=_swings_open),
+              looks="the door stands ajar", remedy="shut it last, and stay there",
+              draws=subjects.doors, drifts=_swings_open),
     QuirkKind(name="full shelf", sentence="the {0} is full up to the front", shows="inside",
-              looks="things close behind the door", remedy="use another place", draws=_stores, hinders=_is_full,
+              looks="things close behind the door", remedy="use another place", draws=subjects.stores, hinders=_is_full,
               fills=True),
     QuirkKind(name="hot vessel", sentence="what stands on the {0} cannot be held while it is on", shows="holding",
-              looks="it is still where it was, over a flame", remedy="turn it off first", draws=_ranges,
+              looks="it is still where it was, over a flame", remedy="turn it off first", draws=subjects.ranges,
               hinders=_is_hot),
     QuirkKind(name="dirty vessel", sentence="the {0} is dirty: what is washed does not stay so in it", shows="marked",
-              looks="stains in it", remedy="wash it too, or use another vessel", draws=_vessels, drifts=_soils,
+              looks="stains in it", remedy="wash it too, or use another vessel", draws=subjects.vessels, drifts=_soils,
               marks_alone=True, stains=True),
     QuirkKind(name="two hands", sentence="the {0} only comes on while another robot stands at the {1}",
               shows="switched_on", looks="no light, no flame", remedy="let another robot stand there",
-              draws=_distant_switches, hinders=_other_is_left, team=True),
+              draws=subjects.distant_switches, hinders=_other_is_left, team=True),
+    QuirkKind(name="narrow galley", shows="at", looks="it stands where it stood", draws=subjects.worktops,
+              hinders=_no_way, team=True, across=True,
+              sentence="nobody gets past the {1}: who came in on one side stays there, and the {0} is on the other",
+              remedy="let another robot go to the far side, and pass things over"),
 ))  # fmt: skip
 """Every kind of quirk by name."""
 
@@ -261,6 +234,15 @@ QUIRKS: dict[str, QuirkKind] = by_name("quirk", "sentence", (
 def sentence_of(quirk: Quirk) -> str:
     """The quirk in plain English."""
     return QUIRKS[quirk.kind].sentence.format(quirk.about, quirk.other)
+
+
+def laid_out(rules: Rules) -> Rules:
+    """The kitchen with what can be used from two sides where its quirks are floor plans."""
+    for quirk in (quirk for quirk in rules.quirks if QUIRKS[quirk.kind].across):
+        beyond = rules.fixtures[quirk.about].station
+        slots = {name: replace(rules.slots[name], across=beyond) for name in rules.fixtures[quirk.other].slots}
+        rules = replace(rules, slots=FrozenMap({**rules.slots, **slots}))
+    return rules
 
 
 def hindered(rules: Rules, world: WorldState, robot: str, subtask: Subtask) -> tuple[Outcome, WorldState] | None:

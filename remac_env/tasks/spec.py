@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from remac_env.errors import OptionError
 from remac_env.options import WORDINGS
 from remac_env.rules.facts import Quirk
+from remac_env.rules.quirks import QUIRKS
 from remac_env.tasks.goals import Goal
 from remac_env.tasks.setup import Setup
 from remac_env.values import python_fields
@@ -97,7 +98,8 @@ class TaskSpec:
     @property
     def symbolic_only(self) -> str:
         """Why physics cannot have it, "" where it can."""
-        return f"annexes ({', '.join(self.annexes)})" if self.annexes else ""
+        plans = [quirk.kind for quirk in self.quirks if QUIRKS[quirk.kind].across]
+        return f"annexes ({', '.join(self.annexes)})" if self.annexes else ", ".join(plans)
 
     def __post_init__(self) -> None:
         """Take values of NumPy as Python's."""

@@ -99,7 +99,8 @@ def test_templates_of_the_pools_do_not_overlap() -> None:
 TEAMS = [name for name, row in ROWS.items() if row.team]
 
 
-@pytest.mark.parametrize("name", ["dishwasher for two", *(pytest.param(n, marks=pytest.mark.long) for n in TEAMS[:2])])
+@pytest.mark.few(2)
+@pytest.mark.parametrize("name", ["dishwasher for two", *(name for name in TEAMS if name != "dishwasher for two")])
 def test_a_task_for_a_team_has_no_plan_for_one_and_one_for_two(name: str) -> None:
     task = make(grade=min(ROWS[name].sizes), seed=0, template=name, robots=2)
     assert QUIRKS[task.spec.quirks[0].kind].team

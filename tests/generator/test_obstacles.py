@@ -11,8 +11,9 @@ import remac_env
 from remac_env.generator import make, scene_of, templates
 from remac_env.generator.drawing import draw
 from remac_env.generator.making import candidates
-from remac_env.generator.obstacles import obstructed, untold
+from remac_env.generator.obstacles import ANY_ORDER, obstructed, put_back, untold
 from remac_env.rules.rounds import transition
+from remac_env.state import Place
 from remac_env.tasks.goals import Inside
 
 
@@ -36,6 +37,26 @@ def test_it_is_counted_by_what_has_to_be_done_about_it() -> None:
     place = replace(world.objects[noun].place, relation="slot", where=shut)
     behind = world.with_object(noun, place=place).with_fixture("pantry", door="closed")
     assert untold(scene, behind, Inside(noun, "trolley")) == 1
+
+
+def test_in_grade_5_the_sentence_is_in_no_order_of_work_and_says_so() -> None:
+    spec = make(grade=5, seed=4).spec
+    assert all(told.endswith(ANY_ORDER) for told in spec.wordings)
+    assert spec.wordings[2] != spec.goal.told(3) + ANY_ORDER
+    assert sorted(clauses(spec.wordings[2].removesuffix(ANY_ORDER))) == sorted(clauses(spec.goal.told(3)))
+    assert make(grade=4, seed=4).spec.wordings[2] == make(grade=4, seed=4).spec.goal.told(3)
+
+
+def clauses(said: str) -> list[str]:
+    return said.replace(" and ", ", ").split(", ")
+
+
+def test_what_fills_a_fixture_that_gives_a_mark_is_to_be_back_there_in_grade_5() -> None:
+    template, scene = templates.get("washed vegetables"), scene_of(make(grade=5, seed=0).spec, 1, "full")[0]
+    there = {"tea": Place("slot", scene.fixtures["sink"].slots[0]), "juice": Place("slot", "counter.0")}
+    rng = np.random.default_rng(0)
+    assert put_back(scene, there, template, 5, rng) == [{"keep": "tea", "into": "sink"}]
+    assert put_back(scene, there, template, 4, rng) == []
 
 
 def test_teams_and_kitchens_of_physics_have_none_and_draw_as_ever() -> None:

@@ -9,9 +9,9 @@ from remac_env.errors import UnknownNameError
 from remac_env.oracle import certify
 from remac_env.rules.conditions import condition
 from remac_env.rules.facts import Quirk
-from remac_env.rules.quirks import QUIRKS, QuirkKind, sentence_of
-from remac_env.rules.rounds import transition
-from remac_env.state import Place
+from remac_env.rules.quirks import QUIRKS, QuirkKind, laid_out, sentence_of
+from remac_env.rules.rounds import merge, transition
+from remac_env.state import Place, occupant
 from remac_env.tasks.goals import All, DoorIs, Inside, Marked, Released, SwitchedOn
 
 FETCH = "navigate to {0}, pick up {0}, navigate to {1}, place to {1}"
@@ -54,6 +54,7 @@ CASES = {
         "", ("carrot", "washed"),
     ),
     "two hands": ("stove", "microwave", "navigate to stove, turn on stove", "", ("stove",)),
+    "narrow galley": ("cabinet", "counter", "navigate to stove, navigate to cabinet", "", ("robot_0", "cabinet")),
 }  # fmt: skip
 
 
@@ -86,6 +87,26 @@ def test_what_it_takes_two_robots_for_they_can_do_together() -> None:
     scene, world = kitchen(Quirk("two hands", "stove", "microwave"), robots=2)
     after, ends = play(scene, world, "navigate to stove, turn on stove", other="navigate to microwave, wait")
     assert ends[-1] and after.fixtures["stove"].on
+
+
+def test_over_a_counter_that_nobody_gets_past_things_are_passed() -> None:
+    scene, world = kitchen(Quirk("narrow galley", "cabinet", "counter"), robots=2)
+    scene = laid_out(scene)
+    assert scene.fixtures["cabinet"].station in scene.stations_of("counter")
+    way = "navigate to stove, navigate to carrot, pick up carrot, place to counter"
+    after, ends = play(scene, world, way, other="navigate to cabinet, open cabinet door, navigate to stove")
+    assert all(ends) and after.robots["robot_1"].station == scene.fixtures["cabinet"].station
+    after, _ = play(scene, after, "wait, wait", other="pick up carrot, place to cabinet")
+    assert after.objects["carrot"].place.where.startswith("cabinet")
+    stays, ends = play(scene, after, "navigate aside")
+    assert not ends[0] and stays.robots["robot_0"].station == after.robots["robot_0"].station
+
+
+def test_two_robots_on_two_sides_do_not_put_two_things_into_one_slot() -> None:
+    scene, world = kitchen(robots=2)
+    slot = next(name for name in scene.fixtures["counter"].slots if occupant(world, name) is None)
+    changed = {name: world.with_object(name, place=Place("slot", slot)) for name in ("carrot", "apple")}
+    assert merge(world, {f"robot_{number}": after for number, after in enumerate(changed.values())}) is None
 
 
 @pytest.mark.parametrize("kind", ["cold burner", "enabling switch", "hot vessel", "jammed door", "spring switch"])

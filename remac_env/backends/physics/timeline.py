@@ -236,6 +236,8 @@ class Timeline:
 
     def _settle(self, least: int = _REST_LEAST) -> None:
         """Let the kitchen come to rest, within bounds."""
+        while self._oddities is not None and self._oddities.pending:
+            self.tick()
         for count in range(_REST_MOST):
             if count >= least and (self.closers.at_work or self.simulation.moving() < _REST_SPEED):
                 return

@@ -17,6 +17,7 @@ def test_the_longest_sentence_counts_and_then_the_number_of_objects() -> None:
     assert recalled(KNOWN, "put every mug into the chest", 1) == ("pick up {0}",)
     assert recalled(KNOWN, "put every mug into the chest", 5) == ("pick up {0}", "pick up {1}")
     assert recalled(KNOWN, clauses("put every mug into the chest and leave the lamp off"), 2) == ("turn off lamp",)
+    assert recalled(KNOWN, "leave the lamp off, put every mug into the chest", 2) == ("turn off lamp",)
     assert recalled(KNOWN, "dry every mug", 2) == () and recalled(KNOWN, "put every mug into the chest", 0) == ()
 
 

@@ -36,14 +36,22 @@ class Oddities:
     """The quirks of a kitchen."""
 
     def __init__(self, around: Surroundings, truth: Truth) -> None:
-        self._simulation = around.simulation
+        self._around, self._simulation = around, around.simulation
         self._all = [ROWS[q.kind](around, q, truth) for q in around.scene.quirks if q.kind in ROWS]
 
     def watch(self) -> None:
         """Look on, after every control period."""
+        if not self._all:
+            return
+        self._around.watch()
         for mechanism in self._all:
             mechanism.watch()
         self._simulation.forces = self._push if any(mechanism.at_work for mechanism in self._all) else None
+
+    @property
+    def pending(self) -> bool:
+        """Whether one of them waits to act, so that the kitchen is not at rest yet."""
+        return any(isinstance(mechanism, doors.Falls) and mechanism.pending for mechanism in self._all)
 
     def began(self, subtask: Subtask) -> None:
         """Note that a subtask begins."""

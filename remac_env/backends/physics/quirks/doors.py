@@ -11,6 +11,7 @@ AJAR = 0.28
 
 _SWUNG = 0.25  # rad at which a door that comes open is left to itself
 _SWING = 0.8  # rad/s with which doors fall shut and come open
+_HELD = 400  # control periods (20 s) for which a closer holds a door that was left: as long as taking turns takes
 
 
 class _OfDoor:
@@ -33,10 +34,21 @@ class _OfDoor:
 
 
 class Falls(_OfDoor):
-    """A closer shuts it when nobody stands there."""
+    """A closer shuts it when nobody has stood there for a while: robots can take turns."""
+
+    def __init__(self, around: Surroundings, quirk: Quirk, truth: Truth) -> None:
+        super().__init__(around, quirk, truth)
+        self._alone = 0
+
+    @property
+    def pending(self) -> bool:
+        """Whether it will fall unless somebody comes."""
+        return 0 < self._alone <= _HELD
 
     def watch(self) -> None:
-        falls = not self.around.shut(self.fixture) and not self.around.attended(self.fixture)
+        left = not self.around.shut(self.fixture) and not self.around.attended(self.fixture)
+        self._alone = self._alone + 1 if left else 0
+        falls = self._alone > _HELD
         if self.at_work and not falls:
             self.rest()
         self.at_work = falls

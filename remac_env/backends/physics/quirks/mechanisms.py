@@ -9,14 +9,16 @@ import numpy as np
 
 from remac_env.backends.physics.happened import Happened
 from remac_env.backends.physics.simulation import Simulation
+from remac_env.backends.physics.snapshot import station_of
 from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.kitchen.fixtures.base import FixtureReading
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
-from remac_env.rules.facts import Rules
+from remac_env.rules.facts import ASIDE, Rules
 
 NEAR = 0.75
-"""m from a station within which a robot is there, also while it leans over at work; stations are 0.84 m apart."""
+"""m from the station to which it came within which a robot is there, also while it moves about at work; it may come
+nearer to the next one then, 0.84 m away."""
 
 LET_GO = 10
 """Control periods without a hand after which a catch or glue gives way."""
@@ -40,7 +42,13 @@ class Surroundings:
         self.objects, self.happened = objects, happened
         model = simulation.model
         names = [model.body(body).name for body in range(model.nbody)]
+        self._came: dict[str, str] = {}
         self._robots = np.array([any(name.startswith(f"{r}/") for r in simulation.robots) for name in names])
+
+    def watch(self) -> None:
+        """Note which robots have come to a station, after every control period."""
+        here = ((name, station_of(robot, self.layout)) for name, robot in self.simulation.robots.items())
+        self._came |= {name: station for name, station in here if station != ASIDE}
 
     def reading(self, fixture: str) -> FixtureReading:
         """What a fixture's joints say."""
@@ -57,15 +65,16 @@ class Surroundings:
 
     def attended(self, fixture: str) -> bool:
         """Whether a robot stands where it is used."""
-        places = self.layout.stations
         there = self.scene.stations_of(fixture)
-        for robot in self.simulation.robots.values():
-            x, y, _ = robot.standing
-            away = {name: math.hypot(x - place.x, y - place.y) for name, place in places.items()}
-            nearest = min(away, key=lambda name: away[name])
-            if nearest in there and away[nearest] <= NEAR:
-                return True
-        return False
+        return any(self._station(name) in there for name in self.simulation.robots)
+
+    def _station(self, name: str) -> str | None:
+        """The station that a robot came to last, while it is still near it."""
+        if (came := self._came.get(name)) is None:
+            return None
+        place = self.layout.stations[came]
+        x, y, _ = self.simulation.robots[name].standing
+        return came if math.hypot(x - place.x, y - place.y) <= NEAR else None
 
     def touched(self, body: str) -> bool:
         """Whether any part of a robot touches a body."""
