@@ -11,12 +11,12 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from remac_env.generator.placing import Room
+from remac_env.generator.placing import Room, stores
 from remac_env.generator.templates import Clause, Template
 from remac_env.oracle.commands import to_mark
 from remac_env.rules.facts import FixtureFacts, Rules
 from remac_env.rules.marks import WASHED
-from remac_env.state import Place, WorldState, base_place, inside, occupant
+from remac_env.state import Door, Place, WorldState, base_place, inside, occupant
 from remac_env.tasks.compound import AnyOf
 from remac_env.tasks.goals import Goal, Inside
 
@@ -27,10 +27,10 @@ FULL = {3: (0.6,), 4: (0.8, 0.4), 5: (1.0, 1.0)}
 """Grade -> how often a place that it needs is full, and how often another one is too."""
 
 SHUT_AGAIN = {4: (0.5, 1), 5: (1.0, 3)}
-"""Grade -> how often doors behind which something is put away are to be shut in the end, and how many at most."""
+"""Grade -> how often doors that are shut at the start are to be shut in the end, and how many at most."""
 
 PUT_BACK = {5: 2}
-"""Grade -> how many of the things that fill what gives a mark are to be back there in the end, at most."""
+"""Grade -> how many of the things that fill what gives a mark, and has no door, are to be back in the end, at most."""
 
 MIXED = (5,)
 """Grades whose sentences do not have their clauses in an order in which they can be reached, and say so."""
@@ -81,24 +81,25 @@ def crowd(
 
 
 def shut_again(
-    scene: Rules, places: Mapping[str, Place], away: Sequence[str], grade: int, rng: np.random.Generator
+    template: Template, scene: Rules, doors: Mapping[str, Door], grade: int, rng: np.random.Generator
 ) -> list[dict[str, str]]:
-    """Perhaps clauses: doors behind which something is put away are to be shut in the end, as they are at the start."""
-    often, most = SHUT_AGAIN.get(grade, (0.0, 0))
-    stores = dict.fromkeys(scene.slots[places[noun].where].fixture for noun in away)
-    doors = [name for name in stores if scene.fixtures[name].door]
-    if not doors or rng.random() >= often:
+    """Perhaps clauses: stores that are shut at the start are to be shut in the end, whether or not they hide anything:
+    of those that do alone the sentence would tell where to look. `doors`: those that are not shut."""
+    often, most = SHUT_AGAIN.get(grade, (0.0, 0)) if obstructed(template, grade) else (0.0, 0)
+    shut = [name for name in stores(scene, template) if name not in doors]
+    if not shut or rng.random() >= often:
         return []
-    return [{"shut": str(name)} for name in rng.choice(doors, size=min(most, len(doors)), replace=False)]
+    return [{"shut": str(name)} for name in rng.choice(shut, size=min(most, len(shut)), replace=False)]
 
 
 def put_back(
     scene: Rules, filling: Mapping[str, Place], template: Template, grade: int, rng: np.random.Generator
 ) -> list[dict[str, str]]:
-    """Clauses: what fills a fixture that gives a mark is to be there in the end, as it is at the start."""
+    """Clauses: what fills an open fixture that gives a mark is to be there in the end, as it is at the start. Of what
+    is behind a door the sentence would tell what nobody has seen."""
     if grade not in PUT_BACK:
         return []
-    giving = {facts.name for mark in template.gives for facts in _givers(scene, mark)}
+    giving = {facts.name for mark in template.gives for facts in _givers(scene, mark) if not facts.door}
     at = {noun: scene.slots[place.where].fixture for noun, place in filling.items()}
     there = [noun for noun in at if at[noun] in giving]
     return [{"keep": there[n], "into": at[there[n]]} for n in rng.permutation(len(there))[: PUT_BACK[grade]]]

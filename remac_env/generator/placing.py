@@ -76,17 +76,17 @@ def place_members(
         SamplingError: naming the object for which there is no room, and where.
     """
     fixtures = room.scene.fixtures
-    stores = [n for n, f in fixtures.items() if f.door and f.slots and n not in template.named and not f.switches]
+    closed = stores(room.scene, template)
     open_ones = [n for n, f in fixtures.items() if f.slots and not f.door and not f.switches and not f.gives]
-    strays = [*stores, *(n for n in open_ones if n not in template.named and n in template.annexes)]
+    strays = [*closed, *(n for n in open_ones if n not in template.named and n in template.annexes)]
     places: dict[str, Place] = {}
     for group in template.groups:
         for noun in members[group.kind]:
-            if noun in away and (free := room.free(stores, spare=1)):
+            if noun in away and (free := room.free(closed, spare=1)):
                 places[noun] = room.take(free, rng)
                 continue
             at = str(rng.choice(list(group.at)))
-            names = stores if at == HIDDEN else [at]
+            names = closed if at == HIDDEN else [at]
             if rng.random() < STRAY and (free := room.free(strays, spare=1)):
                 places[noun] = room.take(free, rng)
                 continue
@@ -95,6 +95,12 @@ def place_members(
                 raise SamplingError(f"template {template.name!r}: no room {where} for the {noun}, after {len(places)}")
             places[noun] = room.take(free, rng)
     return places
+
+
+def stores(scene: Rules, template: Template) -> list[str]:
+    """Where things are put away: what has a door and room, no switch, and is not named by the goal."""
+    found = ((name, facts) for name, facts in scene.fixtures.items() if name not in template.named)
+    return [name for name, facts in found if facts.door and facts.slots and not facts.switches]
 
 
 def place_others(others: Iterable[str], room: Room, rng: np.random.Generator) -> dict[str, Place]:

@@ -9,6 +9,7 @@ from remac_env.rules.facts import Quirk
 AJAR = 0.28
 """rad (drawers: told alike) that a door stands open which jams, or comes open by itself."""
 
+_STRAINED = 0.25  # rad at which a catch has been pulled at: it gives by a little, and a hand may stop before it does
 _SWUNG = 0.25  # rad at which a door that comes open is left to itself
 _SWING = 0.8  # rad/s with which doors fall shut and come open
 _HELD = 400  # control periods (20 s) for which a closer holds a door that was left: as long as taking turns takes
@@ -89,7 +90,7 @@ class Jams(_OfDoor):
         if not self._caught:
             return
         held = any(self.around.touched(panel.joint) for panel in self.door_panels)
-        if held and opened >= AJAR:
+        if held and opened >= _STRAINED:
             self._strained = True
             self.struck.add(self.fixture)
         self._free = 0 if held else self._free + 1

@@ -23,6 +23,7 @@ nearer to the next one then, 0.84 m away."""
 LET_GO = 10
 """Control periods without a hand after which a catch or glue gives way."""
 
+_OPEN = 30  # control periods for which a hand stays open that was made to open
 _SHARE = 0.3  # of the change of speed still wanted that a drive brings about in one step
 _STRENGTH = 4.0  # dry frictions of its joint that a drive gives at most: a hand is stronger
 _SLOWDOWN = 0.1  # s before its end over which a drive slows down
@@ -43,12 +44,22 @@ class Surroundings:
         model = simulation.model
         names = [model.body(body).name for body in range(model.nbody)]
         self._came: dict[str, str] = {}
+        self._opening: dict[str, int] = {}
         self._robots = np.array([any(name.startswith(f"{r}/") for r in simulation.robots) for name in names])
 
     def watch(self) -> None:
-        """Note which robots have come to a station, after every control period."""
+        """Note which robots have come to a station, and let hands close again, after every control period."""
         here = ((name, station_of(robot, self.layout)) for name, robot in self.simulation.robots.items())
         self._came |= {name: station for name, station in here if station != ASIDE}
+
+        for name in self._opening:
+            self._opening[name] = max(0, self._opening[name] - 1)
+            self.simulation.robots[name].let_go = self._opening[name] > 0
+
+    def open_hand(self, robot: str) -> None:
+        """Let its motors open a hand, and keep it open for a while."""
+        self._opening[robot] = _OPEN
+        self.simulation.robots[robot].let_go = True
 
     def reading(self, fixture: str) -> FixtureReading:
         """What a fixture's joints say."""

@@ -12,14 +12,15 @@ from remac_env.rules.quirks import LOOSENED
 
 _PULLED = 0.002  # m by which an object is lifted that is pulled at
 _OFF = 0.15  # m at which glue is off in any case
-_GLUE = 120.0  # N that glue holds
 _STIFF, _DAMPED = 0.5, 0.3  # of what one step of 5 ms takes, per mass
-_IN_HAND = 0.3  # kg
-_COOLS = 30  # control periods for which a hand stays open that touched what is hot
 
 
 class Sticks:
-    """Glue holds it down until it has been pulled at and let go."""
+    """Glue holds it down until it has been pulled at and let go; a hand that pulls at it gives up and opens.
+
+    The glue is no stronger than what brings the object back to where it stood: what fingers squeezed out against a
+    stronger one hopped away.
+    """
 
     def __init__(self, around: Surroundings, quirk: Quirk, truth: Truth) -> None:
         self._around, self._name, self._truth, self.struck = around, quirk.about, truth, set[str]()
@@ -46,6 +47,7 @@ class Sticks:
         if self._touched:
             self._free = 0
             self._pulled = self._pulled or self._now - self._stands > _PULLED
+            self._give_up()
         else:
             self._free += 1
             if not self._pulled:
@@ -59,15 +61,19 @@ class Sticks:
         if self._loose:
             self._truth.mark(self._name, LOOSENED)
 
+    def _give_up(self) -> None:
+        simulation = self._around.simulation
+        for name, robot in simulation.robots.items():
+            if self._pulled and holding(simulation, robot, self._around.objects) == self._name:
+                self._around.open_hand(name)
+
     def push(self) -> None:
         if not self.at_work:
             return
         data, step = self._around.simulation.data, self._step
         lifted = max(0.0, self._now - self._stands)
-        # What is in a hand moves with its fingers, which weigh a kilogram each: stiff glue is stable then.
-        mass = max(self._mass, _IN_HAND) if self._touched else self._mass
-        force = mass * (_STIFF * lifted / step + _DAMPED * float(data.qvel[self._rise])) / step
-        data.xfrc_applied[self._body, 2] = -min(max(force, 0.0), _GLUE) if lifted > 0.0 else 0.0
+        force = self._mass * (_STIFF * lifted / step + _DAMPED * float(data.qvel[self._rise])) / step
+        data.xfrc_applied[self._body, 2] = -max(force, 0.0) if lifted > 0.0 else 0.0
         # Glue is tough: what fingers squeeze out does not hop away.
         aside = -self._mass * _DAMPED / step * data.qvel[self._rise - 2 : self._rise]
         data.xfrc_applied[self._body, :2] = aside if self._pulled else 0.0
@@ -80,17 +86,14 @@ class Hot:
 
     def __init__(self, around: Surroundings, quirk: Quirk, truth: Truth) -> None:
         self._around, self._fixture, self.struck = around, quirk.about, set[str]()
-        self._open: dict[str, int] = {}
 
     def watch(self) -> None:
         simulation = self._around.simulation
         lit = self._around.reading(self._fixture).on
         for name, robot in simulation.robots.items():
-            self._open[name] = max(0, self._open.get(name, 0) - 1)
             if lit and (obj := holding(simulation, robot, self._around.objects)) and self._stands_on(obj) in lit:
-                self._open[name] = _COOLS
+                self._around.open_hand(name)
                 self.struck.add(obj)
-            robot.let_go = self._open[name] > 0
 
     def _stands_on(self, name: str) -> str | None:
         """The slot over which an object is, by itself or in its vessel."""
