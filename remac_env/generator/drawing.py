@@ -56,7 +56,8 @@ def draw(template: Template, grade: int, rng: np.random.Generator) -> TaskSpec:
     places |= place_others(others, room, rng)
     objects |= {noun: category for noun, category in others.items() if noun in places}
     doors, on = doors_and_switches(template, bare, places, rng, away=away)
-    further = shut_again(template, bare, doors, grade, rng) or _further(template, bare, rng)
+    further = shut_again(template, bare, doors, [places[noun] for noun in away], grade, rng)
+    further = further or _further(template, bare, rng)
     clauses = [*template.goal, *put_back(bare, filling, template, grade, rng), *further]
     goal = template.goal_of(members, clauses)
     order, end = mixed(clauses, grade, rng)

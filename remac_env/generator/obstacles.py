@@ -1,8 +1,8 @@
 """What is in the way of a task from grade 3 on, and no sentence tells: objects put away, and places that are full.
 
 Who reads the goal alone does not know of it, and each kind asks for something else: a door to be opened before an
-object can be taken, something to be taken out before another goes in, or another place to be used. In grade 5 what was in the
-way has to be back in the end, doors have to be shut, and the sentence does not say in which order to do all this.
+object can be taken, something to be taken out before another goes in, or another place to be used. In grade 5 what was
+in the way has to be back in the end, doors have to be shut, and the sentence says nothing of the order of it all.
 """
 
 from __future__ import annotations
@@ -81,14 +81,21 @@ def crowd(
 
 
 def shut_again(
-    template: Template, scene: Rules, doors: Mapping[str, Door], grade: int, rng: np.random.Generator
-) -> list[dict[str, str]]:
-    """Perhaps clauses: stores that are shut at the start are to be shut in the end, whether or not they hide anything:
-    of those that do alone the sentence would tell where to look. `doors`: those that are not shut."""
-    often, most = SHUT_AGAIN.get(grade, (0.0, 0)) if obstructed(template, grade) else (0.0, 0)
-    shut = [name for name in stores(scene, template) if name not in doors]
-    if not shut or rng.random() >= often:
+    template: Template, scene: Rules, doors: Mapping[str, Door], away: Sequence[Place], grade: int,
+    rng: np.random.Generator,
+) -> list[dict[str, str]]:  # fmt: skip
+    """Perhaps clauses, where something is put away: stores that are shut at the start are to be shut in the end,
+    whether or not they hide anything: of those that do alone the sentence would tell where to look.
+
+    Args:
+        doors: those that are not shut.
+        away: where what is put away is.
+    """
+    often, most = SHUT_AGAIN.get(grade, (0.0, 0))
+    hidden = any(scene.fixtures[scene.slots[place.where].fixture].door for place in away)
+    if not hidden or rng.random() >= often:
         return []
+    shut = [name for name in stores(scene, template) if name not in doors]
     return [{"shut": str(name)} for name in rng.choice(shut, size=min(most, len(shut)), replace=False)]
 
 

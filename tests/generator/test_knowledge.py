@@ -7,7 +7,9 @@ from typing import Any
 
 import pytest
 
+import remac_agents
 import remac_env
+from remac_agents.planners.literal import LiteralPlanner
 from remac_env.errors import SamplingError
 from remac_env.generator import templates
 from remac_env.kitchen import annexes
@@ -43,12 +45,18 @@ def swapped(spec: TaskSpec) -> tuple[TaskSpec, str, str]:
     return replace(spec, setup=replace(spec.setup, places=places)), one, other
 
 
-def given(env: KitchenParallelEnv, seen: Any, infos: Any) -> list[Any]:
-    """All that a planner or learner may go by; the rest of infos is the truth, for those that are given it."""
-    told = []
+TRUTH = ("world", "goal_test")
+"""What infos hold for those that are given the truth; the digest of a start names it for who has it already."""
+
+
+def given(env: KitchenParallelEnv, seen: Any, infos: Any, *more: Any) -> list[Any]:
+    """All that a planner or learner may go by: every value, and every order of names."""
+    told: list[Any] = [repr(env), str(env), *more]
     for robot, info in infos.items():
-        told += [info[key] for key in ("outcome", "text", "goal", "commands", "unseen", "success", "end")]
-        told += [part.tolist() for part in seen[robot].values()] if robot in seen else []
+        known = {key: value for key, value in info.items() if key not in TRUTH}
+        known["episode"] = {key: value for key, value in info["episode"].items() if key != "digest"}
+        told += [(key, repr(value)) for key, value in known.items()]
+        told += [(key, part.tolist()) for key, part in seen[robot].items()] if robot in seen else []
         told += [env.action_mask(robot).tolist()]
     return [*told, env.state().tolist()]
 
@@ -59,18 +67,55 @@ PLAN = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("masks", ["grammar", "feasible"])
-def test_swapping_hidden_contents_changes_nothing_that_is_given(masks: str) -> None:
+@pytest.mark.parametrize(
+    "options", [{"masks": "grammar"}, {"masks": "feasible"}, {"clock": "events"}, {"reward": "progress"}]
+)
+def test_swapping_hidden_contents_changes_nothing_that_is_given(options: dict[str, Any]) -> None:
     spec = hiding()
     other, a, b = swapped(spec)
-    first, second = (kitchen(each, robots=1, masks=masks) for each in (spec, other))
+    first, second = (kitchen(each, robots=1, **options) for each in (spec, other))
     begins = [given(env, *env.reset(seed=0)) for env in (first, second)]
     assert begins[0] == begins[1] and first.world != second.world
     for text in PLAN:
         command = first.vocabulary.encode(text.format(one=a, other=b))
         steps = [env.step({"robot_0": command}) for env in (first, second)]
-        told = [given(env, step[0], step[4]) for env, step in zip((first, second), steps, strict=True)]
+        told = [given(env, step[0], *step[4:], *step[1:4]) for env, step in zip((first, second), steps, strict=True)]
         assert told[0] == told[1], text
+
+
+@pytest.mark.parametrize("method", ["RE", "REMAC"])
+def test_what_a_planner_is_asked_is_the_same(method: str) -> None:
+    class Notes(LiteralPlanner):
+        def plan(self, request: Any) -> Any:
+            asked.append(repr(request))
+            return super().plan(request)
+
+    requests = []
+    for spec in (hiding(), swapped(hiding())[0]):
+        asked: list[str] = []
+        env = kitchen(spec, robots=1)
+        agent = remac_agents.make(method, planner=Notes(explores=True))
+        observations, infos = env.reset(seed=0)
+        agent.reset(observations, infos)
+        for _ in range(4):
+            observations, *_, infos = env.step(agent.act(observations, infos))
+        requests.append(asked)
+    assert requests[0] and requests[0] == requests[1]
+
+
+@pytest.mark.long
+def test_no_picture_of_physics_shows_what_is_behind_doors() -> None:
+    spec = remac_env.generate(2, 0, template="fruit on the counter", knowledge="seen")
+    assert spec.setup is not None
+    one, other = [noun for noun in spec.goal.names() if noun in spec.setup.places][:2]
+    places = dict(spec.setup.places)
+    places[one], places[other] = places[other], places[one]
+    there = replace(spec, setup=replace(spec.setup, places=places))
+    envs = [remac_env.parallel_env(each, robots=1, obs="state+images") for each in (spec, there)]
+    seen = [env.reset(seed=0)[0]["robot_0"] for env in envs]
+    for text in ("navigate to counter", f"navigate to {one}", "navigate to stove"):
+        assert all((seen[0][key] == seen[1][key]).all() for key in seen[0]), text
+        seen = [env.step({"robot_0": env.vocabulary.encode(text)})[0]["robot_0"] for env in envs]
 
 
 def test_full_knowledge_would_tell() -> None:

@@ -12,9 +12,10 @@ from remac_env.generator import make, scene_of, templates
 from remac_env.generator.drawing import draw
 from remac_env.generator.making import candidates
 from remac_env.generator.obstacles import ANY_ORDER, obstructed, put_back, untold
+from remac_env.rules.knowledge import in_view
 from remac_env.rules.rounds import transition
-from remac_env.state import Place
-from remac_env.tasks.goals import Inside
+from remac_env.state import Place, base_place
+from remac_env.tasks.goals import DoorIs, Inside
 
 
 @pytest.mark.few(2)
@@ -45,6 +46,25 @@ def test_in_grade_5_the_sentence_is_in_no_order_of_work_and_says_so() -> None:
     assert spec.wordings[2] != spec.goal.told(3) + ANY_ORDER
     assert sorted(clauses(spec.wordings[2].removesuffix(ANY_ORDER))) == sorted(clauses(spec.goal.told(3)))
     assert make(grade=4, seed=4).spec.wordings[2] == make(grade=4, seed=4).spec.goal.told(3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("grade", [4, 5])
+def test_a_sentence_does_not_tell_behind_which_doors_things_are(grade: int) -> None:
+    """Of doors that are to be shut again some hide nothing, and what is to be put back stands in the open."""
+    named = hiding = kept = 0
+    for seed in range(24):
+        spec = make(grade=grade, seed=seed).spec
+        scene, world = scene_of(spec, 1, "seen")
+        unseen = {scene.slots[base_place(world, n).where].fixture for n in set(world.objects) - in_view(scene, world)}
+        doors = [goal.fixture for goal in spec.goal.atoms() if isinstance(goal, DoorIs) and goal.door == "closed"]
+        doors = [name for name in doors if scene.fixtures[name].slots and not scene.fixtures[name].switches]
+        named, hiding = named + len(doors), hiding + sum(name in unseen for name in doors)
+        for goal in spec.goal.atoms():
+            if isinstance(goal, Inside) and goal.holds(scene, world):
+                kept += 1
+                assert goal.name not in unseen and not scene.fixtures[goal.container].door
+    assert 0 < hiding < named and (kept > 0) == (grade == 5)
 
 
 def clauses(said: str) -> list[str]:

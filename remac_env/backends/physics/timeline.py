@@ -266,8 +266,7 @@ class Timeline:
             for robot in robots:
                 self._fell.setdefault(robot, name)
         judged = {robot: self._judged(robot, tasks.get(robot), outcome) for robot, outcome in ended.items()}
-        if self._oddities is not None:
-            odd = self._oddities
+        if (odd := self._oddities) is not None:
             judged |= {
                 robot: replace(outcome, reason=HINDERED.reason, detail=HINDERED.detail)
                 for robot, outcome in judged.items()
@@ -275,8 +274,7 @@ class Timeline:
             }
         for robot, outcome in judged.items():
             if robot in self._fell and outcome.success:
-                fell = f"the {self._fell[robot]} fell"
-                judged[robot] = replace(outcome, status="failure", reason="dropped", detail=fell)
+                judged[robot] = replace(outcome, status="failure", reason="dropped", detail=f"the {self._fell[robot]} fell")
         self._fell = {robot: name for robot, name in self._fell.items() if robot in self._attempts}
         return judged
 
