@@ -272,9 +272,9 @@ class Timeline:
                 for robot, outcome in judged.items()
                 if not outcome.success and robot in tasks and odd.hindered(tasks[robot].subtask)
             }
-        for robot, outcome in judged.items():
-            if robot in self._fell and outcome.success:
-                judged[robot] = replace(outcome, status="failure", reason="dropped", detail=f"the {self._fell[robot]} fell")
+        for robot, name in self._fell.items():
+            if robot in judged and judged[robot].success:
+                judged[robot] = replace(judged[robot], status="failure", reason="dropped", detail=f"the {name} fell")
         self._fell = {robot: name for robot, name in self._fell.items() if robot in self._attempts}
         return judged
 
