@@ -1,84 +1,150 @@
 """Our shortest makespans beside a temporal planner's: `python benchmarks/makespans.py`.
 
-Each episode is written as PDDL, planned by the planner, played back by the event clock in the symbolic backend, and
-searched by `remac_env.events.makespan`. With two robots the domain cannot say that one may set out for a place at the
-very moment at which another leaves it, so that the planner's optimum may be up to a drive (6 s) longer for each such
-exchange.
+Each episode is written as PDDL and searched by `remac_env.events.makespan`. Our plan is played, and stated as a plan of
+that very problem (`remac_env.pddl.state_plan`), which `--validate` has checked by a validator besides; the planner's
+plan is played back by the event clock in the symbolic backend. So where the makespans differ, the table says which of
+the two is wrong, or only longer than need be. With two robots the domain cannot say that one may set out for a place at
+the very moment at which another leaves it: our plan then is none of the problem's, and the planner's optimum up to a
+drive (6 s) longer for each such exchange.
 """
 
 from __future__ import annotations
 
 import shlex
-import subprocess
 import tempfile
-from collections import Counter
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from statistics import mean
 from typing import Any
 
 import typer
 from remac_bench.command import run_script
+from remac_bench.console import console as make_console
 from remac_bench.flags import takes
 from remac_bench.job_lists import parse_names, parse_seeds
+from rich.table import Table
 
 import remac_env
+from remac_agents.planners.child import CommandError, Printed, run_command
 from remac_env.errors import OptionError
-from remac_env.events.makespan import makespan
-from remac_env.pddl import play_plan, printed_plan, read_plan, write_domain, write_problem
+from remac_env.events.makespan import Makespan, makespan
+from remac_env.pddl import Played, Step, play_plan, printed_plan, read_plan, state_plan, write_domain, write_problem
 from remac_env.pddl.playing import NEAR
+from remac_env.rules.places import destination
+from remac_env.rules.subtasks import WAIT
 
 PATIENCE = 120.0
-"""s for which a planner is waited for."""
+"""s for which a planner or a validator is waited for."""
+
+MOST_BYTES = 10_000_000
+"""Of what one prints."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """An episode. `what`: how the two makespans stand to each other; `apart`: by how many seconds.
+
+    `ours`: what our plan is by the domain's own semantics; `checked`: what a validator says of it, "" where none is
+    asked.
+    """
+
+    what: str
+    apart: float | None
+    ours: str
+    checked: str
 
 
 @takes(
-    *("script.tasks", "script.seeds", "starts"),
-    *("makespans.robots", "makespans.by", "makespans.layout", "makespans.states"),
+    *("script.tasks", "script.seeds", "starts", "makespans.robots", "makespans.by"),
+    *("makespans.validate", "makespans.layout", "makespans.states"),
 )
-def main(*, tasks: str | None, seeds: str, starts: str, robots: int, by: str, layout: str, states: int) -> None:
-    """Print each episode, and how many agree."""
-    counts: Counter[str] = Counter()
+def main(
+    *, tasks: str | None, seeds: str, starts: str, robots: int, by: str, validate: str, layout: str, states: int
+) -> None:
+    """Print each episode, and a table of how the makespans stand to each other."""
+    found: list[Compared] = []
     for task in parse_names(tasks, "tasks") if tasks else remac_env.tasks():
         for seed in parse_seeds(seeds):
             env = remac_env.parallel_env(
                 task, robots=robots, backend="symbolic", clock="events", layout=layout, starts=starts
             )
-            counts[_episode(env, task, seed, by, states)] += 1
-    typer.echo(f"{sum(counts.values())} episodes: " + ", ".join(f"{n} {what}" for what, n in sorted(counts.items())))
+            with tempfile.TemporaryDirectory() as folder:
+                found.append(_episode(env, seed, Path(folder), by, validate, states))
+    groups: dict[tuple[str, str, str], list[Compared]] = defaultdict(list)
+    for each in found:
+        groups[each.what, each.ours, each.checked].append(each)
+    table = Table("the planner's makespan", "our plan", "by the validator", "n", "s longer, mean")
+    for (what, ours, checked), group in sorted(groups.items()):
+        apart = [each.apart for each in group if each.apart is not None]
+        table.add_row(what, ours, checked, str(len(group)), f"{mean(apart):.1f}" if apart else "")
+    table.add_row("all", "", "", str(len(found)), "")
+    make_console().print(table)
 
 
-def _episode(env: Any, task: str, seed: int, by: str, states: int) -> str:
-    env.reset(seed=seed)
-    ours = makespan(env.start, env.goal, max_states=states)
-    text = _planned(env, by)
-    if text is None:
-        typer.echo(f"{task} seed {seed}: ours {ours.seconds} s ({ours.proof}), no plan of the planner's")
-        return "without a plan of the planner's"
-    steps = read_plan(text, env.start.scene)
-    told = max(step.at + step.seconds for step in steps)
-    played = play_plan(env, steps, seed=seed)
-    both = f"ours {ours.seconds} s ({ours.proof}), the planner's {told:g} s, played {played.seconds:g} s"
-    typer.echo(f"{task} seed {seed}: {both}" + "".join(f"; failed: {each}" for each in played.failed))
+def _episode(env: Any, seed: int, folder: Path, by: str, validate: str, states: int) -> Compared:
+    _, infos = env.reset(seed=seed)
+    start, goal = env.start, env.goal
+    files = {name: folder / f"{name}.pddl" for name in ("domain", "problem", "plan")}
+    files["domain"].write_text(write_domain(start.scene, level="durative"), "utf-8")
+    files["problem"].write_text(write_problem(start.scene, start.world, goal, level="durative"), "utf-8")
+    best = makespan(start, goal, max_states=states)
+    stated = state_plan(start.scene, start.world, goal, _played(env, infos, best))
+    files["plan"].write_text(stated.text, "utf-8")
+    ours = "of the same problem" if not stated.problem else "none of the problem's"
+    checked = ""
+    if validate:
+        checked = "valid" if _run(validate, folder, files).status == 0 else "not valid"
+    target = "" if best.seconds is None else f"{best.seconds + NEAR / 2:g}"
+    text = printed_plan(_run(by, folder, {**files, "target": target}).text, start.scene)
+    played = play_plan(env, read_plan(text, start.scene), seed=seed) if text else None
+    what, apart = _compare(best, played)
+    told = "no plan" if played is None else f"{played.seconds:g} s"
+    lines = [f"ours {best.seconds} s ({best.proof}), the planner's {told}", stated.problem]
+    lines += [] if played is None else [f"failed: {each}" for each in played.failed]
+    typer.echo(f"{env.worlds.spec.name} seed {seed}: " + "; ".join(filter(None, lines)))
+    return Compared(what, apart, ours, checked)
+
+
+def _compare(best: Makespan, played: Played | None) -> tuple[str, float | None]:
+    """How the planner's plan stands to our shortest one, and by how many seconds it is longer."""
+    if played is None:
+        return "no plan in its time", None
     if not played.success:
-        return "whose plan does not reach the goal"
-    if ours.optimum is None:
-        return "whose optimum is not known"
-    apart = played.seconds - ours.optimum
-    return "agree" if abs(apart) < NEAR else f"in which the planner's is {apart:g} s longer"
+        return "its plan does not reach the goal", None
+    if best.optimum is None:
+        return "ours is not known", None
+    apart = played.seconds - best.optimum
+    if abs(apart) < NEAR:
+        return "the same", None
+    return ("longer" if apart > 0 else "shorter"), apart
 
 
-def _planned(env: Any, by: str) -> str | None:
-    """The last plan that the planner prints; None where it prints none."""
-    with tempfile.TemporaryDirectory() as folder:
-        files = {name: Path(folder) / f"{name}.pddl" for name in ("domain", "problem")}
-        files["domain"].write_text(write_domain(env.start.scene, level="durative"), "utf-8")
-        text = write_problem(env.start.scene, env.world, env.goal, level="durative")
-        files["problem"].write_text(text, "utf-8")
-        command = [part.format(**files) for part in shlex.split(by)]
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
-        except (OSError, subprocess.TimeoutExpired) as error:
-            raise OptionError(f"by {by!r} does not run: {error}; valid: a planner's command line") from error
-    return printed_plan(done.stdout, env.start.scene) or None
+def _played(env: Any, infos: Mapping[str, Any], best: Makespan) -> list[Step]:
+    """Our plan as it goes in the kitchen: drives with the stations to which they lead."""
+    left, steps, scene = list(best.plan), list[Step](), env.start.scene
+    while env.agents and left:
+        wait = env.vocabulary.encode(WAIT.text)
+        tokens = {robot: wait if info["ready"] else info["continue"] for robot, info in infos.items()}
+        now = next(iter(infos.values()))["seconds"]
+        for at, robot, subtask in [each for each in left if each[0] <= now + NEAR]:
+            goal = destination(scene, env.world, robot, subtask.target) if subtask.moves and subtask.target else None
+            steps.append(Step(at, robot, subtask.skill, goal or subtask.target, subtask.row.seconds))
+            tokens[robot] = env.vocabulary.encode(subtask.text)
+            left.remove((at, robot, subtask))
+        _, _, _, _, infos = env.step(tokens)
+    return steps
+
+
+def _run(command: str, folder: Path, fields: Mapping[str, Any]) -> Printed:
+    """What a planner or a validator prints; it is gone afterwards with all that it started."""
+    try:
+        parts = [part.format(**fields) for part in shlex.split(command)]
+        return run_command(parts, folder=folder, seconds=PATIENCE, most_bytes=MOST_BYTES)
+    except (CommandError, LookupError, ValueError) as error:
+        names = ", ".join(f"{{{name}}}" for name in fields)
+        raise OptionError(f"{command!r} does not run: {error}; valid: a command line, with {names}") from error
 
 
 if __name__ == "__main__":

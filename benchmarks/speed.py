@@ -20,6 +20,7 @@ from pathlib import Path
 from statistics import median
 from time import process_time
 
+import clock_speed
 import gymnasium
 import numpy as np
 import typer
@@ -216,6 +217,15 @@ def _rounds(seed: int, count: int = 4_000) -> float:
     return count / spent
 
 
+def clocks() -> Iterator[Figure]:
+    """What a simulated second costs by both clocks."""
+    for backend, seeds in (("symbolic", range(REPEATS)), ("physics", range(2))):
+        found = clock_speed.rates(backend, seeds)
+        for clock, rate in found.items():
+            yield Figure(f"{backend}, clock={clock}: simulated seconds a second", rate, "1/s")
+        yield Figure(f"{backend}: events for each one with rounds", found["events"] / found["rounds"], "", ">= 1")
+
+
 # -- starting -------------------------------------------------------------------------------------------------------
 
 
@@ -297,6 +307,7 @@ GROUPS: dict[str, Callable[[], Iterator[Figure]]] = {
     "robosuite": robosuite,
     "skills": skills,
     "symbolic": symbolic,
+    "clocks": clocks,
     "starting": starting,
     "pictures": pictures,
     "memory": memory,

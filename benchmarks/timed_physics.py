@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import tomllib
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -55,12 +56,27 @@ class Step:
 
 @dataclass
 class Played:
-    """How a plan went: its ends in order (s, who, what), what each command took, and what failed."""
+    """How a plan went: its ends in order (s, who, what), what each command took, and what failed.
+
+    `cut`: for how long, s, each command was under way at the end.
+    """
 
     success: bool = False
     seconds: float = 0.0
     ends: list[tuple[float, str, str]] = field(default_factory=list)
     took: dict[Subtask, list[float]] = field(default_factory=lambda: defaultdict(list))
+    cut: dict[Subtask, float] = field(default_factory=dict)
+
+    def seconds_of(self) -> Callable[[Subtask], float]:
+        """What each command takes when it is begun the next time, as it did here; what was cut lasts beyond the end."""
+        left = {subtask: iter(seconds) for subtask, seconds in self.took.items()}
+        cut = {subtask: seconds + 2 * NEAR for subtask, seconds in self.cut.items()}
+
+        def seconds(subtask: Subtask) -> float:
+            return next(left.get(subtask, iter(())), cut.get(subtask, subtask.row.seconds))
+
+        return seconds
+
     failures: list[str] = field(default_factory=list)
 
 
@@ -108,6 +124,7 @@ def play(backend: Backend, start: Start, goal: Goal, steps: Sequence[Step], dead
             if not outcome.refused:  # what it took until its robot was asked again, with the kitchen at rest
                 told.took[steps[number].subtask].append(round(clock.now - began, 6))
     told.seconds = clock.now
+    told.cut = {steps[number].subtask: round(clock.now - began, 6) for number, began in at.values()}
     good = [span for span in clock.timeline if span.kind in ("subtask", "process") and span.status == "success"]
     told.ends = [(span.ended, span.who, span.what) for span in good]
     return told
@@ -154,8 +171,7 @@ def episode(task: str, seed: int) -> Episode:
     physics.reset(start)
     played = play(physics, start, goal, steps, deadline)
     cpu = process_time() - began
-    fed = {subtask: iter(seconds) for subtask, seconds in played.took.items()}
-    again = SymbolicBackend(seconds=lambda subtask: next(fed.get(subtask, iter(())), subtask.row.seconds))
+    again = SymbolicBackend(seconds=played.seconds_of())
     again.reset(start)
     same = in_order(played.ends, play(again, start, goal, steps, deadline).ends)
     counters, where = physics.counters, f"{start.layout} {start.style}"
@@ -192,14 +208,15 @@ def _numbered(ends: Sequence[tuple[float, str, str]]) -> dict[tuple[str, str, in
 
 @takes("script.seeds", "script.tasks")
 def main(*, seeds: str, tasks: str | None) -> None:
-    """Print a table a task, every failed subtask, and what each skill takes."""
+    """Print a table of the tasks, every failed subtask, and what each skill takes. Ctrl-C ends with what was played."""
     timed = [name for name in remac_env.tasks("events") if name not in remac_env.tasks()]
     console, groups = make_console(), dict[str, list[Episode]]()
-    for task, seed in product(parse_names(tasks, "tasks") if tasks else timed, parse_seeds(seeds)):
-        done = episode(task, seed)
-        groups.setdefault(task, []).append(done)
-        for line in _lines(done):
-            console.print(line, markup=False, soft_wrap=True)
+    with suppress(KeyboardInterrupt):
+        for seed, task in product(parse_seeds(seeds), parse_names(tasks, "tasks") if tasks else timed):
+            done = episode(task, seed)
+            groups.setdefault(task, []).append(done)
+            for line in _lines(done):
+                console.print(line, markup=False, soft_wrap=True)
     columns = ("task", "n", "by the table", "success", "first try", "s", "s by the table", "ratio", "order agrees")
     table = Table(*columns, "contacts", "near misses", "CPU s", title=f"Plans of timed tasks in physics, seeds {seeds}")
     for task, group in groups.items():

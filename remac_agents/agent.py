@@ -16,7 +16,7 @@ from remac_agents.running.bookkeeper import Bookkeeper
 from remac_agents.running.briefing import Bounds, Briefing
 from remac_agents.running.looking import look
 from remac_agents.running.method_run import MethodRun
-from remac_agents.running.pace import Pace, Told, ready
+from remac_agents.running.pace import Pace, Told, goes_on, ready
 from remac_agents.running.remembering import remembered
 from remac_agents.running.tries import Try
 from remac_agents.wiring.checked import checked, everyone
@@ -128,8 +128,8 @@ class Agent:
         run.book.begin(turn)
         self._thoughts = self._costs(ready(infos))
         if not turn and self._ended:
-            return self._tokens_of({}, infos, DONE)
-        idle = STEP_ASIDE if first and not self.method.by_events else WAIT
+            return self._tokens_of({}, infos, WAIT if goes_on(infos) else DONE)
+        idle = STEP_ASIDE if first and (self.method.plans_ahead or not self.method.by_events) else WAIT
         asked = (robot for robot in ready(infos) if robot in run.briefing.robots)
         turn = {robot: turn.get(robot, idle) for robot in asked}
         self._sent |= turn

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -42,6 +42,7 @@ class EventEpisode(Episode):
     def __post_init__(self) -> None:
         """Nobody has decided anything yet."""
         super().__post_init__()
+        self._told = (-1, "")
         self._decisions = {robot: Decision() for robot in self.terms.scene.robots}
 
     def decided(self) -> None:
@@ -68,8 +69,11 @@ class EventEpisode(Episode):
     def info(self, robot: str) -> dict[str, Any]:
         """What `infos[robot]` holds: that of an episode in rounds, and what time adds to it."""
         doing, now, last = self.clock.doing(robot), self.clock.now, self._decisions[robot]
-        stop = {} if self.stops is None else {"stop": self.stops}
-        return super().info(robot) | stop | {
+        slow = self._slow.items() if self.terms.scene.processes else ()
+        told = super().info(robot)
+        if self.stops is not None:
+            told["stop"] = self.stops
+        return told | {
             "ready": doing is None and self.end is None,
             "running": "" if doing is None else doing.text,
             "elapsed": 0.0 if doing is None else round(now - doing.since, 6),
@@ -78,7 +82,7 @@ class EventEpisode(Episode):
             "decision": last.count,
             "continue": self.continues,
             "max_seconds": float(self.terms.max_seconds),
-            "processes": {f"{each.name} {name}": round(now - since, 6) for (each, name), since in self._slow.items()},
+            "processes": {f"{each.name} {name}": round(now - since, 6) for (each, name), since in slow},
         }
 
     @property
@@ -94,19 +98,27 @@ class EventEpisode(Episode):
     def _judge(self) -> End | None:
         """What is spoilt is lost, whatever else holds."""
         terms = self.terms
-        return "lost" if spoilt(terms.scene, self.world, terms.goal.names()) else super()._judge()
+        if terms.scene.processes and spoilt(terms.scene, self.world, terms.goal.names()):
+            return "lost"
+        return super()._judge()
 
     def _text(self, robot: str) -> str:
+        if self._told[0] != self.rounds:
+            self._told = (self.rounds, "\n".join(self._of_time()))
+        return f"{super()._text(robot)}\n{self._told[1]}"
+
+    def _of_time(self) -> Iterator[str]:
+        """What all robots are told of time at a decision point."""
         now = self.clock.now
-        lines = [super()._text(robot), f"The clock shows {now:g} of {self.terms.max_seconds:g} s."]
+        yield f"The clock shows {now:g} of {self.terms.max_seconds:g} s."
         for name in self.terms.scene.robots:
             doing = self.clock.doing(name)
             if doing is not None:
-                lines.append(f"{name}: {doing.text}, for {now - doing.since:g} s so far.")
-        for (process, name), since in self._slow.items():
-            lines.append(f"{_sentence(process, name)}, for {now - since:g} s so far.")
-        lines += [f"The {name} is {mark}." for name, mark in self._marked()]
-        return "\n".join(lines)
+                yield f"{name}: {doing.text}, for {now - doing.since:g} s so far."
+        if self.terms.scene.processes:
+            for (process, name), since in self._slow.items():
+                yield f"{_sentence(process, name)}, for {now - since:g} s so far."
+            yield from (f"The {name} is {mark}." for name, mark in self._marked())
 
     def _marked(self) -> list[tuple[str, str]]:
         """What has come of processes: objects and their marks."""

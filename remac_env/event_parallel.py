@@ -63,7 +63,9 @@ class KitchenEventEnv(KitchenParallelEnv):
         backend, episode = self._playing(), self._timed()
         tokens = check_actions(actions, self.agents)
         subtasks, invalid = decode({robot: tokens[robot] for robot in episode.clock.ready}, self._legal)
-        subtasks, refused = held_back(subtasks, episode.unseen, invalid)
+        refused = invalid
+        if episode.terms.scene.hides:
+            subtasks, refused = held_back(subtasks, episode.unseen, invalid)
         thoughts, self._thoughts = self._thoughts, {}
         orders = {
             robot: Order(subtask, self._cost(subtask, thoughts.get(robot, NO_THOUGHT)), refused.get(robot))

@@ -41,8 +41,12 @@ ROWS: dict[str, Row] = {
     "littered.trials": Row(help="Staged starts with each number of robots.", default=18, values=_COUNT),
     "makespans.robots": rows(Options)["robots"].but(default=1, help="How many."),
     "makespans.by": Row(
-        help="A planner's command line, with {domain} and {problem} for its files.",
-        default="kairos {domain} {problem} --timeout 5 --threads 1",
+        help="A planner's command line, with {domain} and {problem} for its files, {target} for our seconds.",
+        default="kairos {domain} {problem} --timeout 5 --threads 1 --format popf --target-cost {target}",
+    ),
+    "makespans.validate": Row(
+        help="A validator's command line, with {domain}, {problem} and {plan} for its files, asked of our plan.",
+        default="",
     ),
     "makespans.layout": Row(help="Name of a floor plan.", default="one_wall_large"),
     "makespans.states": Row(help="Moments at which our search gives up.", default=20_000, values=_COUNT),

@@ -25,12 +25,17 @@ def schedule(lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Sub
 def _try(
     lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Subtask], facts: PublicScene, delay: int
 ) -> Plan | None:
-    """The schedule in which the leading robot starts so many rounds late; None if they block each other."""
+    """The schedule in which the leading robot starts so many rounds late; None if they block each other.
+
+    Waits of the rows themselves, for what takes its time, are steps like others.
+    """
     where = Whereabouts(facts)
     left, prepared = list(main), list(work)
     rows: dict[str, list[Subtask]] = {lead: [], helper: []}
     while left or prepared:
+        by_plan = {robot for robot, steps in ((lead, left), (helper, prepared)) if steps[:1] == [WAIT]}
         waits_by_choice = len(rows[lead]) < delay and bool(prepared)
+        by_plan -= {lead} if waits_by_choice else set()
         steps = {
             helper: prepared[0] if prepared else WAIT,
             lead: WAIT if waits_by_choice or not left else left[0],
@@ -43,14 +48,15 @@ def _try(
                 steps[lead], goals[lead] = WAIT, where.station.get(lead, ASIDE)
             if _clash(facts, goals[helper], goals[lead]):
                 steps[helper], goals[helper] = WAIT, where.station.get(helper, ASIDE)
-        if set(steps.values()) == {WAIT} and not waits_by_choice:
+        idle = set(steps.values()) == {WAIT} and not by_plan
+        if idle and not waits_by_choice:
             return None
         for robot, step in steps.items():
             where.run(robot, step, goals[robot])
             rows[robot].append(step)
-        left = left if steps[lead] == WAIT else left[1:]
-        prepared = prepared if steps[helper] == WAIT else prepared[1:]
-        if waits_by_choice and set(steps.values()) == {WAIT}:
+        left = left if steps[lead] == WAIT and lead not in by_plan else left[1:]
+        prepared = prepared if steps[helper] == WAIT and helper not in by_plan else prepared[1:]
+        if waits_by_choice and idle:
             return None
     return Plan.of(_without_late_leaving(rows, helper))
 

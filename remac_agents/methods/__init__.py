@@ -83,7 +83,7 @@ METHODS: dict[str, Method] = {
         Method(name="BASE", run=base, checks=False),
         Method(name="CC", run=cc),
         Method(name="RE", run=re, remembers=True, iterates=True),
-        Method(name="REMAC", run=remac, robots=2, remembers=True, iterates=True),
+        Method(name="REMAC", run=remac, robots=2, remembers=True, iterates=True, by_events=True),
         Method(name="SMART-LLM", run=smart_llm, robots=2, checks=False),
         Method(name="REFLECT", run=reflect, asks_again=True),
         Method(name="REFLECT+CC", run=reflect_cc, asks_again=True),

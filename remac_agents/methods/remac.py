@@ -1,4 +1,7 @@
-"""REMAC: RE by one robot until it has mastered the task; then the others take over what can be shared."""
+"""REMAC: RE by one robot until it has mastered the task; then the others take over what can be shared.
+
+By the event clock what a helper has prepared is an event: whoever needs it goes on then, and nobody waits for a round.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from remac_agents.plan import PlanError, read_plan
 from remac_agents.planning.mastery import proven_plan
 from remac_agents.roles import HandoverRequest
 from remac_agents.running.method_run import MethodRun, Turns
+from remac_agents.running.unfolding import unfolded
 from remac_env.rules.subtasks import Subtask
 
 
@@ -17,7 +21,7 @@ def remac(run: MethodRun) -> Turns:
     single = proven_plan(runs, run.commands, run.book.rules, last=told.last)
     if told.helper is None or single is None or not hand_over(run, single, told.helper):
         run.make_plan()
-    yield from checked(run)
+    yield from unfolded(run) if run.by_events else checked(run)
 
 
 def hand_over(run: MethodRun, single: tuple[Subtask, ...], helper: str) -> bool:

@@ -42,7 +42,7 @@ def parts_of(steps: Sequence[Subtask], *, fine: bool = False) -> list[Part]:
 def independent(parts: Sequence[Part], facts: PublicScene) -> list[list[Part]]:
     """The parts in groups that have no object and no fixture in common, in their order."""
     steps = [step for part in parts for step in part]
-    names = iter([_touched(step, held, facts) for step, held in zip(steps, hands(steps), strict=True)])
+    names = iter([works_on(step, held, facts) for step, held in zip(steps, hands(steps), strict=True)])
     groups: list[tuple[list[int], frozenset[str]]] = []
     for number, part in enumerate(parts):
         touched = frozenset[str]().union(*[next(names) for _ in part])
@@ -94,7 +94,7 @@ def _analyse(parts: Sequence[Part], facts: PublicScene, *, places: bool) -> list
     for _, step in steps:
         where.run("", step)
         goals.append(where.station[""])
-    touched = [_touched(step, hand, facts) for (_, step), hand in zip(steps, held, strict=True)]
+    touched = [works_on(step, hand, facts) for (_, step), hand in zip(steps, held, strict=True)]
     if places:
         touched = [names | {f"at {goal}"} if names else names for names, goal in zip(touched, goals, strict=True)]
     after = [
@@ -113,7 +113,7 @@ def _analyse(parts: Sequence[Part], facts: PublicScene, *, places: bool) -> list
     return work
 
 
-def _touched(step: Subtask, held: str | None, facts: PublicScene) -> frozenset[str]:
+def works_on(step: Subtask, held: str | None, facts: PublicScene) -> frozenset[str]:
     """What a step works on. Objects are put side by side on a surface that is used from several places."""
     if step.moves or not step.target:
         return frozenset()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from remac_agents.roles import AdjustRequest, Advice, ReflectRequest
+from remac_agents.roles import AdjustRequest, Advice, ReflectRequest, View
 from remac_agents.running.method_run import MethodRun
 from remac_agents.running.moments import ran_so_far
 from remac_env.rules.conditions import Condition
@@ -54,13 +54,17 @@ def check_after(run: MethodRun) -> None:
     worked, slipped = set[str](), set[str]()
     for robot, subtask in run.turn.items():
         before = book.seen_at(book.moments[-1], "before", conditions)
-        verdicts = book.judge(run.roles.checker, robot, conditions.after(subtask, robot, before))
-        book.note("after", robot, subtask, verdicts)
-        found_false = any(verdict.value is False for verdict in verdicts.values())
-        (slipped if found_false else worked).add(robot)
+        (slipped if found_false_after(run, robot, subtask, before) else worked).add(robot)
     run.state = run.state.tried(worked=worked, slipped=slipped)
     if not run.state.pending or (run.state.tries > run.bounds.retries and not _leave_refused_behind(run)):
         run.advance()
+
+
+def found_false_after(run: MethodRun, robot: str, subtask: Subtask, before: View) -> bool:
+    """Whether a post-condition of what a robot has run is found false. `before`: what was seen when it began."""
+    verdicts = run.book.judge(run.roles.checker, robot, run.roles.conditions.after(subtask, robot, before))
+    run.book.note("after", robot, subtask, verdicts)
+    return any(verdict.value is False for verdict in verdicts.values())
 
 
 def _request(run: MethodRun, robot: str, subtask: Subtask, failed: tuple[Condition, ...]) -> AdjustRequest:

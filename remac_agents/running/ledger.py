@@ -41,6 +41,18 @@ class Ledger:
         self.finished_done.append(self._round_done(played))
         self.current_done = {}
 
+    def close_step(self, robot: str, subtask: Subtask) -> None:
+        """The same for one robot by itself: its steps in a row stand beside the other robots', as in rounds."""
+        done = self.current_done.pop(robot, False)
+        if subtask == WAIT:
+            return
+        index = max((i + 1 for i, played in enumerate(self.finished) if robot in played), default=0)
+        if index == len(self.finished):
+            self.finished.append({})
+            self.finished_done.append(True)
+        self.finished[index][robot] = subtask
+        self.finished_done[index] &= done
+
     def executed(self) -> dict[str, tuple[str, ...]]:
         """Robot -> commands run so far, retries included."""
         names = dict.fromkeys(step.robot for step in self.steps)

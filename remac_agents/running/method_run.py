@@ -54,6 +54,11 @@ class MethodRun:
         return self.book.view.ready
 
     @property
+    def by_events(self) -> bool:
+        """Whether the kitchen runs by the event clock."""
+        return self.book.view.clock is not None
+
+    @property
     def finished(self) -> bool:
         """True when the plan has ended or the bound on rounds is reached."""
         return self.plan.length == 0 or self.book.rounds >= self.bounds.rounds

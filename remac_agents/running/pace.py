@@ -71,3 +71,8 @@ def timed(infos: Told) -> bool:
 def ready(infos: Told) -> tuple[str, ...]:
     """The robots that must decide now: with rounds all."""
     return tuple(robot for robot, info in infos.items() if info.get("ready", True))
+
+
+def goes_on(infos: Told) -> bool:
+    """Whether something takes its time by itself just now: whoever has nothing left to do waits for it."""
+    return any(info.get("processes") for info in infos.values())

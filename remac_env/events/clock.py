@@ -167,6 +167,8 @@ class EventClock:
 
     def _happen(self) -> bool:
         """Let processes begin and end as the world is now; whether one has come to its end."""
+        if not self._processes.known:
+            return False
         now, any_yet = self.now, False
         self._look()
         while ended := self._processes.over(now):
@@ -188,6 +190,8 @@ class EventClock:
         """Let orders begin whose thinking is over; whether a thought has arrived that took its time."""
         now, thoughts = self.now, self._doing.items()
         due = {robot: each for robot, each in thoughts if each.kind == "thinking" and each.until <= now}
+        if not due:
+            return False
         batch: dict[str, Subtask] = {}
         for robot, each in due.items():
             if each.until > each.since:

@@ -25,6 +25,7 @@ class ProcessQueue:
         self._rules = rules
         self._since: dict[Key, float] = {}
         self._shut: frozenset[Key] = frozenset()
+        self.known = bool(rules.processes)
         self.moves = any(process.does == "shut" for process in rules.processes)
 
     def look(self, world: WorldState, now: float) -> None:

@@ -90,11 +90,11 @@ def _step(line: str, number: int, known: Mapping[str, Action], rules: Rules) -> 
     robots = {name_of(robot): robot for robot in rules.robots}
     at = float(match["at"]) if match["at"] else float(number)
     seconds = float(match["seconds"] or action.seconds)
-    return Step(at, robots.get(given.get("r", ""), ""), action.skill, _target(action, given, rules), seconds)
+    return Step(at, robots.get(given.get("r", ""), ""), action.skill, target_of(action, given, rules), seconds)
 
 
-def _target(action: Action, given: Mapping[str, str], rules: Rules) -> str:
-    """What the command is about."""
+def target_of(action: Action, given: Mapping[str, str], rules: Rules) -> str:
+    """What a robot's action with these arguments is about, variable -> PDDL name; a drive's station."""
     if action.skill == "navigate to":
         return stations(rules)[f"by-{action.name.rpartition('-to-by-')[2]}"]
     if action.skill == "place to":

@@ -53,9 +53,7 @@ def write_problem(rules: Rules, world: WorldState, goal: Goal, *, level: str) ->
         OptionError: for a goal that is no conjunction of what the domain says.
     """
     check_choice("level", level, LEVELS)
-    wanted = [fact for atom in goal.atoms() for fact in _wanted(rules, atom)]
     said = {text.split()[0] for text in _predicates(rules, actions(rules), level)}
-    facts = (*_static(rules), *_neat(goal), *_now(rules, world))
     idle = [f"idle {name_of(robot)}" for robot in rules.robots] if level == "durative" else []
     metric = ["  (:metric minimize (total-time))"] if level == "durative" else []
     lines = [
@@ -63,14 +61,28 @@ def write_problem(rules: Rules, world: WorldState, goal: Goal, *, level: str) ->
         "  (:domain remac-kitchen)",
         f"  (:objects {' '.join(map(name_of, rules.robots))} - robot)",
         "  (:init",
-        *(f"    ({fact})" for fact in (*idle, *(fact for fact in facts if fact.split()[0] in said))),
+        *(f"    ({f})" for f in (*idle, *(f for f in facts_at(rules, world, goal) if f.split()[0] in said))),
         "  )",
-        f"  (:goal (and {' '.join(f'({fact})' for fact in dict.fromkeys(wanted))}))",
+        f"  (:goal (and {' '.join(f'({fact})' for fact in facts_wanted(rules, goal))}))",
         *metric,
         ")",
         "",
     ]
     return "\n".join(lines)
+
+
+def facts_at(rules: Rules, world: WorldState, goal: Goal) -> tuple[str, ...]:
+    """What is true in a world of a kitchen, what never changes first."""
+    return (*_static(rules), *_neat(goal), *_now(rules, world))
+
+
+def facts_wanted(rules: Rules, goal: Goal) -> tuple[str, ...]:
+    """What must be true in the end.
+
+    Raises:
+        OptionError: for a goal that is no conjunction of what the domain says.
+    """
+    return tuple(dict.fromkeys(fact for atom in goal.atoms() for fact in _wanted(rules, atom)))
 
 
 # -- the domain -----------------------------------------------------------------------------------------------------

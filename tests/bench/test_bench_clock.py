@@ -96,13 +96,27 @@ def test_records_lie_beside_each_other(tmp_path: Path) -> None:
 
 def test_the_table_of_times_says_what_becomes_of_it() -> None:
     played = [play("REACT", think="fixed:2"), play("BASE"), play("BASE", clock="rounds")]
-    (sheet,) = time_sheets(played, folder="x")
+    sheet, thinking = time_sheets(played, folder="x")
     rows = {(row["agent"].text, row["setting"].text.count("think")): row for row in sheet.rows}
     thoughtful, base = rows["REACT", 1], rows["BASE (robots=2)", 0]
     assert thoughtful["asks"].text == "when ready" and base["asks"].text == "in step"
     assert thoughtful["thinking"].value > 0.0 and base["thinking"].value == 0.0
     assert base["idle"].value == idle_share(played[1]) and "met" not in base
+    assert {row["think"].text for row in thinking.rows} == {"off", "fixed:2"}
     assert time_sheets(played[2:], folder="x") == []
+
+
+def test_a_table_says_what_asynchrony_saves_and_what_thinking_costs() -> None:
+    rounds, free, slow = play("CC", clock="rounds"), play("CC"), play("CC", think="fixed:2")
+    slower = slow.options | {"kitchen": {**slow.options["kitchen"], "think": "fixed:90"}}
+    late = slow.model_copy(update={"options": slower, "success": False})
+    sooner = rounds.model_copy(update={"sim_seconds": rounds.sim_seconds + 7.0})
+    _, sheet = time_sheets([sooner, late, slow, free], folder="x")
+    assert [row["think"].text for row in sheet.rows] == ["off", "fixed:2", "fixed:90"]
+    assert sheet.rows[0]["saves"].value == pytest.approx(sooner.sim_seconds - free.sim_seconds)
+    assert sheet.rows[1]["costs"].value == pytest.approx(slow.sim_seconds - free.sim_seconds)
+    assert sheet.rows[1]["late"].value == 0.0 and sheet.rows[2]["late"].value == 1.0
+    assert "costs" not in sheet.rows[2] and "saves" not in sheet.rows[1]
 
 
 def test_a_makespan_stands_beside_the_shortest() -> None:
@@ -110,7 +124,7 @@ def test_a_makespan_stands_beside_the_shortest() -> None:
     job = Job(method="CC", task="OpenMicrowavePnP", seed=1, options=options)
     (record,) = play_job(Work(job=job, folder="", video="none", optimum=True))
     assert record.optimum_seconds == 44.0 == record.optimum_seconds_lower and record.optimum_rounds is None
-    (sheet,) = time_sheets([record], folder="x")
+    sheet, _ = time_sheets([record], folder="x")
     assert sheet.rows[0]["best"].value == pytest.approx(record.sim_seconds / 44.0)
 
 

@@ -35,12 +35,16 @@ def _weight(record: Record) -> tuple[bool, str]:
     return (not record.infrastructure_error, record.line())
 
 
-def setting(record: Record) -> str:
-    """Suite, backend, starts and whatever else makes an episode harder or easier, but not its cell and seed."""
+def setting(record: Record, *, but: Sequence[str] = ()) -> str:
+    """Suite, backend, starts and whatever else makes an episode harder or easier, but not its cell and seed.
+
+    Args:
+        but: options of the kitchen that are left out.
+    """
     kitchen = dict(record.options.get("kitchen", {}))
     suite = suite_of(record)
     parts = [*([f"suite {suite}"] if suite else []), record.backend, f"{record.starts} starts"]
-    skipped = ["backend", "starts", "style", "layout", "robots", "render_mode", "image_size"]
+    skipped = ["backend", "starts", "style", "layout", "robots", "render_mode", "image_size", *but]
     skipped += ["obs"] if record.options.get("viewers") else []  # pictures for a role are the agent's own matter
     defaults: dict[str, Any] = {name: f.default for name, f in Options.__dataclass_fields__.items()}
     changed = {n: v for n, v in kitchen.items() if n not in skipped and n in defaults and v != defaults[n]}

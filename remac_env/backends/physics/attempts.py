@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 
+from remac_env.backends.physics.controllers.scripted.collision import KeepOutPlane
 from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.drives import DriveGoal
 from remac_env.backends.physics.litter import lying, pressed
@@ -29,6 +30,7 @@ _DETOURS = 3  # times that a drive starts anew which objects on the floor have s
 _THOUGHT = 20  # control periods within which a skill has only planned and closed or opened its hand
 Waiting = Generator[None, None, None]
 
+_SHARE = 0.4  # of the way between two robots that stays with one that stands there: half, but for how drives end
 NEIGHBOUR = 1.3  # m between stations whose robots could reach one another
 
 
@@ -229,10 +231,15 @@ class Attempts:
         self._busy.add(robot)
 
     def _beside(self, places: Sequence[Station], earlier: Earlier) -> bool:
-        """Whether a robot that began earlier is still at work next to one of these places."""
-        working = [self._robots[name].place for name in earlier.working & self._working]
+        """Whether a robot that began earlier is still at work next to one of these places, free to reach over there."""
+        working = [self._robots[name] for name in earlier.working & self._working]
         return any(
-            place.wall and other.wall and place.distance(other) <= NEIGHBOUR for place in places for other in working
+            place.wall
+            and other.place.wall
+            and place.distance(other.place) <= NEIGHBOUR
+            and not any(keeps_from(plane, other.place, place) for plane in other.clear.checker.keep_out)
+            for place in places
+            for other in working
         )
 
     def _crossed(self, place: Station, earlier: Earlier) -> bool:
@@ -242,6 +249,18 @@ class Attempts:
         room = work_floor(self._layout.facing(place), place)
         drives = [drive for planner in earlier.planners for drive in planner.under_way()]
         return any(drive.driver.outline.meets(drive.bases, room) for drive in drives)
+
+
+def keep_out_plane(here: Station, there: Station) -> KeepOutPlane:
+    """The keep-out plane half way between two stations, seen from the first."""
+    way = here.distance(there)
+    x, y = (there.x - here.x) / way, (there.y - here.y) / way
+    return KeepOutPlane(x, y, x * here.x + y * here.y + 0.5 * way)
+
+
+def keeps_from(plane: KeepOutPlane, here: Station, there: Station) -> bool:
+    """Whether a plane keeps a robot at the first place out of about half the way to the second one."""
+    return plane.x * there.x + plane.y * there.y - plane.limit >= _SHARE * here.distance(there)
 
 
 def _or_done(outcome: Outcome, robot: str, subtask: Subtask, now: Orders) -> Outcome:

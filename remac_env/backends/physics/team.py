@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from remac_env.backends.physics.attempts import NEIGHBOUR, Attempts, Orders
+from remac_env.backends.physics.attempts import NEIGHBOUR, Attempts, Orders, keep_out_plane
 from remac_env.backends.physics.controllers.base import Command, MakeController
-from remac_env.backends.physics.controllers.scripted.collision import CollisionChecker, KeepOutPlane
+from remac_env.backends.physics.controllers.scripted.collision import CollisionChecker
 from remac_env.backends.physics.controllers.scripted.controller import ended
 from remac_env.backends.physics.controllers.scripted.motion import Mover
 from remac_env.backends.physics.controllers.scripted.paths import Planner
@@ -99,7 +99,7 @@ class Team:
                 there = self.robots[other].place
                 for end in (there, self._layout.stations.get(now.stations[other], there)):
                     if end.wall and 0.0 < here.place.distance(end) <= NEIGHBOUR:
-                        here.clear.checker.keep_out += (_between(here.place, end),)
+                        here.clear.checker.keep_out += (keep_out_plane(here.place, end),)
 
     def _disturb(self, now: Orders) -> None:
         """Draw the errors in the poses that controllers see."""
@@ -127,10 +127,3 @@ class Team:
         chance = generator(self._start.seed, "arrival", number, place.name)
         dx, dy, turn = (float(value) for value in chance.uniform(-1.0, 1.0, 3) * _ARRIVAL)
         return replace(place, x=place.x + dx, y=place.y + dy, yaw=place.yaw + turn)
-
-
-def _between(here: Station, there: Station) -> KeepOutPlane:
-    """The keep-out plane half way between two stations, seen from the first."""
-    way = here.distance(there)
-    x, y = (there.x - here.x) / way, (there.y - here.y) / way
-    return KeepOutPlane(x, y, x * here.x + y * here.y + 0.5 * way)

@@ -46,7 +46,7 @@ def test_methods_say_how_they_are_played() -> None:
     assert robots == {"REMAC": 2, "SMART-LLM": 2, "REACT": 2}
     assert [name for name, m in METHODS.items() if m.iterates] == ["RE", "REMAC", "BASE-BEST", "CC-BEST"]
     assert [name for name, m in METHODS.items() if not m.plans_ahead] == [*CAPES, "REACT"]
-    assert [name for name, m in METHODS.items() if m.by_events] == ["REACT"]
+    assert [name for name, m in METHODS.items() if m.by_events] == ["REMAC", "REACT"]
     assert all(bench_agents.default_robots(name) == method.robots for name, method in METHODS.items())
     assert bench_agents.default_iterations("CC-BEST") == bench_agents.default_iterations("RE") == 2
     assert bench_agents.default_iterations("REFLECT") == 0

@@ -1,0 +1,77 @@
+"""What a simulated second costs by both clocks: the same plans of two robots.
+
+Part of `python benchmarks/speed.py --only clocks`. With rounds a robot waits for the end of the round; by the event
+clock it is told its plan's next command as soon as all have ended that other robots were to do in earlier rounds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from statistics import median
+from time import process_time
+from typing import Any
+
+import remac_env
+from remac_env.oracle import solve
+from remac_env.rules.subtasks import WAIT, Subtask
+
+TASKS = ("OpenMicrowavePnP", "DefrostInBowl")
+EPISODES = {"symbolic": 40, "physics": 1}
+"""How often each plan is played, so that there is something to measure."""
+
+Rounds = Sequence[Mapping[str, Subtask]]
+
+
+def rates(backend: str, seeds: Sequence[int]) -> dict[str, float]:
+    """Clock -> simulated seconds for each second of CPU time, the median over tasks and seeds, resets left out."""
+    found: dict[str, list[float]] = {"rounds": [], "events": []}
+    for task in TASKS:
+        for clock in found:
+            env = remac_env.parallel_env(task, robots=2, backend=backend, clock=clock)
+            for seed in seeds:
+                _play(env, seed, clock)  # warm
+                runs = [_play(env, seed, clock) for _ in range(EPISODES[backend])]
+                found[clock].append(sum(told for told, _ in runs) / sum(spent for _, spent in runs))
+            env.close()
+    return {clock: median(each) for clock, each in found.items()}
+
+
+def _play(env: Any, seed: int, clock: str) -> tuple[float, float]:
+    """Simulated seconds and CPU seconds of an episode."""
+    _, infos = env.reset(seed=seed)
+    joints = _plan(env, env.worlds.spec.name, seed)
+    turns = _by_events(env, infos, joints) if clock == "events" else _by_rounds(env, infos, joints)
+    began = process_time()
+    told = [infos["robot_0"]["seconds"] for infos in turns]
+    return told[-1], process_time() - began
+
+
+_PLANS: dict[tuple[str, int], Rounds] = {}
+
+
+def _plan(env: Any, task: str, seed: int) -> Rounds:
+    if (task, seed) not in _PLANS:
+        found = solve(env.start.scene, env.start.world, env.goal)
+        if found is None:
+            raise RuntimeError(f"{task} with seed {seed} has no plan")
+        _PLANS[task, seed] = found.rounds
+    return _PLANS[task, seed]
+
+
+def _by_rounds(env: Any, infos: Any, joints: Rounds) -> Iterator[Any]:
+    for joint in joints:
+        if env.agents:
+            yield env.step({robot: env.vocabulary.encode(step.text) for robot, step in joint.items()})[4]
+
+
+def _by_events(env: Any, infos: Any, joints: Rounds) -> Iterator[Any]:
+    """A robot begins its command of a round once all commands of the rounds before have ended, waits left out."""
+    wait, goes_on = env.vocabulary.encode(WAIT.text), env.vocabulary.encode("continue")
+    for joint in joints:
+        left = {robot: env.vocabulary.encode(step.text) for robot, step in joint.items() if step != WAIT}
+        tokens = {robot: left.get(robot, wait) for robot in env.agents}
+        while env.agents and left:
+            infos = env.step(tokens)[4]
+            yield infos
+            left = {robot: token for robot, token in left.items() if not infos[robot]["ready"]}
+            tokens = {robot: wait if infos[robot]["ready"] else goes_on for robot in env.agents}
