@@ -97,6 +97,7 @@ docs: $(DOCS)/.installed
 # What is rare among demonstrations is recorded more often: docs/learning.md. Smaller: make learned EPISODES=8 RARE=2 TRIALS=2
 # EPOCHS=5 DEMOS=build/demos SHIPPED=build/weights
 LEARNED := OpenDoor,CloseDoor,TurnOn,TurnOff
+HANDLED := PickUp,PlaceTo
 SHIPPED := remac_env/backends/physics/controllers/learned/shipped
 DEMOS := demos
 EPISODES := 160
@@ -109,13 +110,23 @@ $(RL)/.installed-learn: $(RL)/.installed
 
 RECORD := $(RL)/bin/remac learn record --out $(DEMOS) --processes 2
 MORE := $(RECORD) --episodes $(RARE)
+FOOD := $(RECORD) --skills PickUp --case "food on surface"
+PUT := $(RECORD) --skills PlaceTo
 learned: $(RL)/.installed-learn
 	$(RECORD) --skills $(LEARNED) --episodes $(EPISODES)
 	$(MORE) --first-seed 3000 --skills TurnOn,TurnOff --target stove --style scandinavian
 	$(MORE) --first-seed 3000 --skills OpenDoor --target microwave --style industrial
 	$(MORE) --first-seed 4000 --skills OpenDoor --target cabinet --layout one_wall_small
+	$(FOOD) --first-seed 10000 --target vegetable --episodes $$(($(EPISODES) * 7 / 4))
+	$(FOOD) --first-seed 12000 --target meat --episodes $(EPISODES)
+	$(FOOD) --first-seed 13000 --target fish --episodes $(EPISODES)
+	$(FOOD) --first-seed 20000 --episodes $$(($(EPISODES) * 9 / 4))
+	$(PUT) --first-seed 10000 --case "food in vessel on surface" --episodes $$(($(EPISODES) * 5 / 4))
+	$(PUT) --first-seed 12000 --case "food on surface" --episodes $$(($(EPISODES) / 4))
 	$(RL)/bin/remac learn train --skills $(LEARNED) --demos $(DEMOS) --weights $(SHIPPED) --epochs $(EPOCHS)
-	$(RL)/bin/remac learn evaluate --skills $(LEARNED) --weights $(SHIPPED) --trials $(TRIALS) --note --processes 2
+	$(RL)/bin/remac learn train --skills PickUp --hand --demos $(DEMOS) --weights $(SHIPPED) --epochs $$(($(EPOCHS) * 2 / 5))
+	$(RL)/bin/remac learn train --skills PlaceTo --hand --demos $(DEMOS) --weights $(SHIPPED) --epochs $$(($(EPOCHS) * 2 / 3))
+	$(RL)/bin/remac learn evaluate --skills $(LEARNED),$(HANDLED) --weights $(SHIPPED) --trials $(TRIALS) --note --processes 2
 
 # Without what lerobot needs for robots and policies, and with the build of torch for the CPU; 1.8 GB.
 $(LOADERS)/.installed: pyproject.toml

@@ -35,6 +35,7 @@ from remac_env.tasks.spec import TaskSpec
 
 ROBOT = "robot_0"
 _TRIES = 100  # starts drawn until one has the target and the robot gets ready in it
+_RARER = 10  # times as many where only some cases are wanted
 _MOST = 2_000  # states that the search for what comes before looks at
 _SEEDS = 100_000  # of the starts that are drawn where the first is of no use
 _FROM_PARKING = 0.5  # of the drives begin at a parking place, the others at a station
@@ -72,7 +73,7 @@ def get_ready(
     """
     if target is not None:
         check_choice(f"target of {skill.name!r}", target, targets(skill))
-    for attempt in range(_TRIES):
+    for attempt in range(_TRIES * _RARER if cases else _TRIES):
         chance = generator(seed, "skill", skill.name, target, attempt)
         drawn = seed if attempt == 0 else int(chance.integers(_SEEDS))
         ready = _draw(skill, target, drawn, chance, style=style, layout=layout, body=body)

@@ -167,9 +167,9 @@ def _trained(
 
 
 def _cases(demos: Sequence[Demo]) -> tuple[str, ...]:
-    """The cases that were shown often enough; "" stands for skills that have none."""
-    shown = Counter(demo.case for demo in demos)
-    return tuple(sorted(case for case, count in shown.items() if count >= _OFTEN)) if any(shown) else ()
+    """The cases that were shown often enough, or all of them where none was; none for skills that have no cases."""
+    shown = Counter(demo.case for demo in demos if demo.case)
+    return tuple(sorted([case for case, count in shown.items() if count >= _OFTEN] or shown))
 
 
 def evaluate_all(
