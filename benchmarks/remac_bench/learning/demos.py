@@ -40,7 +40,7 @@ class Demo:
         rewards: (T,), 1 from where the skill has succeeded.
         skill, target, task, seed, style, layout: which subtask in which kitchen.
         before: what the robot had done there already, as commands.
-        case: which thing is handled where, see `case_of`; "" for other skills.
+        case: which object is handled where, see `case_of`; "" for other skills.
         pictures: camera -> (T + 1, height, width, 3), where pictures were recorded.
     """
 

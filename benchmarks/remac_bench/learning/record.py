@@ -36,7 +36,7 @@ _STRONGEST = 1.5  # strength is drawn between 0 and this for each demonstration
 _NEAR, _FAR = 0.04, 0.24  # m from the target between which an open hand is disturbed less and less
 _LEAST, _CLOSED = 0.1, 0.15  # share of the error that stays at the target, and of a hand that holds something
 _LONGEST = 1200  # control periods
-_LED = 120  # control periods for which weights lead at most: about as long as it takes to reach a thing
+_LED = 120  # control periods for which weights lead at most: about as long as it takes to reach an object
 _NEAR_ENOUGH = 0.15  # m from the target at which they stop leading
 
 

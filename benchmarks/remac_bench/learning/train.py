@@ -24,7 +24,7 @@ from remac_env.rules.skills import SKILLS
 from remac_env.seeding import digest
 
 _HAND = [number for number, entry in enumerate(entries(taught()[0])) if entry.name in ("hand_x", "hand_y", "hand_z")]
-_AFTER = 24  # frames that are shown after a thing was taken or put, while the hand goes clear
+_AFTER = 24  # frames that are shown after an object was taken or put, while the hand goes clear
 _MOVED = 2e-4  # rad or m by which a command differs from the one before it where it counts as motion
 _LITTLE = 1e-3  # added to deviations: of numbers that hardly vary
 

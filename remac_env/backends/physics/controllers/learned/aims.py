@@ -1,4 +1,4 @@
-"""The aims of skills: what there is to see of doors, switches, and things that are taken and put."""
+"""The aims of skills: what there is to see of doors, switches, and objects that are taken and put."""
 
 from __future__ import annotations
 

@@ -20,19 +20,19 @@ def case_of(
 ) -> str:
     """The case of a subtask that begins in this world, as "food on surface", "food in vessel on cavity".
 
-    "food" fits into a dish, and "thing" is what is neither food nor vessel; the place is told by the kind of its slot.
+    "food" fits into a dish, "object" is neither food nor vessel; the place is told by the kind of its slot.
     """
     row = subtask.row
     if not (row.takes or row.puts):
         return NONE
-    thing = subtask.target if row.takes else world.robots[robot].holding
-    if thing is None:
+    handled = subtask.target if row.takes else world.robots[robot].holding
+    if handled is None:
         return NONE
-    place = world.objects[thing].place if row.takes else landing(rules, world, robot, subtask.target)
-    inside, kind = "", objects[thing]
+    place = world.objects[handled].place if row.takes else landing(rules, world, robot, subtask.target)
+    inside, kind = "", objects[handled]
     while place is not None and place.relation == "vessel":
         inside, place = " in vessel", world.objects[place.where].place
-    what = "vessel" if kind.vessel else "food" if kind.small else "thing"
+    what = "vessel" if kind.vessel else "food" if kind.small else "object"
     return f"{what}{inside} on {_around(place, layout)}"
 
 

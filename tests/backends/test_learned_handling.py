@@ -1,4 +1,4 @@
-"""Learned skills that take and put things: where they are played, how they bring the hand there, and how they end."""
+"""Learned skills that take and put objects: where they are played, how they bring the hand there, and how they end."""
 
 from __future__ import annotations
 
