@@ -52,4 +52,4 @@ def told_cases(options: Options) -> dict[str, list[str]]:
     from remac_env.backends.physics.controllers.learned.library import learned_skills
 
     learned = {skill: known.about for skill, known in learned_skills(options.skills, options.robots).items()}
-    return {skill: list(about.played) for skill, about in learned.items() if about.cases}
+    return {skill: list(about.played(skill)) for skill, about in learned.items() if about.shown(skill)}

@@ -35,7 +35,7 @@ def weights(skill: str, answer: float = 0.0, **told: Any) -> Weights:
     network = Network(
         np.zeros(inputs, np.float32), np.ones(inputs, np.float32), (layer,), last, zeros, np.ones_like(zeros)
     )
-    about = About(skill=skill, targets=(), execute=CHUNK, cases=(HANDLED[skill][1],))
+    about = About(skill=skill, targets=(), execute=CHUNK, cases=(f"{skill} {HANDLED[skill][1]}",))
     return Weights(about=replace(about, **told), network=network, sample=np.ones((2, inputs), np.float32))
 
 
@@ -56,7 +56,7 @@ def test_a_policy_that_stands_still_takes_nothing() -> None:
 
 
 @pytest.mark.parametrize("told", [
-    {"cases": ("vessel on surface",)},
+    {"cases": ("pick up vessel on surface", "place to food on surface")},
     {"measured": {"pick up food on surface: here": {"trials": 10, "successes": 8}}},
 ], ids=["never shown", "measured to fail too often"])  # fmt: skip
 def test_what_it_cannot_do_stays_scripted(told: dict[str, Any]) -> None:
@@ -70,9 +70,12 @@ def test_all_sets_of_trials_count_together() -> None:
         "pick up food on surface: there": {"trials": 10, "successes": 8},
         "pick up vessel on surface: there": {"trials": 10, "successes": 0},
     }
-    about = replace(weights("pick up").about, measured=measured, cases=("food on surface", "vessel on surface"))
-    assert about.plays("kiwi", "food on surface")
-    assert not about.plays("plate", "vessel on surface") and not about.plays("kiwi", "food on basin")
+    cases = ("pick up food on surface", "pick up vessel on surface")
+    about = replace(weights("pick up").about, measured=measured, cases=cases)
+    assert about.shown("pick up") == ("food on surface", "vessel on surface") and about.shown("place to") == ()
+    assert about.played("pick up") == ("food on surface",) and about.plays("pick up", "kiwi", "food on surface")
+    assert not about.plays("pick up", "plate", "vessel on surface")
+    assert not about.plays("pick up", "kiwi", "food on basin")
 
 
 @pytest.mark.parametrize("skill", HANDLED)
@@ -131,4 +134,4 @@ def test_the_arm_goes_where_the_hand_is_wanted_and_the_base_where_it_was_told() 
 def test_files_without_cases_are_read_as_before(tmp_path: Path) -> None:
     save_weights(tmp_path / "PickUp.npz", weights("pick up", cases=()))
     about = read_weights(tmp_path / "PickUp.npz").about
-    assert about.cases == () and about.plays("kiwi", "food on basin")
+    assert about.cases == () and about.plays("pick up", "kiwi", "food on basin")

@@ -19,6 +19,7 @@ from remac_bench.learning.chats import chats, write_chats
 from remac_bench.learning.demos import Demo, file_digest, read_demos, shards, write_shard
 from remac_bench.learning.evaluate import evaluate, score
 from remac_bench.learning.record import Recorder
+from remac_bench.learning.sessions import shown_cases, train_together
 from remac_bench.learning.train import Recipe, frames, train
 from remac_bench.records import ExchangeEntry, OutcomeEntry
 from typer.testing import CliRunner
@@ -108,7 +109,8 @@ def test_only_what_is_asked_for_is_recorded_and_what_was_shown_is_measured() -> 
     assert len(data.seen) < len(whole.seen), "what is put is over soon after, and a door is not"
     network = train(data, Recipe(epochs=1, width=8, depth=1)) if importlib.util.find_spec("torch") else None
     if network is not None:
-        about = About(skill="place to", targets=(), execute=4, cases=(case,), measured={"place to " + case: _NEVER})
+        told = "place to " + case
+        about = About(skill="place to", targets=(), execute=4, cases=(told,), measured={told: _NEVER})
         weights = Weights(about=about, network=network, sample=data.seen[:2])
         (trial,) = evaluate("place to", weights, range(50_000, 50_001), cells("table", ())[0])
         assert trial.case == trial.what == case and not trial.outcome.success, "it is not played by the script"
@@ -122,13 +124,27 @@ def test_weights_lead_and_the_script_goes_on_from_where_they_have_come(tmp_path:
     layer = (np.zeros((4, inputs), np.float32), *[np.zeros(4, np.float32)] * 3)
     network = Network(np.zeros(inputs, np.float32), np.ones(inputs, np.float32), (layer,),
                       (np.zeros((96, 4), np.float32), raised), zeros, zeros + 1.0)  # fmt: skip
-    about, sample = About(skill="pick up", targets=(), execute=8, cases=(case,)), np.ones((1, inputs), np.float32)
+    about = About(skill="pick up", targets=(), execute=8, cases=("pick up " + case,))
+    sample = np.ones((1, inputs), np.float32)
     save_weights(tmp_path / "PickUp.npz", Weights(about=about, network=network, sample=sample))
     alone, led = (Recorder("pick up", case=case, led_by=by, disturb=0.0).record(1003) for by in (None, tmp_path))
     assert alone is not None and led is not None and led.rewards[-1] == 1.0
     assert led.measured[0][3] > alone.measured[0][3] + 0.01, "the lift is up when the demonstration begins"
     with pytest.raises(UsageError, match="no weights for 'place to'"):
         Recorder("place to", led_by=tmp_path).record(1003)
+
+
+def test_cases_count_as_shown_from_twenty_demonstrations_on(demo: Demo) -> None:
+    often, rarely = (replace(demo, skill="pick up", case=case) for case in ("food on surface", "vessel on surface"))
+    assert shown_cases([often] * 20 + [rarely] * 19) == ("pick up food on surface",)
+    told = ("pick up food on surface", "pick up vessel on surface")
+    assert shown_cases([often, rarely]) == told, "of a few, all of them"
+    assert shown_cases([demo]) == ()
+
+
+def test_drives_and_other_skills_do_not_see_the_same(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="one kind together"):
+        next(train_together(["navigate to", "open door"], tmp_path, tmp_path, Recipe()))
 
 
 _NEVER = {"trials": 9, "successes": 0}

@@ -61,13 +61,14 @@ def evaluate(
         weights = replace(weights, about=replace(weights.about, measured={}))
     controllers: dict[str, MakeController] = {} if weights is None else {skill: partial(Learned, weights)}
     backends: dict[str, PhysicsBackend] = {}
+    cases = () if weights is None else weights.about.shown(skill)
     for seed in seeds:
         style, layout = cells.of(seed, skill)
         ready, backend = get_ready(
             backends, SKILLS[skill], target, seed, style=style, layout=layout,
-            make=partial(PhysicsBackend, controllers=controllers), cases=() if weights is None else weights.about.cases,
+            make=partial(PhysicsBackend, controllers=controllers), cases=cases,
         )  # fmt: skip
-        if weights is not None and not weights.about.plays(ready.subtask.target, ready.case):
+        if weights is not None and not weights.about.plays(skill, ready.subtask.target, ready.case):
             continue  # the scripted controller would do it
         outcome = backend.run_round({ROBOT: ready.subtask}).outcomes[ROBOT]
         yield Trial(skill, ready.subtask.target, seed, outcome, ready.case)

@@ -152,13 +152,12 @@ def _trained(
     network = train(data, recipe, report=lambda epoch, loss: losses.append(loss))
     step = max(1, len(data.seen) // _SAMPLE)
     seeds = [demo.seed for demo in demos]
-    cases = _cases(demos)
     about = About(
-        skill=name, targets=() if cases else tuple(sorted({demo.target for demo in demos})), execute=recipe.execute,
+        skill=name, targets=tuple(sorted({demo.target for demo in demos if not demo.case})), execute=recipe.execute,
         demonstrations=len(demos), seeds=f"{min(seeds)}:{max(seeds) + 1}",
         layouts=tuple(sorted({demo.layout for demo in demos})), styles=tuple(sorted({demo.style for demo in demos})),
         data=file_digest(kept), code=code_digest(), words=words,
-        skills=tuple(sorted({demo.skill for demo in demos})) if name == SEVERAL else (), cases=cases,
+        skills=tuple(sorted({demo.skill for demo in demos})) if name == SEVERAL else (), cases=shown_cases(demos),
     )  # fmt: skip
     path = out / f"{camel(name)}.npz"
     save_weights(path, Weights(about=about, network=network, sample=data.seen[::step][:_SAMPLE]))
@@ -166,10 +165,10 @@ def _trained(
     yield f"{name}: loss {losses[0]:.3f} to {losses[-1]:.3f} in {len(losses)} epochs; {path}, {size:.0f} kB"
 
 
-def _cases(demos: Sequence[Demo]) -> tuple[str, ...]:
+def shown_cases(demos: Sequence[Demo]) -> tuple[str, ...]:
     """The cases that were shown often enough, or all of them where none was; none for skills that have no cases."""
-    shown = Counter(demo.case for demo in demos if demo.case)
-    return tuple(sorted([case for case, count in shown.items() if count >= _OFTEN] or shown))
+    shown = Counter(f"{demo.skill} {demo.case}" for demo in demos if demo.case)
+    return tuple(sorted([told for told, count in shown.items() if count >= _OFTEN] or shown))
 
 
 def evaluate_all(

@@ -41,9 +41,8 @@ class Learned:
         """Whether its demonstrations were about this; other subtasks stay scripted."""
         layout, objects, robot = sensing.layout, sensing.objects, sensing.name
         rules = build_scene(layout, objects, (robot,))
-        return self._weights.about.plays(
-            subtask.target, case_of(subtask, rules, layout, objects, sensing.told, robot)
-        )
+        case = case_of(subtask, rules, layout, objects, sensing.told, robot)
+        return self._weights.about.plays(subtask.skill, subtask.target, case)
 
     def run(self, subtask: Subtask, sensing: Sensing) -> Generator[Command, None, Outcome]:
         """See :class:`remac_env.backends.physics.controllers.base.Controller`.

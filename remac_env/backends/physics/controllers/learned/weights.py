@@ -70,7 +70,7 @@ class About:
         measured: name of a set of trials -> {"trials": n, "successes": k}.
         format, observation, body: what it fits.
         words: of commands, whose `bag` the network is shown behind the observation; empty: none.
-        cases: of things that are handled: what was shown, as `case_of` says it; empty: anything.
+        cases: of skills that take or put: what was shown, the skill before what `case_of` says; empty: anything.
     """
 
     skill: str
@@ -90,18 +90,21 @@ class About:
     words: tuple[str, ...] = ()
     cases: tuple[str, ...] = ()
 
-    def plays(self, target: str, case: str) -> bool:
-        """Whether it is one for it: a target that it was shown, or a case for which it is good enough."""
-        return case in self.played if self.cases else not self.targets or target in self.targets
+    def plays(self, skill: str, target: str, case: str) -> bool:
+        """Whether a subtask is one for it: a target that it was shown, or a case for which it is good enough."""
+        return case in self.played(skill) if case and self.cases else not self.targets or target in self.targets
 
-    @property
-    def played(self) -> tuple[str, ...]:
-        """The cases for which it is good enough; without trials, all of them."""
-        return tuple(case for case in self.cases if self._good(case))
+    def shown(self, skill: str) -> tuple[str, ...]:
+        """The cases of a skill that it was shown."""
+        start = f"{skill} "
+        return tuple(told.removeprefix(start) for told in self.cases if told.startswith(start))
 
-    def _good(self, case: str) -> bool:
-        names = [f"{skill} {case}" for skill in self.known]
-        found = [each for name, each in self.measured.items() if name.partition(": ")[0] in names]
+    def played(self, skill: str) -> tuple[str, ...]:
+        """Those of them for which it is good enough; without trials, all of them."""
+        return tuple(case for case in self.shown(skill) if self._good(f"{skill} {case}"))
+
+    def _good(self, told: str) -> bool:
+        found = [each for name, each in self.measured.items() if name.partition(": ")[0] == told]
         return sum(each["successes"] for each in found) >= GOOD * sum(each["trials"] for each in found)
 
     @property
