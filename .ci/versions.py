@@ -70,7 +70,7 @@ def tried(python: str, pins: list[str], given: argparse.Namespace) -> tuple[bool
         lines = (
             [python, "-m", "venv", f"{folder}/env"],
             [made, "-m", "pip", "install", *quiet, "--editable", str(ROOT), *TOOLS],
-            [made, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", given.processes, "-m", "not long", *TESTS],
+            [made, "-m", "pytest", "-p", "no:cacheprovider", "-n", given.processes, "-m", "not long", *TESTS],
         )
         for line in lines:
             done = subprocess.run(

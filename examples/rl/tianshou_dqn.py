@@ -72,7 +72,8 @@ def learn(task, steps, seed=0):
     algorithm.run_training(
         OffPolicyTrainerParams(
             training_collector=collector, max_epochs=max(1, steps // 4000), epoch_num_steps=min(steps, 4000),
-            collection_step_num_env_steps=40, update_step_num_gradient_steps_per_sample=0.2, batch_size=64,
+            # Tianshou looks through its whole buffer for NaN after each collection.
+            collection_step_num_env_steps=200, update_step_num_gradient_steps_per_sample=0.2, batch_size=64,
             show_progress=False, training_fn=Curve(policy, task, every=max(1, steps // 10)).tell,
         )  # fmt: skip
     )
