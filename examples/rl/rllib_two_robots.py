@@ -58,6 +58,7 @@ class Team(BaseParallelWrapper):
 
 def learner(task, batch=1024):
     """The algorithm, which plays in this process."""
+    torch.set_num_threads(1)
     register_env("kitchen", lambda config: ParallelPettingZooEnv(Team(task)))
     module = RLModuleSpec(
         module_class=ActionMaskingTorchRLModule, model_config={"head_fcnet_hiddens": [64, 64], "fcnet_hiddens": [64]}
@@ -99,7 +100,7 @@ def main():
     while rounds < args.steps:
         told = algorithm.train()["env_runners"]
         rounds, turn = rounds + told["num_env_steps_sampled"], turn + 1
-        if turn % 4 == 0 or rounds >= args.steps:
+        if turn % 2 == 0 or rounds >= args.steps:
             gain, length = told["episode_return_mean"] / 2, told["episode_len_mean"]
             print(f"{rounds:7.0f} rounds: return {gain:5.2f} a robot, {length:4.1f} rounds an episode", flush=True)
     reached = successes(algorithm, args.task)
