@@ -6,9 +6,12 @@ import signal
 import sys
 from collections import Counter
 from collections.abc import Iterator
+from functools import lru_cache
 
 import hypothesis
 import pytest
+import typer.main
+import typer.testing
 
 import remac_env  # noqa: F401 - loads the table of tasks
 
@@ -16,6 +19,9 @@ hypothesis.settings.register_profile(
     "kitchen", deadline=None, derandomize=True, database=None, suppress_health_check=list(hypothesis.HealthCheck)
 )
 hypothesis.settings.load_profile("kitchen")
+
+# Commands with all their options are put together once, and not for each of some thousand calls.
+typer.main.get_command = typer.testing._get_command = lru_cache(maxsize=16)(typer.main.get_command)
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so do shells start what runs in the background
     signal.signal(signal.SIGINT, signal.default_int_handler)
