@@ -33,6 +33,9 @@ SAYS = {
 }
 """What each says at the end."""
 
+SLOW = ("fixture", "video")
+"""Those that take some seconds; videos and checks of tasks from outside are among the fast tests elsewhere."""
+
 PUBLIC = re.compile(
     r"gymnasium|numpy|pathlib|subprocess|sys|remac_env(\.testing|\.vocabulary|\.state|\.rules\.facts|\.tasks\.(goals|compound|setup|spec))?|remac_agents(\.roles)?|remac_bench\.store"
 )
@@ -52,7 +55,11 @@ def started(*line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=[path.stem for path in EXAMPLES])
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(path, marks=pytest.mark.long) if path.stem in SLOW else path for path in EXAMPLES],
+    ids=[path.stem for path in EXAMPLES],
+)
 def test_an_example_runs_and_says_what_came_of_it(path: Path, tmp_path: Path) -> None:
     done = started(str(path), folder=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -97,7 +104,7 @@ def test_the_commands_in_examples_are_ones_that_the_program_takes(tmp_path: Path
     done = started(
         *("-m", "remac_bench", "bench", "run", *files, "--planner", f"{ROOT / 'examples' / 'planner.py'}:plan"),
         *("--methods", "CHEERFUL", "--tasks", "OpenMicrowavePnP,PotatoToSink", "--seeds", "0"),
-        *("--backend", "symbolic", "--jobs", "2", "--out", "out"),
+        *("--backend", "symbolic", "--jobs", "0", "--out", "out"),
         folder=tmp_path,
     )
     assert done.returncode == 0, done.stderr

@@ -112,11 +112,14 @@ def prepare(path: str | os.PathLike[str]) -> Path:
 
     Raises:
         OptionError: if it cannot, or the path does not end in .webm.
+        RenderingError: if OpenCV is missing.
     """
     target = Path(path)
     if target.suffix.lower() != ".webm":
         raise OptionError(f"{target.name!r} is not a valid video file name; valid: names that end in .webm")
-    return prepare_file(target, "video")
+    made = prepare_file(target, "video")
+    load_opencv()
+    return made
 
 
 def _check(pictures: list[Picture]) -> None:

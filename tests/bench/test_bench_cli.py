@@ -59,7 +59,7 @@ remac_env.register_task(TaskSpec(
 def test_starts_without_a_plan_are_refused_before_anything_is_played(tmp_path: Path) -> None:
     """A pan is too big for the microwave: no run of it says anything about a planner."""
     (tmp_path / "pan.py").write_text(PAN_INTO_MICROWAVE)
-    common = ("bench", "run", "--methods", "BASE", "--seeds", "0:2", "--backend", "symbolic", "--jobs", "0")
+    common = ("bench", "run", "--methods", "BASE", "--seeds", "0:1", "--backend", "symbolic", "--jobs", "0")
     more = ("--import", str(tmp_path / "pan.py"), "--out", str(tmp_path / "out"))
     result = remac(*common, "--tasks", "OpenCabinetPnP,PanIntoMicrowave", *more)
     assert result.exit_code == 2
@@ -148,7 +148,7 @@ def test_report_escapes_what_records_say(tmp_path: Path) -> None:
 
 def test_run_and_report_with_flags(tmp_path: Path) -> None:
     arguments = ("bench", "run", "--out", str(tmp_path), "--tasks", "HeatOnStove", "--methods", "CC,REMAC")
-    more = ("--seeds", "0:2", "--backend", "symbolic", "--jobs", "0", "--handover", "search", "--optimum")
+    more = ("--seeds", "0:1", "--backend", "symbolic", "--jobs", "0", "--handover", "search", "--optimum")
     flags = ("--starts", "mixed", "--checker", "noisy,false_alarm=0,miss=0", "--agent-max-rounds", "25")
     result = remac(*arguments, *more, *flags, "--max-rounds", "28", "--iterations", "3")
     assert result.exit_code == 0, result.output

@@ -323,7 +323,7 @@ def test_an_honest_run_is_proven_whole(honest: Path) -> None:
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=pytest.mark.long) if n == "backend" else n for n in FORGERIES]  # played in physics
 )
-def test_a_forgery_is_found(honest: Path, tmp_path: Path, name: str) -> None:
+def test_a_forgery_is_found(honest: Path, tmp_path: Path, name: str, replays: None) -> None:
     copy = forged(honest, tmp_path / "copy", FORGERIES[name])
     assert read(copy) != read(honest), "this forgery changes nothing"
     assert verify(copy).findings, name

@@ -103,7 +103,7 @@ def _options(record: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("change", [_flip, _outcome, _began, _world, _digest, _seed, _rounds, _options])
-def test_tampered_records_are_found(honest: Path, tmp_path: Path, change: Tamper) -> None:
+def test_tampered_records_are_found(honest: Path, tmp_path: Path, change: Tamper, replays: None) -> None:
     verdict = verify(tampered(honest, change, tmp_path))
     assert {finding.job for finding in verdict.findings} == {read(honest)[-1].job}
     result = remac("bench", "verify", str(tmp_path))

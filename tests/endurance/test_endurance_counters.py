@@ -93,6 +93,7 @@ def faults(found: Costs, stored: Costs) -> list[str]:
     ]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("task", TASKS)
 def test_an_episode_costs_no_more_than_it_did(task: str) -> None:
     stored = tomllib.loads(TABLE.read_text(encoding="utf-8"))[task]

@@ -63,7 +63,7 @@ KINDS = {
         optional=r"fixtures\.\w+\.(front|model|slots|doors|part_of)|(fixtures|stations)\.\w+\.wall|room\.ceiling",
         loose=r"(walls|stations|asides|fixtures)\.\w+", free=r".*\.name",
         large=r".*\.(yaw|tiles_[xz])|walls\.\w+\.heading|version|.*\.doors",
-        negative=r".*\.(yaw|tiles_[xz])", share=40,
+        negative=r".*\.(yaw|tiles_[xz])", share=80,
     ),
     "style": Kind(
         folder=style._FOLDER, read=_read_style, optional=".*", loose="", free="title", large="", negative="", share=8,

@@ -175,7 +175,10 @@ def _crowd(backend: str, count: int, rounds: int) -> None:
         env.close()
 
 
-@pytest.mark.parametrize(("backend", "count", "rounds"), [("symbolic", 200, 5), ("physics", 40, 1)])
+@pytest.mark.parametrize(
+    ("backend", "count", "rounds"),
+    [("symbolic", 100, 5), ("physics", 10, 1), pytest.param("physics", 40, 1, marks=pytest.mark.long)],
+)
 def test_many_environments_at_once(backend: str, count: int, rounds: int) -> None:
     _crowd(backend, count, rounds)
 

@@ -39,6 +39,7 @@ def optimum(seed: int, robots: int) -> int:
     return plan.length
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_staircase(seed: int) -> None:
     alone, team = optimum(seed, 1), optimum(seed, 2)

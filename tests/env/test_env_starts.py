@@ -29,6 +29,7 @@ TASKS = tuple(remac_env.tasks())
 ROOT = Path(__file__).resolve().parents[2]
 
 every_task = pytest.mark.parametrize("task", TASKS)
+some_seeds = pytest.mark.parametrize("seeds", [range(3), pytest.param(range(3, 8), marks=pytest.mark.long)])
 
 
 def make(task: str, **options: Any) -> Any:
@@ -44,11 +45,11 @@ def digest(env: Any, seed: int) -> str:
 @every_task
 def test_seeds_give_starts_and_nothing_else_does(task: str, starts: str) -> None:
     env, other = make(task, starts=starts), make(task, starts=starts, max_rounds=3, wording=1, text="states")
-    there = [digest(env, seed) for seed in range(40)]
-    back = [digest(other, seed) for seed in reversed(range(40))]
+    there = [digest(env, seed) for seed in range(20)]
+    back = [digest(other, seed) for seed in reversed(range(20))]
     assert there == back[::-1]
-    assert len(set(there)) == 40
-    assert there != [digest(make(task, starts="mixed" if starts == "paper" else "paper"), seed) for seed in range(40)]
+    assert len(set(there)) == 20
+    assert there != [digest(make(task, starts="mixed" if starts == "paper" else "paper"), seed) for seed in range(20)]
 
 
 def test_other_processes_draw_the_same_starts(tmp_path: Path) -> None:
@@ -60,7 +61,7 @@ def test_other_processes_draw_the_same_starts(tmp_path: Path) -> None:
         "        sys.stdout.write(env.reset(seed=seed)[1]['robot_1']['episode']['digest'] + ' ')\n"
     )
     here = [digest(make(task, starts="mixed"), seed) for task in TASKS for seed in (3, 0, 899_999)]
-    for hashes in ("1", "2"):
+    for hashes in ("2",):
         environ = os.environ | {"PYTHONHASHSEED": hashes, "PYTHONPATH": str(ROOT), "LC_ALL": "C"}
         done = subprocess.run(
             [sys.executable, "-O", "-c", code], capture_output=True, text=True, check=True, env=environ, cwd=tmp_path
@@ -242,10 +243,11 @@ def test_mixed_starts_are_of_all_lengths() -> None:
 
 
 @every_task
-def test_mixed_starts_can_be_solved(task: str) -> None:
+@some_seeds
+def test_mixed_starts_can_be_solved(task: str, seeds: range) -> None:
     env = make(task, robots=1, starts="mixed")
     lengths = set()
-    for seed in range(8):
+    for seed in seeds:
         env.reset(seed=seed)
         plan = solve(env.start.scene, env.world, env.goal)
         assert plan is not None and plan.length > 0, seed
@@ -286,7 +288,7 @@ def test_slots_hold_one_thing() -> None:
 
 
 @every_task
-@pytest.mark.parametrize("starts", ["paper", "mixed"])
+@pytest.mark.parametrize("starts", [pytest.param("paper", marks=pytest.mark.long), "mixed"])
 def test_three_to_eight_distractors_stand_about(task: str, starts: str) -> None:
     """As many as are drawn, each number equally likely, and one slot in the open stays free to put objects down."""
     env = make(task, starts=starts)
@@ -300,8 +302,9 @@ def test_three_to_eight_distractors_stand_about(task: str, starts: str) -> None:
 
 
 @pytest.mark.parametrize("layout", layouts.names())
-def test_every_layout_has_room_for_all_distractors(layout: str) -> None:
-    for task in TASKS:
+@pytest.mark.parametrize("tasks", [TASKS[:2], pytest.param(TASKS[2:], marks=pytest.mark.long)], ids=["two", "others"])
+def test_every_layout_has_room_for_all_distractors(layout: str, tasks: tuple[str, ...]) -> None:
+    for task in tasks:
         env = make(task, layout=layout)
         counts = set()
         for seed in range(40):
@@ -329,10 +332,11 @@ def test_small_kitchens_have_fewer_distractors() -> None:
 
 
 @every_task
-def test_namings_are_one_start_in_other_words(task: str) -> None:
+@some_seeds
+def test_namings_are_one_start_in_other_words(task: str, seeds: range) -> None:
     """By category an object goes by what it is; the sentence keeps the noun, and the goal knows the object."""
     plain, named = make(task, robots=1), make(task, robots=1, naming="category")
-    for seed in range(8):
+    for seed in seeds:
         _, told = plain.reset(seed=seed)
         _, infos = named.reset(seed=seed)
         assert infos["robot_0"]["goal"] == told["robot_0"]["goal"]

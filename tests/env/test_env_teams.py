@@ -31,7 +31,7 @@ def test_a_team_keeps_the_contract(robots: int) -> None:
     testing.check_text(env_fn, seeds=(3,), rounds=3)
 
 
-@pytest.mark.parametrize("robots", (3, 4))
+@pytest.mark.parametrize("robots", (3, pytest.param(4, marks=pytest.mark.long)))
 def test_no_robot_of_a_larger_team_is_number_zero(robots: int) -> None:
     testing.check_names(lambda: make(robots, starts="mixed"), seeds=(1,), rounds=8)
 

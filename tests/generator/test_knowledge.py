@@ -178,8 +178,14 @@ def test_most_templates_hide_something_in_two_stores() -> None:
     assert sum(len(set(stores) & set(row.annexes)) > 1 for row in rows) > 20
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("name", [name for name, row in templates.load().items() if not row.family])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name == "packets into the chest" else pytest.mark.long)
+        for name, row in templates.load().items()
+        if not row.family
+    ],
+)
 def test_no_template_tells_what_nobody_has_seen(name: str) -> None:
     """Masks, text, commands and both views of it: what one robot is given, and the state of all."""
     row = templates.load()[name]

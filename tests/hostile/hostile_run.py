@@ -1,7 +1,8 @@
 """Plays every hostile answer under an audit hook and prints what was done that must not be, as JSON.
 
-python hostile_run.py FOLDER OUTSIDE [obey]: records go into FOLDER; OUTSIDE is a file that answers try to make. With
-`obey` a planner that executes what it is told is played as well: then there must be something to print.
+python hostile_run.py FOLDER OUTSIDE [obey] [one]: records go into FOLDER; OUTSIDE is a file that answers try to make.
+With `one` the first method alone plays. With `obey` a planner that executes what it is told is played as well: then
+there must be something to print.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import json
 import os
 import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
@@ -88,7 +89,7 @@ class Answers(BaseHTTPRequestHandler):
         """Say nothing."""
 
 
-def main(folder: Path, outside: Path, *, obey: bool) -> None:
+def main(folder: Path, outside: Path, *, obey: bool, methods: Sequence[str]) -> None:
     """Play everything and print the violations and how the episodes ended."""
     server = ThreadingHTTPServer(("127.0.0.1", 0), Answers)
     threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -101,7 +102,7 @@ def main(folder: Path, outside: Path, *, obey: bool) -> None:
     if obey:
         agents = {"obey": {"planner": f"{Path(__file__).with_name('obedient_planner.py')}:plan"}}
     access = Access(base_url=f"http://127.0.0.1:{port}/v1")
-    plays = {name: _player(folder / name, agent, access) for name, agent in agents.items()}
+    plays = {name: _player(folder / name, agent, access, methods) for name, agent in agents.items()}
     for play in plays.values():
         play("warm up")  # what is imported on demand is in by then
     sys.addaudithook(watch.hook)
@@ -116,12 +117,14 @@ def main(folder: Path, outside: Path, *, obey: bool) -> None:
     sys.stdout.write(json.dumps({"seen": watch.seen, "ends": _ends(folder)}))
 
 
-def _player(folder: Path, agent: Mapping[str, Any], access: Access) -> Callable[[str], None]:
+def _player(
+    folder: Path, agent: Mapping[str, Any], access: Access, methods: Sequence[str]
+) -> Callable[[str], None]:
     kitchen = {"backend": "symbolic", "max_rounds": 6}
 
     def play(label: str) -> None:
         reached = access if "model" in agent else Access(isolated=False)  # in sight of the hook
-        jobs = make_jobs(tasks=[TASK], methods=METHODS, seeds=[0], kitchen=kitchen, agent=agent, access=reached)
+        jobs = make_jobs(tasks=[TASK], methods=methods, seeds=[0], kitchen=kitchen, agent=agent, access=reached)
         run_jobs(jobs, folder / label.replace(" ", "_"), Settings(workers=0))
 
     return play
@@ -139,4 +142,6 @@ def _ends(folder: Path) -> list[dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve(), obey="obey" in sys.argv[3:])
+    said = sys.argv[3:]
+    played = METHODS[:1] if "one" in said else METHODS
+    main(Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve(), obey="obey" in said, methods=played)

@@ -92,6 +92,7 @@ def carrot_pixels(model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> in
     return int((np.abs(picture[0] - picture[1]).max(axis=2) > 25).sum())
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("fixture", ["cabinet", "microwave", "sink"])
 def test_side_camera_sees_into_fixtures(layout, kitchen, fixture: str) -> None:
     model, data = kitchen

@@ -100,7 +100,7 @@ def test_who_gives_no_answer_has_finished() -> None:
     assert info["end"] == "done" and len(agent.report().errors) == 6
 
 
-@pytest.mark.parametrize("task", ["OpenMicrowavePnP", "WashPnPHeat"])
+@pytest.mark.parametrize("task", ["OpenMicrowavePnP", pytest.param("WashPnPHeat", marks=pytest.mark.long)])
 def test_the_oracle_acts_as_one_of_a_team(task: str) -> None:
     for clock in ("rounds", "events"):
         agent, info = play("oracle", clock=clock, task=task)

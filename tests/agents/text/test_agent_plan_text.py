@@ -168,10 +168,13 @@ def test_no_text_is_an_exception(text: str) -> None:
 
 UNITS = ["[", "{", "[]", "a: ", "- ", "1. ", "<think>", "```\n", "\n", " ", "[a,", '"', "#*", "assistant "]
 BEFORE = ["<|channel|>a", "", "[", "Thinking...\n", "assistant", "analysis", "<", "<|channel|>final", "Plan:", "{a"]
+QUICK = ("", "[", "<|channel|>final", "Plan:")
 
 
 @pytest.mark.parametrize("unit", UNITS)
-@pytest.mark.parametrize("before", BEFORE)
+@pytest.mark.parametrize(
+    "before", [before if before in QUICK else pytest.param(before, marks=pytest.mark.long) for before in BEFORE]
+)
 def test_reading_takes_no_more_than_a_few_steps_a_letter(before: str, unit: str) -> None:
     """A text twice as long may take twice as long, not four times: whole texts of models are up to MAX_CHARACTERS."""
     start = time.process_time()
