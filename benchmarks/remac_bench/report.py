@@ -45,8 +45,7 @@ FIRST = ("grades", "learning", "results", "ranking", "blame")
 ACROSS = 118
 """Characters side by side at most, however wide the terminal is; a wider sheet is shown in parts."""
 
-_GAP = 3
-"""Characters between two columns."""
+_GAP = 3  # characters between two columns
 
 LEGEND = (
     "TSR: goal holds at the end, with Wilson's 95% interval. SCR: rounds done of the final plans. "
@@ -55,8 +54,7 @@ LEGEND = (
 )
 
 _DASH = Cell(text="-")
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""Text that begins so is taken for a formula by spreadsheets."""
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # text that begins so is taken for a formula by spreadsheets
 
 
 def read_records(folder: str | Path) -> list[Record]:
@@ -252,12 +250,8 @@ def _width(sheet: Sheet, column: Column) -> int:
 
 def _table(sheet: Sheet, columns: Sequence[Column], *, title: bool = True) -> Table:
     """One sheet. Columns never shrink: a number cut short would be another number."""
-    table = Table(
-        title=escape(plain(sheet.title)) if title else None,
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        pad_edge=False,
-    )
+    heading = escape(plain(sheet.title)) if title else None
+    table = Table(title=heading, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
     texts = [[plain(row.get(column.key, _DASH).text) for column in columns] for row in sheet.rows]
     for index, column in enumerate(columns):
         least = max(len(column.title), *(len(row[index]) for row in texts), 1)
