@@ -4,9 +4,9 @@ from remac_env.pddl.actions import LEVELS
 from remac_env.pddl.plans import Step, printed_plan, read_plan
 from remac_env.pddl.playing import Played, play_plan
 from remac_env.pddl.stating import Stated, state_plan
-from remac_env.pddl.writing import write_domain, write_problem
+from remac_env.pddl.writing import unsaid, write_domain, write_problem
 
 __all__ = [
-    "LEVELS", "Played", "Stated", "Step", "play_plan", "printed_plan", "read_plan", "state_plan", "write_domain",
-    "write_problem",
+    "LEVELS", "Played", "Stated", "Step", "play_plan", "printed_plan", "read_plan", "state_plan", "unsaid",
+    "write_domain", "write_problem",
 ]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from remac_env.errors import OptionError
-from remac_env.pddl.actions import Action, actions
+from remac_env.pddl.actions import INSTANT, Action, actions
 from remac_env.pddl.names import name_of, nouns, stations
 from remac_env.rules.facts import Rules
 from remac_env.rules.places import destination
@@ -19,9 +20,10 @@ _LINE = re.compile(r"(?:(?P<at>\d+(?:\.\d+)?)\s*:)?\s*\((?P<what>[^()]+)\)\s*(?:
 
 @dataclass(frozen=True)
 class Step:
-    """An action of a plan. `at`, `seconds`: when it begins and how long it takes, s; a classical plan counts steps.
+    """An action of a plan. `at`, `seconds`: when it begins and how long it takes, s; in classical plans one by one.
 
     `robot`: "" for what happens by itself. `target`: what the command is about, or the station of a drive.
+    `not_before`: s before which it must not begin, as something that takes its time goes on meanwhile by the plan.
     """
 
     at: float
@@ -29,6 +31,7 @@ class Step:
     skill: str
     target: str
     seconds: float
+    not_before: float = 0.0
 
     def command(self, rules: Rules, world: WorldState) -> Subtask | None:
         """The command, in the world in which it is to begin; None where none leads to the drive's station."""
@@ -59,8 +62,14 @@ def read_plan(text: str, rules: Rules) -> list[Step]:
     """
     known = {action.name: action for action in actions(rules)}
     lines = [line for line in (each.partition(";")[0].strip() for each in text.splitlines()) if line]
-    found = [_step(line, number, known, rules) for number, line in enumerate(lines)]
-    return sorted((step for step in found if step.robot), key=lambda step: step.at)
+    found: list[Step] = []
+    for number, line in enumerate(lines):
+        before = found[-1].at + found[-1].seconds if found else 0.0
+        found.append(_step(line, number, before, known, rules))
+    slow = [step.at for step in found if not step.robot and step.seconds > INSTANT]
+    first = min(slow, default=math.inf)
+    steps = [replace(step, not_before=step.at) if step.at > first else step for step in found if step.robot]
+    return sorted(steps, key=lambda step: step.at)
 
 
 def printed_plan(text: str, rules: Rules) -> str:
@@ -80,7 +89,8 @@ def printed_plan(text: str, rules: Rules) -> str:
     return "\n".join(found)
 
 
-def _step(line: str, number: int, known: Mapping[str, Action], rules: Rules) -> Step:
+def _step(line: str, number: int, before: float, known: Mapping[str, Action], rules: Rules) -> Step:
+    """A line's step; without a time of its own it begins when the one before has ended."""
     match = _LINE.fullmatch(line)
     name, *arguments = match["what"].lower().split() if match else [""]
     action = known.get(name)
@@ -88,7 +98,7 @@ def _step(line: str, number: int, known: Mapping[str, Action], rules: Rules) -> 
         raise OptionError(f"plan, line {number + 1}: {line[:80]!r} is not valid; valid: an action of the domain")
     given = {variable: value for (variable, _), value in zip(action.variables, arguments, strict=True)}
     robots = {name_of(robot): robot for robot in rules.robots}
-    at = float(match["at"]) if match["at"] else float(number)
+    at = float(match["at"]) if match["at"] else before
     seconds = float(match["seconds"] or action.seconds)
     return Step(at, robots.get(given.get("r", ""), ""), action.skill, target_of(action, given, rules), seconds)
 

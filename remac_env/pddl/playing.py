@@ -41,7 +41,8 @@ def play_plan(env: Any, plan: Sequence[Step], *, seed: int) -> Played:
                 failed += [f"{text}: {info['outcome']['reason']}"] if info["outcome"]["reason"] else []
         if not left and not at and not any(info["processes"] for info in infos.values()):
             break
-        due = _due(plan, left, over, [robot for robot, info in infos.items() if info["ready"]])
+        now = next(iter(infos.values()))["seconds"]
+        due = _due(plan, left, over, [robot for robot, info in infos.items() if info["ready"]], now)
         rules = env.start.scene
         orders = {plan[n].robot: (n, plan[n].command(rules, env.world)) for n in due}
         goes_on = bool(at) or any(info["processes"] for info in infos.values())
@@ -62,11 +63,13 @@ def play_plan(env: Any, plan: Sequence[Step], *, seed: int) -> Played:
     return Played(bool(info["success"]), float(info["seconds"]), tuple(failed))
 
 
-def _due(plan: Sequence[Step], left: set[int], over: set[int], robots: Sequence[str]) -> list[int]:
+def _due(plan: Sequence[Step], left: set[int], over: set[int], robots: Sequence[str], now: float) -> list[int]:
     """The steps that may begin now: each such robot's next one, where all has ended that ends before it."""
     nexts = (next((n for n in sorted(left) if plan[n].robot == robot), None) for robot in robots)
     return [
         n
         for n in nexts
-        if n is not None and all(m in over for m, s in enumerate(plan) if s.at + s.seconds <= plan[n].at + NEAR)
+        if n is not None
+        and plan[n].not_before <= now + NEAR
+        and all(m in over for m, s in enumerate(plan) if s.at + s.seconds <= plan[n].at + NEAR)
     ]

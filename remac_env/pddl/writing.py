@@ -16,22 +16,29 @@ from remac_env.tasks.goals import DoorIs, Goal, Inside, Marked, Released, Switch
 _KINDS = {"r": "robot", "s": "station", "l": "slot", "f": "fixture", "n": "number", "m": "number"}
 
 
-def write_domain(rules: Rules, *, level: str) -> str:
+def write_domain(rules: Rules, *, level: str, relaxed: bool = False) -> str:
     """The domain of a kitchen: its predicates, and an action for each way in which a command can succeed.
 
     Drives are one action for each pair of stations, because of the stations that two robots cannot use at once.
 
+    Args:
+        relaxed: what actions cannot say (`unsaid`) is left out, and named in a comment; a plan may let it happen.
+
     Raises:
         UnknownNameError: for another level.
-        OptionError: for a kitchen in which something happens that PDDL's actions cannot say.
+        OptionError: for a kitchen in which something happens that PDDL's actions cannot say, unless it is relaxed.
     """
     check_choice("level", level, LEVELS)
-    _check_processes(rules)
+    left_out = unsaid(rules)
+    if left_out and not relaxed:
+        raise OptionError(f"PDDL's actions cannot say what nobody wants to happen: {', '.join(left_out)}; valid: "
+                          "a task without such processes, or relaxed=True")  # fmt: skip
     found = actions(rules)
     needs = ":strips :typing" + (" :durative-actions" if level == "durative" else "")
     write = _durative if level == "durative" else _classical
     lines = [
         "; Written from the skill table by `remac pddl`. Seconds are those of the table.",
+        *(f"; Not said: {each}. A plan may let it happen." for each in left_out),
         "(define (domain remac-kitchen)",
         f"  (:requirements {needs})",
         "  (:types robot station slot fixture item number)",
@@ -88,11 +95,9 @@ def facts_wanted(rules: Rules, goal: Goal) -> tuple[str, ...]:
 # -- the domain -----------------------------------------------------------------------------------------------------
 
 
-def _check_processes(rules: Rules) -> None:
-    unsaid = [process.name for process in rules.processes if process.spoils or process.does != "mark"]
-    if unsaid:
-        raise OptionError(f"PDDL's actions cannot say what nobody wants to happen: {', '.join(unsaid)}; valid: a task "
-                          "without such processes")  # fmt: skip
+def unsaid(rules: Rules) -> list[str]:
+    """The processes of a kitchen that actions cannot say: what nobody wants to happen, and what undoes something."""
+    return [process.name for process in rules.processes if process.spoils or process.does != "mark"]
 
 
 def _constants(rules: Rules) -> dict[str, list[str]]:
