@@ -23,7 +23,7 @@ def make_backend(options: Options, worlds: TaskWorlds) -> Backend:
     from remac_env.backends.physics.backend import PhysicsBackend
     from remac_env.backends.physics.controllers.learned.library import learned_skills, makers
 
-    return PhysicsBackend(worlds, controllers=makers(learned_skills(options.skills, options.robots)))
+    return PhysicsBackend(worlds, controllers=makers(learned_skills(options.skills, options.robots, options.body)))
 
 
 def told_skills(options: Options) -> dict[str, str]:
@@ -37,7 +37,7 @@ def told_skills(options: Options) -> dict[str, str]:
     load_mujoco()
     from remac_env.backends.physics.controllers.learned.library import learned_skills
 
-    learned = learned_skills(options.skills, options.robots)
+    learned = learned_skills(options.skills, options.robots, options.body)
     moving = [skill for skill, row in SKILLS.items() if not row.still]
     return {skill: learned[skill].sha256 if skill in learned else SCRIPTED for skill in moving}
 
@@ -51,5 +51,6 @@ def told_cases(options: Options) -> dict[str, list[str]]:
         return {}
     from remac_env.backends.physics.controllers.learned.library import learned_skills
 
-    learned = {skill: known.about for skill, known in learned_skills(options.skills, options.robots).items()}
+    found = learned_skills(options.skills, options.robots, options.body)
+    learned = {skill: known.about for skill, known in found.items()}
     return {skill: list(about.played(skill)) for skill, about in learned.items() if about.shown(skill)}

@@ -16,6 +16,8 @@ from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.controllers.learned.weights import About, Weights, save_weights
 from remac_env.errors import OptionError, UnknownNameError
 from remac_env.options import Options
+from remac_env.robots import bodies
+from remac_env.robots.panda.body import Panda
 from remac_env.rules.skills import SKILLS
 
 TASK = "OpenMicrowavePnP"
@@ -111,6 +113,17 @@ def test_a_learned_skill_is_played_without_torch_and_judged_by_the_kitchen(
     outcome = infos["robot_0"]["outcome"]
     assert (outcome["status"], outcome["reason"]) == ("failure", "slipped"), "these weights stand still"
     env.close()
+
+
+def test_what_was_learned_with_another_body_is_refused() -> None:
+    body = Panda(name="low panda", mount_height=0.62)
+    bodies.register_body(body)
+    try:
+        with pytest.raises(OptionError, match="learnt with body 'panda', got body='low panda'"):
+            remac_env.parallel_env(TASK, robots=1, skills="learned", body=body.name).reset(seed=0)
+        assert learned_skills("scripted", 1, body.name) == {}
+    finally:
+        bodies._BODIES.pop(body.name)
 
 
 def test_the_packages_own_weights_are_small_whole_and_measured() -> None:

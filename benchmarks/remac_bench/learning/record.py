@@ -160,7 +160,7 @@ class _Rows:
         self.pictures.append(self._camera())
 
     def note(self, manual: Manual, backend: PhysicsBackend, q: np.ndarray, opening: float) -> None:
-        """What the controller wants now: ``q`` (11,) in the frame of the room."""
+        """What the controller wants now: ``q`` (n,) in the frame of the room."""
         stand, data = manual.aim.stand, backend.data
         self.actions.append(Joints(bodies.get(manual.body)).action(manual.q, q, opening))
         self.commands.append(np.array([*stand.joints(q), opening]))

@@ -172,12 +172,12 @@ class Felt:
 
     @property
     def q(self) -> Array:
-        """The configuration (11,) in which it is."""
+        """The configuration (n,) in which it is."""
         return self._robot.q
 
     @property
     def commanded(self) -> Array:
-        """The set-points (11,) in force."""
+        """The set-points (n,) in force."""
         return self._robot.commanded.copy()
 
     @property

@@ -35,7 +35,7 @@ def _hand_at(kinematics: Kinematics, q: Array) -> Array:
 
 
 def towards_hand(kinematics: Kinematics, stand: Stand, q: Array, hand: Array, command: Array) -> Array:
-    """The configuration (11,) near ``q`` in which the hand is where a command wants it; ``hand``: where it is now."""
+    """The configuration (n,) near ``q`` in which the hand is where a command wants it; ``hand``: where it is now."""
     way, opening, approach = np.split(command[COMMANDED:], 3)
     if (length := float(np.linalg.norm(approach))) < _SHORT:
         return q

@@ -9,6 +9,8 @@ from remac_env.backends.physics.controllers.base import MakeController
 from remac_env.backends.physics.controllers.learned.controller import Learned
 from remac_env.backends.physics.controllers.learned.weights import SEVERAL, SUFFIX, Weights, read_weights
 from remac_env.errors import OptionError
+from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.skills import SKILLS
 from remac_env.skill_sources import LEARNED, SCRIPTED, VALID, Sources
 
@@ -21,14 +23,14 @@ def file_name(skill: str) -> str:
     return "".join(word.capitalize() for word in skill.split()) + SUFFIX
 
 
-def learned_skills(text: str, robots: int) -> dict[str, Weights]:
+def learned_skills(text: str, robots: int, body: str = STANDARD) -> dict[str, Weights]:
     """The weights of each skill that is learned by a value of the option `skills`; all others are scripted.
 
     With several robots drives stay scripted, as learned ones know of no other robot.
 
     Raises:
         OptionError: for weights that cannot be used, a folder that is not there or has none, a skill that was named
-            and has no weights, or a learned drive of several robots that was named.
+            and has no weights, a learned drive of several robots that was named, or robots of another body.
     """
     sources, found = Sources.read(text), dict[str, Weights]()
     for skill in sources.named:
@@ -43,6 +45,8 @@ def learned_skills(text: str, robots: int) -> dict[str, Weights]:
             found[skill] = known
         elif skill in sources.named:
             raise OptionError(f"skills: {source!r} has no weights for {skill!r}; valid: {_kept(_folder(source))}")
+    if found and bodies.get(body).fingerprint != bodies.get().fingerprint:  # `read_weights` refuses those of others
+        raise OptionError(f"skills: {text!r} was learnt with body {STANDARD!r}, got body={body!r}; valid: {SCRIPTED}")
     return found
 
 

@@ -36,14 +36,14 @@ class Stand:
         return np.asarray(self.axes.T @ rotation)
 
     def joints(self, q: Array) -> Array:
-        """A configuration (11,) of the room: base pose relative to the station, torso and arm as they are."""
+        """A configuration (n,) of the room: base pose relative to the station, torso and arm as they are."""
         told = np.array(q, float)
         told[:2] = self.axes[:2, :2].T @ (told[:2] - self.origin[:2])
         told[2] = math.remainder(told[2] - self.yaw, math.tau)
         return told
 
     def moved(self, q: Array, change: Array) -> Array:
-        """A configuration (11,) of the room after a change (11,) that is expressed in this frame."""
+        """A configuration (n,) of the room after a change (n,) that is expressed in this frame."""
         told = q + change
         told[:2] = q[:2] + self.axes[:2, :2] @ change[:2]
         return told

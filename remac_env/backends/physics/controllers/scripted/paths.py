@@ -189,7 +189,7 @@ class Planner:
         return path
 
     def hand(self, q: Array) -> Pose:
-        """The pose of the hand in configuration ``q`` (11,)."""
+        """The pose of the hand in configuration ``q`` (n,)."""
         return Pose(*self.kinematics.forward(q), self.robot.frame)
 
     def approach(self, goal: Array, start: Pose, *, speed: float = 0.15) -> Path | Hit | NoWay:
