@@ -51,6 +51,8 @@ def landing(rules: Rules, world: WorldState, robot: str, target: str) -> Place |
         return Place("vessel", target) if small and has_room(rules, world, target) and held != target else None
     here = world.robots[robot].station
     slots = [name for name in rules.fixtures[target].slots if here in rules.slots[name].stations]
+    if slots and rules.slots[slots[0]].across == here:
+        slots.reverse()  # from the other side the last are the nearest
     free = [name for name in slots if occupant(world, name) is None]
     lit = [name for name in free if name in world.fixtures[target].on]
     if free:

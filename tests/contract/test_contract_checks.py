@@ -146,6 +146,12 @@ def test_check_task_finds_a_task_without_a_solution() -> None:
     assert "Impossible" not in remac_env.tasks()
 
 
+@pytest.mark.long
+def test_a_task_too_long_for_a_shortest_plan_is_no_task_without_a_solution() -> None:
+    spec = remac_env.generate(4, 3)
+    check_certificate(lambda: remac_env.parallel_env(spec, robots=1, backend="symbolic"), seeds=(0,))
+
+
 def test_a_task_that_is_solved_at_every_start_is_refused() -> None:
     solved = TaskSpec(
         name="Solved",

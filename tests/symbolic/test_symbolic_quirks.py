@@ -102,6 +102,18 @@ def test_over_a_counter_that_nobody_gets_past_things_are_passed() -> None:
     assert not ends[0] and stays.robots["robot_0"].station == after.robots["robot_0"].station
 
 
+def test_both_sides_put_something_down_at_once() -> None:
+    scene, world = kitchen(Quirk("narrow galley", "cabinet", "counter"), robots=2)
+    scene = laid_out(scene)
+    at = {"robot_0": scene.fixtures["counter"].station, "robot_1": scene.fixtures["cabinet"].station}
+    for (robot, station), name in zip(at.items(), ("carrot", "apple"), strict=True):
+        world = world.with_robot(robot, station=station, holding=name)
+        world = world.with_object(name, place=Place("held", robot))
+    after, ends = play(scene, world, "place to counter", other="place to counter")
+    assert ends[0] and after.robots["robot_1"].holding is None
+    assert after.objects["carrot"].place != after.objects["apple"].place
+
+
 def test_two_robots_on_two_sides_do_not_put_two_things_into_one_slot() -> None:
     scene, world = kitchen(robots=2)
     slot = next(name for name in scene.fixtures["counter"].slots if occupant(world, name) is None)

@@ -117,10 +117,10 @@ def tables(records: Sequence[Record]) -> Iterator[Table]:
     scored = {name: [r for r in found if r.scored] for name, found in by.items()}
     table = Table(box=box.SIMPLE_HEAD, title="Success by grade (n: problems)")
     columns = [(quirks, grade) for quirks in QUIRKS for grade in GRADES]
-    everything = [r for found in scored.values() for r in found]
     table.add_column("Agent")
     for quirks, grade in columns:
-        problems = share(everything, grade=grade, quirks=quirks).problems
+        # For other numbers of robots the same task is another problem: agents play as many as the one with the most.
+        problems = max((share(found, grade=grade, quirks=quirks).problems for found in scored.values()), default=0)
         table.add_column(f"{grade}{'q' if quirks else ''} ({problems})", justify="right")
     table.add_column("half of", justify="right")
     table.add_column("with quirks", justify="right")
