@@ -3,7 +3,7 @@
 In physics, robots do what was done least so far: of all (skill, reason) that the table predicts for some command, the
 rarest is chosen, half of the time among those that succeed. Where a pair needs a preparation (a full hand before a
 closed door), one robot's shortest way there is searched for and gone, half of the rounds. Each round is foretold by the
-table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where in physics a
+table from the world before it, and compared: outcomes robot by robot, and the whole world after it. Where in physics an
 object slips out of a hand and in the table it does not, the round is listed apart; anything else is a disagreement,
 printed with what differs. Refusals, which both backends read from one function, and what robots never try as a rule
 (`forbidden` of controllers/scripted/room.py) are counted apart too: that they agree is not a finding. With
@@ -28,18 +28,15 @@ from remac_bench.console import console as make_console
 from remac_bench.flags import takes
 from remac_bench.job_lists import parse_names, parse_seeds
 from rich.table import Table
+from twin_agenda import Agenda, Stratum, foretell
 
 import remac_env
 from remac_env.backends.physics.controllers.scripted.room import forbidden
 from remac_env.backends.symbolic import SymbolicBackend
 from remac_env.files import prepare_file
-from remac_env.oracle import search_plan
 from remac_env.parallel import KitchenParallelEnv
 from remac_env.rules.claims import first_false, settle_claims
-from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome
-from remac_env.rules.rounds import transition
-from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
 from remac_env.seeding import generator
 from remac_env.state import WorldState, supports
@@ -47,19 +44,6 @@ from remac_env.tasks.spec import TaskSpec
 
 SLIPS = ("slipped", "dropped")
 """Reasons that physics alone may give: the table does not know them."""
-
-Stratum = tuple[str, str]
-"""A skill and the reason that the table predicts, "success" where there is none."""
-
-STRATA: tuple[Stratum, ...] = tuple(
-    (skill.name, reason)
-    for skill in SKILLS.values()
-    for reason in dict.fromkeys(r.reason for r in skill.requires("robot", "target") if r.mark != "advise")
-    if reason not in ("not_at_station", "station_occupied")
-)
-"""The pairs that need a preparation; robots that are elsewhere, and claims, come about by themselves."""
-
-_FAR, _STATES = 8, 1500  # rounds and states up to which a preparation is searched for
 
 
 @dataclass(frozen=True)
@@ -99,7 +83,7 @@ def play(
     env = remac_env.parallel_env(made, robots=robots, starts="mixed", max_rounds=rounds)
     env.reset(seed=seed)
     chance, seen, found = generator(seed, "twin", task, robots), Counter[Stratum](), list[Compared]()
-    agendas = {name: _Agenda(chance, env.start.scene) for name in env.agents}
+    agendas = {name: Agenda(chance, env.start.scene) for name in env.agents}
     while env.agents:
         joint = _choose(env, seen, chance, agendas)
         before = env.world
@@ -161,48 +145,8 @@ def _fell(foretold: WorldState, happened: WorldState) -> bool:
     )
 
 
-class _Agenda:
-    """What one robot prepares: pairs of skill and reason in an order of its own, each until it has come about.
-
-    Seasoning comes first where there is any, as few kitchens have it.
-    """
-
-    def __init__(self, chance: np.random.Generator, scene: Rules) -> None:
-        order = [STRATA[k] for k in chance.permutation(len(STRATA))]
-        seasons = any(facts.seasons for facts in scene.objects.values())
-        first = [stratum for stratum in order if stratum[0] == "season" and seasons]
-        self._wanted = first + [stratum for stratum in order if stratum[0] != "season"]
-
-    def next(self, env: KitchenParallelEnv, name: str, commands: Sequence[Subtask]) -> Subtask | None:
-        """The next command towards the first pair that can be reached, or None; a pair is left once it is tried."""
-        scene = replace(env.start.scene, robots=(name,))
-        while self._wanted:
-            skill, reason = self._wanted[0]
-            ripe = [subtask for subtask in commands if subtask.skill == skill]
-            plan = search_plan(
-                scene,
-                env.world,
-                lambda world, ripe=ripe, reason=reason: any(foretell(scene, world, name, s) == reason for s in ripe),
-                commands=[subtask for subtask in commands if not subtask.row.still],
-                max_rounds=_FAR,
-                max_states=_STATES,
-            )
-            if plan is not None and plan.rounds:
-                return plan.rounds[0][name]
-            self._wanted.pop(0)
-            if plan is not None:
-                return next(s for s in ripe if foretell(scene, env.world, name, s) == reason)
-        return None
-
-
-def foretell(scene: Rules, world: WorldState, robot: str, subtask: Subtask) -> str:
-    """What the table predicts for one robot's command while the others stand still: a reason or "success"."""
-    _, outcomes = transition(scene, world, {robot: subtask})
-    return outcomes[robot].reason or "success"
-
-
 def _choose(
-    env: KitchenParallelEnv, seen: Counter[Stratum], chance: np.random.Generator, agendas: Mapping[str, _Agenda]
+    env: KitchenParallelEnv, seen: Counter[Stratum], chance: np.random.Generator, agendas: Mapping[str, Agenda]
 ) -> dict[str, Subtask]:
     """For each robot its agenda's next command, or one of the rarest stratum; half of those succeed."""
     scene, joint = env.start.scene, {}
