@@ -197,6 +197,13 @@ class Agent:
                 f"{', '.join(viewers)} of {self.method.name} must see pictures, and these observations hold none; "
                 'valid: those of parallel_env(..., obs="state+images", image_size=512)'
             )
+        for name in viewers:
+            wanted = getattr(self.roles.named()[name], "cameras", ())
+            if not any(set(wanted) <= set(seen) for seen in view.images.values()):
+                raise OptionError(
+                    f"{name} of {self.method.name} must see the pictures {', '.join(wanted)}; valid: "
+                    f'parallel_env(..., obs="state+images", cameras="{",".join(wanted)}")'
+                )
 
     def _next_turn(self, obs: Told, infos: Told) -> dict[str, Subtask]:
         """What the method yields next; nothing once it has ended."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,11 @@ from remac_env.options import Options
 from remac_env.values import python_values
 
 
-def observation_space(options: Options, *, facts: int, tokens: int, cameras: Sequence[str]) -> spaces.Space[Any]:
+def observation_space(options: Options, *, facts: int, tokens: int) -> spaces.Space[Any]:
     """The space of one robot's observations.
 
     Args:
-        facts: figures of the vector. tokens: of the vocabulary. cameras: names of the pictures, where there are any.
+        facts: figures of the vector. tokens: of the vocabulary.
     """
     size = options.image_size
     if options.obs_format == "flat":
@@ -26,8 +26,7 @@ def observation_space(options: Options, *, facts: int, tokens: int, cameras: Seq
         "observation": spaces.Box(0.0, 1.0, (facts,), np.float32),
         "action_mask": spaces.Box(0, 1, (tokens,), np.int8),
     }
-    if options.obs == "state+images":
-        parts |= {camera: spaces.Box(0, 255, (size, size, 3), np.uint8) for camera in cameras}
+    parts |= {camera: spaces.Box(0, 255, (size, size, 3), np.uint8) for camera in options.pictures}
     return spaces.Dict(parts)
 
 

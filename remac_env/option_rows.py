@@ -94,6 +94,26 @@ class Choice(Values):
 
 
 @dataclass(frozen=True)
+class Names(Values):
+    """One or more of these, as one text: in their order, with commas between them."""
+
+    names: tuple[str, ...]
+
+    def check(self, name: str, value: Any) -> str:
+        """See Values; several texts are as good as one with commas."""
+        given = value.split(",") if isinstance(value, str) else value
+        parts = given if isinstance(given, list | tuple) and given else [given]
+        named = [part.strip() if isinstance(part, str) else part for part in parts]
+        for part in named:
+            check_choice(name, part, self.names)
+        return ",".join(each for each in self.names if each in named)
+
+    def read(self, text: Any) -> str:
+        """See Values."""
+        return self.check("", text)
+
+
+@dataclass(frozen=True)
 class Whole(Values):
     """A whole number in least..most; `valid` says it in other words."""
 

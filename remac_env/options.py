@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 from remac_env.errors import OptionError
-from remac_env.option_rows import Choice, Real, Switch, Whole, check_rows, option
+from remac_env.option_rows import Choice, Names, Real, Switch, Whole, check_rows, option
 from remac_env.skill_sources import SCRIPTED, SkillValues
 from remac_env.thinking import ThinkValues
 from remac_env.values import python_fields
@@ -24,6 +24,12 @@ WORDINGS = (1, 2, 3)
 """1: word order follows the subtasks; 2: it does not; 3: the simplest sentence (paper, appendix)."""
 
 OBSERVATIONS = ("state", "state+images")
+CAMERAS = ("front", "wrist", "side", "station")
+"""Pictures of a robot: what each shows, `remac_env.sights` says."""
+
+USUAL_CAMERAS = CAMERAS[:3]
+"""Those that observations have unless others are asked for, and that controllers look at."""
+
 REWARDS = ("sparse", "progress", "distance")
 MASKS = ("grammar", "feasible")
 OBS_FORMATS = ("dict", "flat")
@@ -64,7 +70,7 @@ class Options:
         "seen behind a door).", Choice(KNOWLEDGE),
     )  # fmt: skip
     obs: str = option(
-        "state", "state or state+images (front, wrist, side); jobs have images if a role looks at them.",
+        "state", "state or state+images (see cameras); jobs have images if a role looks at them.",
         Choice(OBSERVATIONS),
     )  # fmt: skip
     text: str = option("plain", "What planners are told: plain (names) or states.", Choice(TEXTS))
@@ -80,6 +86,10 @@ class Options:
     image_size: int = option(
         128, "Width and height of observation images, pixels; jobs use 512, or what their roles need.", Whole(16, 1024)
     )
+    cameras: str = option(
+        ",".join(USUAL_CAMERAS), "Pictures of obs='state+images': front, wrist, side, station, with commas; jobs have "
+        "those that their roles look at.", Names(CAMERAS),
+    )  # fmt: skip
     render_mode: str | None = option(None, "human (watch), rgb_array or work (from near by).", Choice(RENDER_MODES))
     max_rounds: int = option(30, "Rounds after which an episode is truncated.", Whole(1, 100_000))
     reward: str = option(
@@ -134,6 +144,11 @@ class Options:
             raise OptionError("interrupts=True is for clock='events'; in a round nobody is told anything")
         if self.obs_format == "flat" and self.obs != "state":
             raise OptionError(f"obs_format='flat' has no room for the pictures of obs={self.obs!r}; valid: obs='state'")
+
+    @property
+    def pictures(self) -> tuple[str, ...]:
+        """Names of the pictures in observations, where there are any."""
+        return tuple(self.cameras.split(",")) if self.obs == "state+images" else ()
 
     @property
     def chosen(self) -> list[str]:

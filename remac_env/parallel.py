@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from remac_env.errors import LifecycleError
 from remac_env.generator.worlds import worlds_for
 from remac_env.observation import Facts
 from remac_env.openings import observation_space, reset_options
-from remac_env.options import Options
+from remac_env.options import USUAL_CAMERAS, Options
 from remac_env.pictures import Moment, Pictures
 from remac_env.recordings import Recordings
 from remac_env.rewards import make_reward
@@ -35,8 +35,6 @@ from remac_env.vocabulary import Vocabulary
 UNSEEDED_BELOW = 900_000
 """Seeds drawn for reset(seed=None) stay below this; the rest is kept for judging."""
 
-CAMERAS = ("front", "wrist", "side")
-
 Seen = dict[str, Any]
 Told = dict[str, dict[str, Any]]
 
@@ -45,8 +43,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
     """A task with one to four robots; every step is a round in which each robot runs one subtask.
 
     Made by `remac_env.parallel_env`, which documents the options. Actions are tokens of `vocabulary`; observations are
-    `{"observation": float32 (n,) in 0..1, "action_mask": int8 (N,)}` and, with obs="state+images", `front`, `wrist`
-    and `side`: uint8 (size, size, 3). With obs_format="flat" they are the vector alone, and infos have `action_mask`.
+    `{"observation": float32 (n,) in 0..1, "action_mask": int8 (N,)}` and, with obs="state+images", the pictures of
+    `cameras`: uint8 (size, size, 3). With obs_format="flat" they are the vector alone, and infos have `action_mask`.
     """
 
     def __init__(self, spec: TaskSpec, options: Options) -> None:
@@ -63,7 +61,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self._reward = make_reward(options.reward)
         self.action_spaces = {name: spaces.Discrete(len(self.vocabulary)) for name in self.possible_agents}
         sizes, names = {"facts": self._size, "tokens": len(self.vocabulary)}, self.possible_agents
-        self.observation_spaces = {name: observation_space(options, **sizes, cameras=CAMERAS) for name in names}
+        self.observation_spaces = {name: observation_space(options, **sizes) for name in names}
         self._backend: Backend | None = None
         self._episode: Episode | None = None
         self._pictures = Pictures(self.worlds)
@@ -255,9 +253,9 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         positions = None if self._backend is None else self._backend.positions()
         return Moment(self.start, self.world, positions, self._running().rounds)
 
-    def _look(self, robot: str) -> dict[str, NDArray[np.uint8]]:
-        """What a robot's cameras show now."""
-        return self._pictures.observe(self._moment(), robot, size=self.options.image_size)
+    def _look(self, robot: str, cameras: Sequence[str] = USUAL_CAMERAS) -> dict[str, NDArray[np.uint8]]:
+        """What these cameras of a robot show now."""
+        return self._pictures.observe(self._moment(), robot, size=self.options.image_size, cameras=cameras)
 
     def _film(self) -> None:
         """Called by the backend once a control period, and after each round: the symbolic one has no periods."""
@@ -287,8 +285,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         if self.options.obs_format == "flat":
             return dict(facts)
         seen: Told = {n: {"observation": facts[n], "action_mask": self.action_mask(n)} for n in self.agents}
-        for name in self.agents if self.options.obs == "state+images" else ():
-            seen[name] |= self._look(name)
+        for name in self.agents if self.options.pictures else ():
+            seen[name] |= self._look(name, self.options.pictures)
         return seen
 
     def _infos(self) -> Told:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -70,9 +70,9 @@ class Pictures:
         _, data = cv2.imencode(".png", self._stage(moment).picture()[..., ::-1])
         return data.tobytes()
 
-    def observe(self, moment: Moment, robot: str, *, size: int) -> dict[str, Picture]:
-        """The pictures `front`, `wrist` and `side` of one robot, uint8 (size, size, 3)."""
-        return self._stage(moment).observe(robot, moment.world, size=size)
+    def observe(self, moment: Moment, robot: str, *, size: int, cameras: Collection[str]) -> dict[str, Picture]:
+        """The pictures of these cameras (`options.CAMERAS`) of one robot, uint8 (size, size, 3)."""
+        return self._stage(moment).observe(robot, moment.world, size=size, cameras=cameras)
 
     def record(self) -> None:
         """From now on keep moments."""

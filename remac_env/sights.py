@@ -15,6 +15,7 @@ ACCENTS = {
 CAMERAS = {
     "front": "shows the whole room from in front",
     "side": "looks closely at what the robot holds and at its place (at the whole room while it is out of the way)",
+    "station": "looks closely at the robot's place, whatever it holds (at the whole room while it is out of the way)",
     "wrist": "sits on the robot's hand and looks along its fingers, the room's up upwards",
 }
 """Camera of the observations -> what it does, as words after its name."""

@@ -21,6 +21,7 @@ ONLY_PARSED = {
     "remac bench accept": "plays a whole submission again; tests/bench plays small ones",
     "remac bench submit": "wants a suite played to its end; tests/bench submits small ones",
     "remac bench board": "wants an accepted entry",
+    "remac bench run --skills learned": "plays in physics for minutes; tests/bench and tests/agents play less",
     "remac bench run --planner policy:": "wants a policy that was learnt; tests/agents plays one",
     'remac bench run --planner "pddl:': "wants a planner that is installed apart; tests/agents lets two play",
     "remac learn": "wants torch and h5py, and takes long; tests/bench records and trains a little",

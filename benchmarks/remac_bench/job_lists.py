@@ -54,8 +54,8 @@ def make_jobs(
             named = sight.with_checker(method, agents.with_planner(method, given), access)
             viewers = sight.viewers(method, named, access)
             team = agents.default_robots(method) if robots is None else robots
-            size = sight.size_for(viewers, named, access)
-            options = Options(**sight.kitchen_for(viewers, kitchen, size=size), robots=team)
+            wanted = sight.pictures_for(viewers, named, access)
+            options = Options(**sight.kitchen_for(viewers, kitchen, wanted), robots=team)
             last = agents.default_iterations(method)
             last = iterations if last and iterations is not None else last
             for seed in seeds:

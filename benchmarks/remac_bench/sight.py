@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from remac_bench import agents
 from remac_bench.errors import UsageError
 from remac_bench.outside import facts_of, plugins
 from remac_bench.records import Record
+from remac_env.options import USUAL_CAMERAS
 
 IMAGE_SIZE = 512
 """Pixels of a side of the pictures that checkers look at, unless another size is asked for: the paper's."""
@@ -54,21 +55,26 @@ def viewers(method: str, agent: Mapping[str, Any], access: agents.Access) -> tup
     return tuple(role for role, who in filled.items() if sees(role, who))
 
 
-def size_for(viewers: tuple[str, ...], agent: Mapping[str, Any], access: agents.Access) -> int:
-    """Pixels of a side of the pictures that these roles of an agent need: the most that any of them makes use of."""
-    from remac_agents.wiring.catalogue import picture_size
+def pictures_for(viewers: tuple[str, ...], agent: Mapping[str, Any], access: agents.Access) -> dict[str, Any]:
+    """The kitchen's options about pictures that these roles of an agent make use of: the size, and which if unusual."""
+    from remac_agents.wiring.catalogue import cameras_of, picture_size
 
     filled = _fillers(agent, access)
     outside = plugins(filled, providers=access.providers) if access.isolated else {}
-    sizes = [None if role in outside else picture_size(role, filled[role], providers=access.providers)
-             for role in viewers]  # fmt: skip
-    return max((IMAGE_SIZE if size is None else size for size in sizes), default=IMAGE_SIZE)
+
+    def said(ask: Callable[..., Any], otherwise: Any) -> list[Any]:
+        found = (None if r in outside else ask(r, filled[r], providers=access.providers) for r in viewers)
+        return [otherwise if each is None else each for each in found]
+
+    cameras = {name for names in said(cameras_of, USUAL_CAMERAS) for name in names}
+    size = max(said(picture_size, IMAGE_SIZE), default=IMAGE_SIZE)
+    return {"image_size": size} | ({} if cameras <= set(USUAL_CAMERAS) else {"cameras": sorted(cameras)})
 
 
 def kitchen_for(
-    viewers: tuple[str, ...], kitchen: Mapping[str, Any], *, size: int = IMAGE_SIZE
+    viewers: tuple[str, ...], kitchen: Mapping[str, Any], wanted: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """The kitchen's options for these viewers: with pictures, of this size unless another is given.
+    """The kitchen's options for these viewers: with pictures, as wanted unless others are given.
 
     Raises:
         UsageError: where pictures are refused that somebody must see.
@@ -80,7 +86,7 @@ def kitchen_for(
             f"obs {kitchen['obs']!r} is not valid for a {', '.join(viewers)} that looks at pictures; "
             f"valid: {WITH_PICTURES}, or nothing: it follows from the roles"
         )
-    return {"image_size": size, **kitchen, "obs": WITH_PICTURES}
+    return {**wanted, **kitchen, "obs": WITH_PICTURES}
 
 
 def checked_by(record: Record) -> str:

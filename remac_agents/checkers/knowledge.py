@@ -37,7 +37,8 @@ def all_of(answers: Iterable[bool | None]) -> bool | None:
 def _no_vessel_needed(rules: Rules, holding: Holding, look: Look, robot: str, target: str) -> bool | None:
     """It needs none there, or would come to lie in one: in the only place of the fixture, where a vessel with room is.
 
-    Of a fixture with several places it is not known which are free, unless fewer objects can be there than places.
+    Without such a vessel it would not, whatever else is there. Of a fixture with several places it is not known which
+    are free, unless fewer objects can be there than places.
     """
     if robot not in holding:
         return None
@@ -48,8 +49,12 @@ def _no_vessel_needed(rules: Rules, holding: Holding, look: Look, robot: str, ta
     if fixture.kind not in rules.objects[held].needs_vessel_in:
         return True
     carried = {name for name in holding.values() if name is not None}
-    there = {name: look(condition("inside", name, target)) for name in rules.objects if name not in carried}
-    vessels = [name for name in there if fixture.kind in rules.objects[name].vessel_in]
+    free = [name for name in rules.objects if name not in carried]
+    vessels = [name for name in free if fixture.kind in rules.objects[name].vessel_in]
+    there = {name: look(condition("inside", name, target)) for name in vessels}
+    if any_of(there.values()) is False:
+        return False
+    there |= {name: look(condition("inside", name, target)) for name in free if name not in there}
     places = [sum(station in rules.slots[slot].stations for slot in fixture.slots)
               for station in rules.stations_of(target)]  # fmt: skip
     if sum(answer is not False for answer in there.values()) < min(places, default=1):

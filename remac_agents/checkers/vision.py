@@ -1,4 +1,4 @@
-"""The checker that is a small network with eyes: it judges what the side and wrist pictures show, without any key.
+"""The checker that is a small network with eyes: it judges what the station and wrist pictures show, without any key.
 
 What a gripper feels it is told, as every checker is. It cannot tell what it is not sure of, what has not been learnt,
 what leaves nothing to see, and, unless it is given the rules, what is a matter of knowledge.
@@ -15,7 +15,7 @@ from remac_agents.checkers.knowledge import ruled
 from remac_agents.roles import StopEpisode, Verdict, View
 from remac_agents.vision.network import CAMERAS, SIZE, Numbers, likely
 from remac_agents.vision.pictures import fitted
-from remac_agents.vision.questions import Question, question_of, robot_of
+from remac_agents.vision.questions import Question, question_of, robot_of, turned
 from remac_agents.vision.weights import SHIPPED, kept_weights
 from remac_env.errors import OptionError
 from remac_env.rules.conditions import Condition, Denial
@@ -36,7 +36,7 @@ class VisionChecker:
     Args:
         weights: a file that `remac learn train-checker` wrote; by default what comes with the package.
         sure: the probability from which on it gives a verdict; by default what was found on kitchens kept for that,
-            for each predicate.
+            for each kind of question.
         rules: whether it is given the rules, by which it judges conditions of knowledge from what it sees.
 
     Raises:
@@ -48,6 +48,9 @@ class VisionChecker:
     needs_images = True
     picture_size = SIZE
     """Pixels of a side of the pictures that it makes use of."""
+
+    cameras = CAMERAS
+    """Those pictures."""
 
     def __init__(self, *, weights: str | Path | None = None, sure: float | None = None, rules: bool = False) -> None:
         if not isinstance(rules, bool):
@@ -87,6 +90,7 @@ class VisionChecker:
             return Verdict(condition, None, f"it never learnt what {unknown!r} is")
         answers = (self._said(question, robot, view, looked) for robot in _whose(condition, view))
         value, share = next((said for said in answers if said[0] is not None), (None, 0.0))
+        value = value if value is None else value != turned(condition)
         return Verdict(condition, value, NOT_SURE if value is None else f"seen, {100 * share:.0f}% sure")
 
     def _said(
@@ -97,7 +101,7 @@ class VisionChecker:
             looked[robot] = self._network.look({camera: fitted(view.images[robot][camera]) for camera in CAMERAS})
         logits = self._network.answer(looked[robot], [question], view.holding.get(robot) or "")[0]
         true, false, _ = likely(logits, self._about.temperature).tolist()
-        least = self._about.least[question.predicate] if self._sure is None else (self._sure, self._sure)
+        least = self._about.levels(question) if self._sure is None else (self._sure, self._sure)
         if true >= max(least[0], false):
             return True, true
         return (False, false) if false >= least[1] else (None, 0.0)
@@ -120,8 +124,8 @@ def _whose(condition: Condition, view: View) -> list[str]:
     seeing = [robot for robot, seen in view.images.items() if all(camera in seen for camera in CAMERAS)]
     if not seeing:
         raise StopEpisode(
-            'checker: it looks at pictures, and the kitchen gives none; valid: parallel_env(..., '
-            f'obs="state+images", image_size={SIZE})',
+            'checker: it looks at pictures that the kitchen does not give; valid: parallel_env(..., '
+            f'obs="state+images", image_size={SIZE}, cameras="{",".join(CAMERAS)}")',
             infrastructure=True,
         )
     own = robot_of(condition)

@@ -2,10 +2,11 @@
 
 Every role is given the PublicScene; one that sets `needs_rules = True` also the Rules (what the skill table enforces or
 advises about this kitchen), one that sets `needs_truth = True` both and the WorldState: every report lists which. One
-that sets `needs_images = True` looks at pictures: its kitchen is made with obs="state+images", and with `picture_size`
-in the size that it makes use of, in pixels. A role may also have `begin_episode(seed, iteration)`, called at each
-reset: whatever it draws by chance comes from there. The episode's own seed is for roles of this package and for those
-that are given the truth; others get one made of what they are told.
+that sets `needs_images = True` looks at pictures: its kitchen is made with obs="state+images", with `picture_size` in
+the size that it makes use of, in pixels, and with `cameras` with these pictures in place of the usual ones. A role may
+also have `begin_episode(seed, iteration)`, called at each reset: whatever it draws by chance comes from there. The
+episode's own seed is for roles of this package and for those that are given the truth; others get one made of what
+they are told.
 """
 
 from remac_agents.roles.accounts import Attempt, PreviousTry, Ran, Repair

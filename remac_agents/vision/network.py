@@ -24,7 +24,8 @@ Picture = NDArray[np.uint8]
 SIZE = 96
 """Pixels of a side of the pictures; larger ones are averaged down to it."""
 
-CAMERAS = ("side", "wrist")
+CAMERAS = ("station", "wrist")
+"""Pictures of a robot that are looked at: its place, and what its hand sees."""
 
 STRIDES = (2, 2, 2, 1, 2, 2)
 """Of the convolutions, each of 3 by 3 with one pixel of zeros around."""

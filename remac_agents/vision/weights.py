@@ -1,8 +1,8 @@
 """Weights of a checker that sees, as a file: arrays of NumPy and a text of JSON that says what they are. No code.
 
     about            a text of JSON: the fields of `About`
-    sample_side, sample_wrist   (k, SIZE, SIZE, 3) pictures, and `sample_answer` (k, n, 3): what the network says about
-                     them to `About.sample`
+    sample_station, sample_wrist   (k, SIZE, SIZE, 3) pictures, and `sample_answer` (k, n, 3): what the network says
+                     about them to `About.sample`
 and the arrays of `remac_agents.vision.network.Network`, 16-bit numbers.
 """
 
@@ -18,13 +18,13 @@ from typing import Any
 
 import numpy as np
 
-from remac_agents.vision.network import ANSWERS, LARGEST, SIZE, Network, Numbers, Picture, Words
-from remac_agents.vision.questions import Question, predicates
+from remac_agents.vision.network import ANSWERS, CAMERAS, LARGEST, SIZE, Network, Numbers, Picture, Words
+from remac_agents.vision.questions import RARE, Question, kinds_of, predicates
 from remac_env.array_files import UNREADABLE, read_bytes, unpacked
 from remac_env.errors import OptionError
 from remac_env.files import prepare_file
 
-FORMAT = "remac-checker-1"
+FORMAT = "remac-checker-2"
 """Raised whenever the same numbers would answer otherwise, or pictures are drawn otherwise."""
 
 SUFFIX = ".npz"
@@ -42,7 +42,9 @@ class About:
     Attributes:
         predicates, words: what it can be asked, in the order of its embeddings.
         temperature: by which logits are divided.
-        least: predicate -> the probability from which on "true", and "false", is said.
+        common: the words that were met in many kitchens.
+        least: kind of question (`questions.kinds_of`) -> the probability from which on "true", and "false", is said.
+            Each predicate has them, alone and with what was rarely met.
         sample: the questions that were put to the sample, each [predicate, name, ...].
         views: pictures that it learnt from, pairs of them. seeds: part ("train", "calibrate", "test") -> the episodes'
             seeds as text. layouts, styles, tasks: part -> names.
@@ -52,6 +54,7 @@ class About:
 
     predicates: tuple[str, ...]
     words: tuple[str, ...]
+    common: tuple[str, ...] = ()
     temperature: float = 1.0
     least: Mapping[str, Sequence[float]] = field(default_factory=dict)
     sample: tuple[Sequence[str], ...] = ()
@@ -65,10 +68,14 @@ class About:
     measured: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     format: str = FORMAT
 
+    def levels(self, question: Question) -> Sequence[float]:
+        """The probabilities from which on a question is answered with "true", and with "false"."""
+        return next(self.least[kind] for kind in kinds_of(question, self.common) if kind in self.least)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Weights:
-    """A network that was trained and what is known of it. `sample`: pairs of pictures, side and wrist. `sha256`: of the
+    """A network that was trained and what is known of it. `sample`: pairs of pictures, as CAMERAS. `sha256`: of the
     file, "" before it is one."""
 
     about: About
@@ -90,7 +97,7 @@ def save_weights(path: str | Path, weights: Weights) -> None:
     target = prepare_file(path, "weights")
     np.savez_compressed(
         target, about=np.array(json.dumps(asdict(weights.about) | {"format": FORMAT})),
-        sample_side=np.array([side for side, _ in weights.sample]),
+        sample_station=np.array([station for station, _ in weights.sample]),
         sample_wrist=np.array([wrist for _, wrist in weights.sample]),
         sample_answer=_answers(rounded, weights.about, weights.sample),
         **halves,  # type: ignore[arg-type]
@@ -109,11 +116,11 @@ def read_weights(path: str | Path) -> Weights:
         data = read_bytes(path, LARGEST)
         arrays = unpacked(data, _UNPACKED)
         about = _about(json.loads(str(arrays.pop("about"))))
-        side, wrist, answer = (arrays.pop(f"sample_{name}") for name in ("side", "wrist", "answer"))
+        station, wrist, answer = (arrays.pop(f"sample_{name}") for name in (*CAMERAS, "answer"))
         network = Network(
             Words(about.predicates, about.words), {name: array.astype(np.float32) for name, array in arrays.items()}
         )
-        sample = _sample(side, wrist)
+        sample = _sample(station, wrist)
         _check_fit(about, network, sample, answer)
     except OptionError as error:
         raise OptionError(f"weights {str(path)!r} cannot be used: {error}") from error
@@ -149,7 +156,7 @@ def _about(told: Any) -> About:
     if strange := [name for name in about.predicates if name not in predicates()]:
         told = ", ".join(map(repr, strange))
         raise OptionError(f"it answers {told}; valid: {', '.join(predicates())}; train it anew")
-    if not all(isinstance(word, str) for word in (*about.predicates, *about.words)):
+    if not all(isinstance(word, str) for word in (*about.predicates, *about.words, *about.common)):
         raise OptionError("its predicates and words are not all texts")
     _check_numbers(about)
     return about
@@ -157,7 +164,8 @@ def _about(told: Any) -> About:
 
 def _check_numbers(about: About) -> None:
     warm = isinstance(about.temperature, int | float) and 0.0 < about.temperature < 100.0
-    pairs = [about.least.get(name) for name in about.predicates]
+    needed = {kind for name in about.predicates for kind in (name, f"{name} {RARE}")}
+    pairs = [about.least.get(kind) for kind in needed | set(about.least)]
     likely = all(
         isinstance(pair, list | tuple) and len(pair) == 2 and all(_is_share(share) for share in pair) for pair in pairs
     )
@@ -170,17 +178,17 @@ def _is_share(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and 0.0 <= value <= 2.0
 
 
-def _sample(side: Any, wrist: Any) -> tuple[tuple[Picture, Picture], ...]:
-    shape = (len(side), SIZE, SIZE, 3)
-    pictures = side.shape == wrist.shape == shape and side.dtype == wrist.dtype == np.uint8
-    if not len(side) or not pictures:
+def _sample(station: Any, wrist: Any) -> tuple[tuple[Picture, Picture], ...]:
+    shape = (len(station), SIZE, SIZE, 3)
+    pictures = station.shape == wrist.shape == shape and station.dtype == wrist.dtype == np.uint8
+    if not len(station) or not pictures:
         raise OptionError("it has no sample of what its network says")
-    return tuple(zip(side, wrist, strict=True))
+    return tuple(zip(station, wrist, strict=True))
 
 
 def _answers(network: Network, about: About, sample: Sequence[tuple[Picture, Picture]]) -> Numbers:
     questions = [Question(predicate, tuple(names)) for predicate, *names in about.sample]
-    found = [network.answer(network.look({"side": s, "wrist": w}), questions, "") for s, w in sample]
+    found = [network.answer(network.look(dict(zip(CAMERAS, pair, strict=True))), questions, "") for pair in sample]
     return np.array(found, np.float32)
 
 

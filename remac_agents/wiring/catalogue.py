@@ -160,6 +160,12 @@ def picture_size(role: str, given: object, *, providers: Path | str | None = Non
     return None if size is None else int(size)
 
 
+def cameras_of(role: str, given: object, *, providers: Path | str | None = None) -> tuple[str, ...] | None:
+    """The pictures that who is given for a role makes use of (`cameras`); None: those that there usually are."""
+    cameras = getattr(_named(role, given, providers), "cameras", None)
+    return None if cameras is None else tuple(cameras)
+
+
 def _named(role: str, given: object, providers: Path | str | None) -> Any:
     """The class or object that is given for a role, without making one; None for what lies at an address."""
     name = given.get("name", "") if isinstance(given, Mapping) else given

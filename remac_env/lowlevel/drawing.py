@@ -27,7 +27,7 @@ class Drawing:
 
     def observe(self, ready: Ready, manual: Manual, backend: PhysicsBackend, *, size: int) -> dict[str, Picture]:
         """What the robot's CAMERAS show now, uint8 (size, size, 3) each."""
-        return self.of(ready).observe(moment(ready, manual, backend), ROBOT, size=size)
+        return self.of(ready).observe(moment(ready, manual, backend), ROBOT, size=size, cameras=CAMERAS)
 
     def close(self) -> None:
         """Free the renderer. May be called twice."""

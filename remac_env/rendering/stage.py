@@ -136,8 +136,8 @@ class Stage:
     ) -> dict[str, Picture]:
         """The robot's pictures, uint8 (size, size, 3): the kitchen, from its hand, and of its station.
 
-        The third is of its hand and its station while it holds something, and else, away from all stations, of the
-        whole kitchen.
+        "side" is of its hand and its station while it holds something, "station" of its station whatever it holds;
+        both are of the whole kitchen while it is away from all stations, "side" with an empty hand.
         """
         quality = OBSERVATION if size <= SMALL else NEAR
         every = _cameras(robot, world)
@@ -187,10 +187,9 @@ class Stage:
 def _cameras(robot: str, world: WorldState) -> dict[str, str]:
     """Picture of an observation -> the camera that takes it."""
     state = world.robots[robot]
-    side = FRONT if state.station == ASIDE else SIDE.format(station=state.station)
-    if state.holding is not None:
-        side = HELD.format(robot=robot)
-    return {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side}
+    station = FRONT if state.station == ASIDE else SIDE.format(station=state.station)
+    side = station if state.holding is None else HELD.format(robot=robot)
+    return {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side, "station": station}
 
 
 def stage_key(start: Start) -> Any:

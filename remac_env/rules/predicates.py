@@ -47,6 +47,7 @@ class Predicate:
         settled: it hangs on where the other robots go in the same round, so that the round itself decides it.
         fixtures_always: it is true of every fixture, so that nobody need look.
         false_if_held: it is false of an object in a gripper, whatever else is true of that.
+        denies: the predicate of the same arguments that is true wherever it is false, if there is one.
     """
 
     name: str
@@ -59,6 +60,7 @@ class Predicate:
     settled: bool = False
     fixtures_always: bool = False
     false_if_held: bool = False
+    denies: str | None = None
 
     def __post_init__(self) -> None:
         """Refuse a row that lacks a part or contradicts itself."""
@@ -151,10 +153,13 @@ def _felt(
     )
 
 
-def _door(name: str, sentence: str, test: Callable[[str | None], bool], *, repair: str | None = None) -> Predicate:
+def _door(
+    name: str, sentence: str, test: Callable[[str | None], bool], *,
+    repair: str | None = None, denies: str | None = None,
+) -> Predicate:  # fmt: skip
     """A row about the state of a fixture's door."""
     decided: Test = lambda rules, world, fixture: test(world.fixtures[fixture].door)
-    return Predicate(name=name, about=("door",), sentence=sentence, test=decided, repair=repair)
+    return Predicate(name=name, about=("door",), sentence=sentence, test=decided, repair=repair, denies=denies)
 
 
 # -- the rows -------------------------------------------------------------------------------------------------------
@@ -215,9 +220,11 @@ PREDICATES: dict[str, Predicate] = by_name("predicate", "sentence", (
         sentence="the {0} lies on or in the {1} itself", false_if_held=True,
     ),
     _door("door_open", "the {0} door is open", lambda door: door == "open"),
-    _door("door_not_open", "the {0} door is not open yet", lambda door: door != "open", repair="leave out"),
+    _door("door_not_open", "the {0} door is not open yet", lambda door: door != "open", repair="leave out",
+          denies="door_open"),
     _door("door_closed", "the {0} door is closed", lambda door: door == "closed"),
-    _door("door_not_closed", "the {0} door is not closed yet", lambda door: door != "closed", repair="leave out"),
+    _door("door_not_closed", "the {0} door is not closed yet", lambda door: door != "closed", repair="leave out",
+          denies="door_closed"),
     Predicate(
         name="switched_on", about=("switch",), test=_switched_on,
         sentence="the {0} is switched on",
@@ -225,7 +232,7 @@ PREDICATES: dict[str, Predicate] = by_name("predicate", "sentence", (
     Predicate(
         name="switched_off", about=("switch",),
         test=lambda rules, world, fixture: not _switched_on(rules, world, fixture),
-        sentence="the {0} is not switched on yet", repair="leave out",
+        sentence="the {0} is not switched on yet", repair="leave out", denies="switched_on",
     ),
     Predicate(
         name="some_on", about=("switch",), test=lambda rules, world, fixture: not _all_off(rules, world, fixture),
@@ -233,7 +240,7 @@ PREDICATES: dict[str, Predicate] = by_name("predicate", "sentence", (
     ),
     Predicate(
         name="all_off", about=("switch",), test=_all_off,
-        sentence="the {0} is switched off",
+        sentence="the {0} is switched off", denies="some_on",
     ),
     Predicate(
         name="may_run", about=("fixture",), test=_may_run,

@@ -48,6 +48,7 @@ def changes() -> list[dict]:
         "wording": 1,
         "perception_noise": 0.01,
         "image_size": 64,
+        "cameras": "station",
         "max_rounds": 9,
         "reward": "progress",
         "masks": "feasible",

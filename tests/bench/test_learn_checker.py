@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,12 @@ from remac_bench.learning.checker_measure import NEVER, Judged, judge, least, me
 from remac_bench.learning.checker_record import record
 from remac_bench.learning.checker_scenes import Look, labels, seen_in
 from remac_bench.learning.checker_sessions import evaluate_checker, spans, train_checker
-from remac_bench.learning.checker_train import Recipe, codes, shares, train, words_in
+from remac_bench.learning.checker_train import Recipe, codes, common_in, shares, train, words_in
 from typer.testing import CliRunner
 
 from remac_agents.vision.network import SIZE
-from remac_agents.vision.questions import Question, question_of
+from remac_agents.vision.questions import RARE, Question, predicates, question_of
+from remac_agents.vision.weights import About
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rules.conditions import condition
 from remac_env.state import FLOOR
@@ -68,17 +70,17 @@ def test_a_few_pixels_are_not_seen(look: Look) -> None:
 
 
 def planted(count: int, *, seed: int = 5, layout: str = "galley") -> list[Seen]:
-    """Views whose door is open where the side picture is bright; of the bowl nothing is seen."""
+    """Views whose door is open where the station's picture is bright; of the bowl nothing is seen."""
     views = []
     for index in range(count):
         bright = bool(index % 2)
-        side: Any = np.full((SIZE, SIZE, 3), 220 if bright else 30, np.uint8)
+        station: Any = np.full((SIZE, SIZE, 3), 220 if bright else 30, np.uint8)
         rows = (
             Row("door_open", ("microwave",), bright, True, True),
             Row("door_closed", ("microwave",), not bright, True, False),
             Row("inside", ("fish", "bowl"), bool(index % 3), False, False),
         )  # fmt: skip
-        views.append(Seen(side, NONE, "fish" * (index % 2), seed, layout, "coastal", "DefrostInBowl", rows))
+        views.append(Seen(station, NONE, "fish" * (index % 2), seed, layout, "coastal", "DefrostInBowl", rows))
     return views
 
 
@@ -86,7 +88,7 @@ def test_albums_come_back_as_they_were_written_and_add_up(tmp_path: Path) -> Non
     write_album(tmp_path / "a.npz", planted(4))
     write_album(tmp_path / "b.npz", planted(3, seed=9, layout="wraparound"))
     album = read_albums(albums(tmp_path))
-    assert album.side.shape == (7, SIZE, SIZE, 3)
+    assert album.station.shape == (7, SIZE, SIZE, 3)
     assert album.seeds == (5, 9) and album.layouts == ("galley", "wraparound")
     assert len(album.rows) == 21 and album.rows[-1, 0] == 6
     text = [[album.texts[n] for n in row[1:4]] for row in album.rows]
@@ -116,6 +118,10 @@ def test_what_is_rare_is_put_more_often_and_what_is_unknown_never(tmp_path: Path
     assert not codes(album, small)[1][opened].any()
 
 
+def about(levels: Any) -> About:
+    return About(predicates=predicates(), words=(), common=("bowl", "fish", "microwave"), least=levels)
+
+
 class Sure:
     """Judgements that are right with the probability that they state, and for one predicate wrong."""
 
@@ -130,18 +136,42 @@ def test_levels_are_low_for_what_is_always_right_and_out_of_reach_for_what_is_wr
     write_album(tmp_path / "a.npz", planted(200))
     album = read_albums(albums(tmp_path))
     good, bad = Sure(album).judged, Sure(album, "door_open").judged
-    assert least(good, 1.0)["door_open"] == (0.5, 0.5)
-    levels = least(bad, 1.0)
+    common = words_in(album).words
+    assert least(good, 1.0, common)["door_open"] == (0.5, 0.5)
+    levels = least(bad, 1.0, common)
     assert min(levels["door_open"]) > 0.95 and levels["door_closed"] == (0.5, 0.5)
-    figures = measure(bad, 1.0, levels)["door_open"]
+    figures = measure(bad, about(levels))["door_open"]
     assert figures["true"] == figures["false"] == 100 and figures["right true"] == figures["wrong true"] == 0
-    loose = measure(bad, 1.0, dict.fromkeys(levels, (0.5, 0.5)))["door_open"]
+    loose = measure(bad, about(dict.fromkeys(levels, (0.5, 0.5))))["door_open"]
     assert loose["wrong true"] == loose["wrong false"] == 100
-    assert measure(good, 1.0, least(good, 1.0))["inside"]["hidden told"] == 0
-    assert set(measure(good, 1.0, levels, asked_only=True)) == {"door_open"}
+    assert measure(good, about(least(good, 1.0, common)))["inside"]["hidden told"] == 0
+    assert set(measure(good, about(levels), asked_only=True)) == {"door_open"}
     assert warmth(good) < 1.0 < warmth(bad), "what is right may be surer, what is wrong must be less so"
     always = Judged(album, 9.0 * np.tile([1.0, -1.0, -1.0], (len(album.rows), 1)), good.known)
-    assert least(always, 1.0)["inside"][0] == NEVER
+    assert least(always, 1.0, common)["inside"][0] == NEVER
+
+
+def test_what_was_rarely_met_has_levels_of_its_own(tmp_path: Path) -> None:
+    write_album(tmp_path / "a.npz", planted(200))
+    album = read_albums(albums(tmp_path))
+    judged = Sure(album, "door_open").judged
+    for common, bad in ((("microwave",), "door_open"), ((), f"door_open {RARE}")):
+        levels = least(judged, 1.0, common)
+        other = ({"door_open", f"door_open {RARE}"} - {bad}).pop()
+        assert min(levels[bad]) > 0.95 and set(levels) >= set(predicates())
+        if common:
+            assert levels["door_open microwave"] == levels[bad]
+        assert levels[other] == least(judged, 1.0, common)["aside"], "without rows it has what all have together"
+
+
+def test_words_are_common_that_many_episodes_ask_about(tmp_path: Path) -> None:
+    for seed in range(8):
+        write_album(tmp_path / f"{seed}.npz", planted(2 if seed else 3, seed=seed))
+    album = read_albums(albums(tmp_path))
+    assert common_in(album) == ("bowl", "fish", "microwave")
+    rows = album.rows.copy()
+    rows[rows[:, 0] >= 3, 3] = 0  # one of eight asks about the bowl
+    assert common_in(replace(album, rows=rows)) == ("fish", "microwave")
 
 
 def test_spans_name_seeds_and_parts_that_share_any_are_refused(tmp_path: Path) -> None:
@@ -182,7 +212,7 @@ def test_episodes_are_recorded_alike_each_time_with_doors_open_shut_and_ajar(bac
     views, again = (list(record([110_000], seen, backend=backend)) for _ in range(2))
     assert len(views) > 20 and all(view.layout in seen.layouts for view in views)
     pairs = list(zip(views, again, strict=True))
-    assert all(np.array_equal(one.side, other.side) and one.rows == other.rows for one, other in pairs)
+    assert all(np.array_equal(one.station, other.station) and one.rows == other.rows for one, other in pairs)
     rows = [row for view in views for row in view.rows]
     assert {(row.truth, row.shown) for row in rows} == {(a, b) for a in (True, False) for b in (True, False)}
     assert any(row.asked for row in rows)
@@ -203,5 +233,5 @@ def test_what_is_trained_is_played_alike_and_learns_what_pictures_show(tmp_path:
         evaluate_checker(tmp_path / "w.npz", tmp_path / "train", asked_only=False)
     network = train(read_albums(albums(tmp_path / "train")), Recipe(epochs=1, batch=16, questions=6))
     found = judge(network, album).logits[0]
-    cells_ = network.look({"side": album.side[0], "wrist": album.wrist[0]})
+    cells_ = network.look({"station": album.station[0], "wrist": album.wrist[0]})
     assert network.answer(cells_, [Question("door_open", ("microwave",))], "")[0] == pytest.approx(found, abs=1e-4)

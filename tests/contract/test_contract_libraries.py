@@ -13,7 +13,8 @@ from pettingzoo.test import api_test, max_cycles_test, parallel_api_test, parall
 from pettingzoo.utils import aec_to_parallel, parallel_to_aec
 
 import remac_env
-from remac_env import testing
+from remac_env import sights, testing
+from remac_env.options import CAMERAS
 
 TASKS = tuple(remac_env.tasks())
 CYCLES = 1000
@@ -87,6 +88,15 @@ def test_render(task: str, robots: int) -> None:
     seen = {"rgb_array": lambda picture: min(picture.shape[:2]) >= 240 and picture.std() > 5}
     render_test(lambda render_mode: remac_env.env(task, robots=robots, backend="symbolic", render_mode=render_mode),
                 custom_tests=seen)  # fmt: skip
+
+
+def test_the_pictures_are_those_that_were_asked_for() -> None:
+    env = make(TASKS[0], 1, obs="state+images", image_size=32, cameras=("station", "wrist"))
+    obs, _ = env.reset(seed=1)
+    assert set(obs["robot_0"]) == {"observation", "action_mask", "wrist", "station"}
+    assert env.observation_space("robot_0").contains(obs["robot_0"])
+    assert set(sights.CAMERAS) == set(CAMERAS), "each camera is told of"
+    env.close()
 
 
 def test_images_lie_in_their_space_and_render_gives_a_picture() -> None:

@@ -30,7 +30,7 @@ GIVEN: dict[str, Any] = {
     "perception_noise": 0.1, "image_size": 32, "render_mode": "rgb_array", "max_rounds": 7, "reward": "progress",
     "failure_rate": 0.3, "masks": "feasible", "obs_format": "dict", "clock": "events", "max_seconds": 64.0,
     "think": "fixed:2", "body": "panda", "skills": "scripted", "grade": 2, "template": "washed fruit", "quirks": 0,
-    "knowledge": "seen", "interrupts": True,
+    "knowledge": "seen", "interrupts": True, "cameras": "wrist,side",
 }  # fmt: skip
 """A value of every keyword of `parallel_env`."""
 

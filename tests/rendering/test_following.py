@@ -86,6 +86,17 @@ def test_an_open_door_is_looked_into_past_what_is_held(kitchen: Kitchen) -> None
     assert inside.sum() >= LEAST
 
 
+@pytest.mark.parametrize("station", ["sink", "aside"])
+def test_the_pictures_of_a_station_are_the_same_whatever_a_robot_holds(kitchen: Kitchen, station: str) -> None:
+    env, stage = kitchen
+    holding(kitchen, "fish", station)
+    full = env.world.with_robot("robot_0", station=station, holding="fish")
+    seen = stage.observe("robot_0", full, size=32, cameras=("station", "side"))
+    assert set(seen) == {"station", "side"} and (seen["station"] != seen["side"]).any()
+    camera = cameras.FRONT if station == "aside" else cameras.SIDE.format(station=station)
+    assert (stage._render(camera, (32, 32), OBSERVATION) == seen["station"]).all()
+
+
 def test_side_shows_what_is_held_and_equal_states_look_equal(kitchen: Kitchen) -> None:
     env, stage = kitchen
     pictures = []

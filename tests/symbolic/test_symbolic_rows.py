@@ -204,6 +204,19 @@ def test_other_words_are_listed_for_predicates_that_there_are_and_with_their_arg
         assert all(sentence.format(*PREDICATES[name].about) for sentence in sentences)
 
 
+def test_what_denies_another_is_true_where_that_is_false_and_nowhere_else() -> None:
+    kitchen = TableKitchen()
+    scene, pairs = kitchen.scene, [(row, PREDICATES[row.denies]) for row in PREDICATES.values() if row.denies]
+    assert len(pairs) == 4 and all(row.about == other.about and other.denies is None for row, other in pairs)
+    for name, facts in scene.fixtures.items():
+        doors = ("closed", "ajar", "open") if facts.door else (None,)
+        for door, on in product(doors, (frozenset(), frozenset(facts.switches))):
+            world = kitchen.world.with_fixture(name, door=door, on=on)
+            for row, other in pairs:
+                if facts.switches if row.about == ("switch",) else facts.door:
+                    assert row.test(scene, world, name) is not other.test(scene, world, name), (row.name, world)
+
+
 def test_a_skill_is_what_its_row_does() -> None:
     for name, skill in SKILLS.items():
         target = "" if skill.target == "none" else "x"

@@ -164,7 +164,7 @@ def evaluate_checker(*, albums: Path, checker: Path | None, asked: bool, note: b
     found, album = measured(weights, albums, asked_only=asked)
     show(_checker_table(found))
     console().print(
-        f"{len(album.side)} views of {len(album.seeds)} episodes; layouts {', '.join(album.layouts)}; "
+        f"{len(album.station)} views of {len(album.seeds)} episodes; layouts {', '.join(album.layouts)}; "
         f"styles {', '.join(album.styles)}"
     )
     if note:

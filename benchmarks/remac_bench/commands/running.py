@@ -159,7 +159,7 @@ def _jobs(context: typer.Context, entry: dict[str, Any], access: Access) -> list
 
 def _kitchen(context: typer.Context) -> dict[str, Any]:
     """The kitchen's flags; those about pictures only where they are given, else they follow from the roles."""
-    follow = ("obs", "image_size")
+    follow = ("obs", "image_size", "cameras")
     given = flags.pick(context.params, "kitchen")
     del given["robots"]  # by default the method's
     return {name: v for name, v in given.items() if name not in follow or _explicit(context, name) is not None}

@@ -44,7 +44,7 @@ def setting(record: Record, *, but: Sequence[str] = ()) -> str:
     kitchen = dict(record.options.get("kitchen", {}))
     suite = suite_of(record)
     parts = [*([f"suite {suite}"] if suite else []), record.backend, f"{record.starts} starts"]
-    skipped = ["backend", "starts", "style", "layout", "robots", "render_mode", "image_size", *but]
+    skipped = ["backend", "starts", "style", "layout", "robots", "render_mode", "image_size", "cameras", *but]
     skipped += ["obs"] if record.options.get("viewers") else []  # pictures for a role are the agent's own matter
     defaults: dict[str, Any] = {name: f.default for name, f in Options.__dataclass_fields__.items()}
     changed = {n: v for n, v in kitchen.items() if n not in skipped and n in defaults and v != defaults[n]}

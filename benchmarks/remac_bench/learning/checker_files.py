@@ -1,6 +1,6 @@
 """What checkers' cameras showed, with the truth, as files of NumPy arrays.
 
-    side, wrist   (n, SIZE, SIZE, 3) uint8, the pictures of n robots at n moments
+    station, wrist   (n, SIZE, SIZE, 3) uint8, the pictures of n robots at n moments
     view_facts    (n, 3): the seed, and numbers of texts: what the robot held ("" for nothing), the layout
     rows          (m, 7): number of the view; numbers of texts: predicate, first and second name ("" for none); then
                   1 or 0: true, shown, asked
@@ -24,7 +24,7 @@ from remac_bench.errors import UsageError
 from remac_env.array_files import UNREADABLE
 from remac_env.files import prepare_file
 
-VERSION = 1
+VERSION = 2
 
 Pictures = NDArray[np.uint8]
 
@@ -44,7 +44,7 @@ class Row:
 class Seen:
     """One robot's pictures at one moment, (SIZE, SIZE, 3) each, and every question about them."""
 
-    side: Pictures
+    station: Pictures
     wrist: Pictures
     held: str
     seed: int
@@ -58,7 +58,7 @@ class Seen:
 class Album:
     """Views as arrays, for training and measuring; see above. `seeds`, `layouts`, `styles`, `tasks`: of all of them."""
 
-    side: Pictures
+    station: Pictures
     wrist: Pictures
     view_facts: NDArray[np.int32]
     rows: NDArray[np.int32]
@@ -93,7 +93,7 @@ def write_album(path: Path, views: Sequence[Seen]) -> None:
     fresh = prepare_file(path, "pictures").with_suffix(".part")
     with fresh.open("wb") as file:
         np.savez_compressed(
-            file, side=np.array([view.side for view in views]), wrist=np.array([view.wrist for view in views]),
+            file, station=np.array([view.station for view in views]), wrist=np.array([view.wrist for view in views]),
             view_facts=np.array(facts, np.int32), rows=np.array(rows, np.int32), texts=np.array(list(texts)),
             about=np.array(json.dumps(told)),
         )  # fmt: skip
@@ -119,7 +119,7 @@ def read_albums(files: Iterable[Path]) -> Album:
         UsageError: for a file of another version, or that is damaged.
     """
     parts, texts = [_read(path) for path in files], dict[str, int]()
-    every: dict[str, list[NDArray[Any]]] = {name: [] for name in ("side", "wrist", "view_facts", "rows")}
+    every: dict[str, list[NDArray[Any]]] = {name: [] for name in ("station", "wrist", "view_facts", "rows")}
     first = 0
     for part in parts:
         own = np.array([texts.setdefault(text, len(texts)) for text in part.texts], np.int32)
@@ -127,7 +127,7 @@ def read_albums(files: Iterable[Path]) -> Album:
         told[:, 1:], asked[:, 1:4] = own[told[:, 1:]], own[asked[:, 1:4]]
         asked[:, 0] += first
         first += len(told)
-        arrays: tuple[NDArray[Any], ...] = (part.side, part.wrist, told, asked)
+        arrays: tuple[NDArray[Any], ...] = (part.station, part.wrist, told, asked)
         for name, array in zip(every, arrays, strict=True):
             every[name].append(array)
     spread = {name: tuple(sorted({each for part in parts for each in getattr(part, name)})) for name in _TOLD}
@@ -145,10 +145,10 @@ def _read(path: Path) -> Album:
         about = json.loads(str(arrays["about"]))
         if about["version"] != VERSION:
             raise UsageError(f"{path} has pictures of version {about['version']}, not {VERSION}: record it anew")
-        if arrays["side"].shape[1:] != (SIZE, SIZE, 3) or arrays["side"].shape != arrays["wrist"].shape:
-            raise UsageError(f"{path} has pictures of shape {arrays['side'].shape[1:]}; valid: {(SIZE, SIZE, 3)}")
+        if arrays["station"].shape[1:] != (SIZE, SIZE, 3) or arrays["station"].shape != arrays["wrist"].shape:
+            raise UsageError(f"{path} has pictures of shape {arrays['station'].shape[1:]}; valid: {(SIZE, SIZE, 3)}")
         told = {name: tuple(about[name]) for name in _TOLD}
         texts = tuple(str(text) for text in arrays["texts"])
-        return Album(arrays["side"], arrays["wrist"], arrays["view_facts"], arrays["rows"], texts, **told)
+        return Album(arrays["station"], arrays["wrist"], arrays["view_facts"], arrays["rows"], texts, **told)
     except UNREADABLE as error:
         raise UsageError(f"{path} cannot be read: {error}") from error

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from remac_agents.vision.network import ANSWERS, CAMERAS, Network, likely
-from remac_agents.vision.questions import Question
+from remac_agents.vision.questions import RARE, Question, kinds_of, predicates
+from remac_agents.vision.weights import About
 from remac_bench.learning.checker_files import Album, answers
 
 Floats = NDArray[np.float64]
@@ -17,14 +19,16 @@ Floats = NDArray[np.float64]
 FALSE_ALARMS, MISSES = 0.01, 0.02
 """Shares of true and of false conditions that may be judged wrongly, by which the least probabilities are found.
 
-A false alarm repeats or changes what was right, again and again; what is missed is met by the next check.
+Of a kind of question with so few rows that one would be more than its share they are not found, but the wider kind's
+taken: that none of thirty was judged wrongly says little of the next hundred. A false alarm repeats or changes what was
+right, again and again; what is missed is met by the next check.
 """
 
 NEVER = 1.5
 """In place of a least probability: no answer of this kind is given."""
 
+_BOUNDS = {0: MISSES, 1: FALSE_ALARMS}  # by answer: 0 true, 1 false
 _LEVELS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99, 0.995, 0.998)
-_ENOUGH = 40  # rows by which a predicate is given least probabilities of its own
 _WARMTHS = tuple(float(value) for value in np.geomspace(0.4, 5.0, 40))
 
 
@@ -45,8 +49,8 @@ def judge(network: Network, album: Album) -> Judged:
     """Put every question of an album to a network."""
     rows, texts = album.rows, album.texts
     logits, known = np.zeros((len(rows), len(ANSWERS))), np.zeros(len(rows), bool)
-    first = np.searchsorted(rows[:, 0], np.arange(len(album.side) + 1))
-    for view in range(len(album.side)):
+    first = np.searchsorted(rows[:, 0], np.arange(len(album.station) + 1))
+    for view in range(len(album.station)):
         span = range(first[view], first[view + 1])
         named = {row: tuple(texts[number] for number in rows[row, 2:4] if texts[number]) for row in span}
         asked = {row: Question(texts[rows[row, 1]], names) for row, names in named.items()}
@@ -70,47 +74,55 @@ def warmth(judged: Judged) -> float:
     return min(_WARMTHS, key=loss)
 
 
-def least(judged: Judged, temperature: float) -> dict[str, tuple[float, float]]:
-    """Predicate -> the probabilities from which on "true" and "false" is said, so that few are wrong."""
-    likely, asked = judged.likely(temperature), np.array(judged.album.texts)[judged.album.rows[:, 1]]
-    true = judged.album.rows[:, 4] == 1
+def least(judged: Judged, temperature: float, common: Collection[str]) -> dict[str, tuple[float, float]]:
+    """Kind of question -> the probabilities from which on "true" and "false" is said, so that few are wrong.
+
+    Every predicate has them, alone and with what was rarely met. A kind with few rows takes what the wider one has.
+    """
+    likely, true = judged.likely(temperature), judged.album.rows[:, 4] == 1
     told = judged.known & (judged.album.rows[:, 5] == 1)
-    every = tuple(_level(likely, told, true, answer) for answer in (0, 1))
-    found = {}
-    for predicate in sorted(set(asked)):
-        own = told & (asked == predicate)
+    questions, which = _questions(judged.album)
+    kinds = [kinds_of(question, common) for question in questions]
+    every = (_level(likely, told, true, 0), _level(likely, told, true, 1))
+
+    def levels(kind: str, wider: tuple[float, float]) -> tuple[float, float]:
+        own = told & np.array([kind in each for each in kinds])[which]
         pair = [
-            _level(likely, own, true, answer) if int((own & (true == bool(answer))).sum()) >= _ENOUGH else every[answer]
-            for answer in (0, 1)
+            _level(likely, own, true, answer) if (own & (true == bool(answer))).sum() * bound >= 1.0 else wider[answer]
+            for answer, bound in _BOUNDS.items()
         ]
-        found[str(predicate)] = (pair[0], pair[1])
+        return pair[0], pair[1]
+
+    names = predicates()
+    found = {kind: levels(kind, every) for name in names for kind in (name, f"{name} {RARE}")}
+    for each in kinds:
+        for kind, wider in reversed(list(itertools.pairwise(each))):
+            found[kind] = found.get(kind) or levels(kind, found[wider])
     return found
 
 
 def _level(likely: Floats, rows: NDArray[np.bool_], true: NDArray[np.bool_], answer: int) -> float:
     """The least probability of an answer (0 true, 1 false) at which few of those for which it is wrong get it."""
     wrong = likely[rows & (true == bool(answer))]
-    bound = MISSES if answer == 0 else FALSE_ALARMS
     for level in _LEVELS:
-        if not len(wrong) or float((wrong[:, answer] >= level).mean()) <= bound:
+        if not len(wrong) or float((wrong[:, answer] >= level).mean()) <= _BOUNDS[answer]:
             return level
     return NEVER
 
 
-def measure(
-    judged: Judged, temperature: float, levels: Mapping[str, Sequence[float]], *, asked_only: bool = False
-) -> dict[str, dict[str, float]]:
+def measure(judged: Judged, about: About, *, asked_only: bool = False) -> dict[str, dict[str, float]]:
     """Predicate -> how it was judged: counts, by the names of the columns that `remac learn evaluate-checker` prints.
 
     Keys: "true", "false": conditions that the pictures tell, by truth; "right true", "right false": of these, judged
     so; "wrong true", "wrong false": judged true though false, and the other way round; "hidden": conditions that the
     pictures do not tell; "hidden told": of these, judged all the same; "hidden wrong": of these, wrongly.
     """
-    rows, likely = judged.album.rows, judged.likely(temperature)
+    rows, likely = judged.album.rows, judged.likely(about.temperature)
     asked = np.array(judged.album.texts)[rows[:, 1]]
     true, shown = rows[:, 4] == 1, rows[:, 5] == 1
     put = judged.known & ((rows[:, 6] == 1) | (not asked_only))
-    level = np.array([levels.get(text, (NEVER, NEVER)) for text in judged.album.texts])[rows[:, 1]]
+    questions, which = _questions(judged.album)
+    level = np.array([about.levels(question) for question in questions])[which]
     yes = put & (likely[:, 0] >= np.maximum(level[:, 0], likely[:, 1]))
     no = put & ~yes & (likely[:, 1] >= level[:, 1])
     wanted = (rows[:, 6] == 1) | (not asked_only)
@@ -126,6 +138,13 @@ def measure(
         }  # fmt: skip
         found[str(predicate)] = {name: float(part.sum()) for name, part in parts.items()}
     return found
+
+
+def _questions(album: Album) -> tuple[list[Question], NDArray[np.int64]]:
+    """Every question of an album once, and which of them each row puts."""
+    every, which = np.unique(album.rows[:, 1:4], axis=0, return_inverse=True)
+    texts = [[album.texts[number] for number in row if album.texts[number]] for row in every]
+    return [Question(predicate, tuple(names)) for predicate, *names in texts], which.ravel()
 
 
 def _kinds(album: Album) -> NDArray[np.int64]:

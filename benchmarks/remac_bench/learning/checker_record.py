@@ -12,11 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from remac_agents.checkers.knowledge import ruled
 from remac_agents.vision.network import CAMERAS, SIZE
 from remac_agents.vision.pictures import fitted
-from remac_agents.vision.questions import question_of
+from remac_agents.vision.questions import Question, question_of
 from remac_bench.learning.cells import Cells
 from remac_bench.learning.checker_files import Row, Seen
+from remac_bench.learning.checker_poses import shuffled
 from remac_bench.learning.checker_scenes import Look, labels, seen_in
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.symbolic import SymbolicBackend
@@ -28,7 +30,6 @@ from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.oracle.certificate import solve
 from remac_env.rendering.stage import Stage
 from remac_env.rules.claims import feasible, first_false
-from remac_env.rules.conditions import Condition
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.seeding import generator
@@ -38,14 +39,15 @@ from remac_env.tasks import BUILT_IN
 from remac_env.tasks import get as get_task
 from remac_env.tasks.goals import Goal
 
-ROUNDS = {"physics": 30, "symbolic": 30}
-"""Of an episode, by backend. With the skill table alone pictures are posed, which is quick."""
+ROUNDS = {"physics": 30, "symbolic": 16}
+"""Of an episode, by backend. With the skill table alone pictures are posed: there, other kitchens are as quick."""
 
 BACKENDS = tuple(ROUNDS)
 
 _DRAWS = {"physics": "physics", "symbolic": "dream"}  # backend -> what the draws of an episode are named by
 _TEAM = 0.55  # of the episodes have two robots
 _MIXED = 0.7  # begin with doors, switches and vessels in any state
+_SHUFFLED = 0.6  # of the posed ones begin with everything anywhere
 _NOISY, _NOISE = 0.4, 0.012  # of the episodes in physics have this noise in what controllers see, m
 _PLANNED = 0.5  # of the rounds have one robot follow the cheapest plan
 _AT_HAND = 0.65  # of the others are work where the robot stands, if there is any
@@ -88,6 +90,8 @@ class _Episode:
             seed, style=style, layout=layout, starts="mixed" if chance.random() < _MIXED else "paper", robots=robots,
             perception_noise=_NOISE if chance.random() < _NOISY else 0.0,
         )  # fmt: skip
+        if backend == "symbolic" and chance.random() < _SHUFFLED:
+            start = shuffled(start, chance)
         runs = PhysicsBackend(worlds) if backend == "physics" else SymbolicBackend()
         runs.reset(start)
         room = worlds.layout_of(start)
@@ -124,17 +128,27 @@ class _Episode:
             pictures = {name: fitted(p) if averaged else p[::_FINE, ::_FINE].copy() for name, p in drawn.items()}
             pixels: dict[str, int] = {}
             for camera in CAMERAS:
-                for body, count in self.stage.shown(robot, world, camera, size=_FINE * SIZE).items():
-                    pixels[body] = max(count // _FINE**2, pixels.get(body, 0))
-            asked = {requirement.condition for requirement in subtask.requirements(robot)}
-            if robot in self.last:
-                before, held = self.last[robot]
-                asked |= set(before.achieves(robot, held))
+                for body, count in self.stage.shown(robot, world, camera, size=SIZE).items():
+                    pixels[body] = max(count, pixels.get(body, 0))
             look = Look(self.start.scene, world, robot, seen_in(pixels, self.start.scene))
+            rows = _rows(look, self._asked(robot, subtask, world))
             yield Seen(
-                pictures["side"], pictures["wrist"], world.robots[robot].holding or "", self.start.seed,
-                self.start.layout, self.start.style, self.worlds.spec.name, _rows(look, asked),
+                pictures["station"], pictures["wrist"], world.robots[robot].holding or "",
+                self.start.seed, self.start.layout, self.start.style, self.worlds.spec.name, rows,
             )  # fmt: skip
+
+    def _asked(self, robot: str, subtask: Subtask, world: WorldState) -> set[Question]:
+        """What a method asks of pictures now, and would if the next command failed.
+
+        What rules of knowledge want to know is asked, too.
+        """
+        holding = {name: state.holding for name, state in world.robots.items()}
+        every = [requirement.condition for requirement in subtask.requirements(robot)]
+        for done, held in ((subtask, holding[robot]), *((self.last[robot],) if robot in self.last else ())):
+            every += done.achieves(robot, held)
+        for known in [condition for condition in every if condition.kind == "known"]:
+            ruled(known, self.start.scene, holding, every.append)  # type: ignore[arg-type]
+        return {question for condition in every if (question := question_of(condition)) is not None}
 
     def _show(self, world: WorldState, ajar: dict[str, float]) -> None:
         if isinstance(self.backend, PhysicsBackend):
@@ -196,13 +210,12 @@ class _Episode:
         return good[int(chance.integers(len(good)))] if good else WAIT
 
 
-def _rows(look: Look, asked: set[Condition]) -> tuple[Row, ...]:
+def _rows(look: Look, asked: set[Question]) -> tuple[Row, ...]:
     found = []
     for label in labels(look):
         question = question_of(label.condition)
         if question is not None:
-            put = label.condition in asked
-            found.append(Row(question.predicate, question.names, label.truth, label.shown, put))
+            found.append(Row(question.predicate, question.names, label.truth, label.shown, question in asked))
     return tuple(found)
 
 

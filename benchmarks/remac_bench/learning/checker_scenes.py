@@ -58,8 +58,8 @@ def labels(look: Look) -> Iterator[Label]:
 
 
 def conditions(look: Look) -> Iterator[Condition]:
-    """All that a checker with eyes is asked about in this kitchen, about no other robot."""
-    for row in PREDICATES.values():
+    """All that a checker with eyes is asked about in this kitchen, about no other robot; of opposites one."""
+    for row in (row for row in PREDICATES.values() if row.denies is None):
         for args in itertools.product(*(_names(look, kind) for kind in row.about)):
             condition = Condition(row.name, args)
             repeats = len(set(args)) < len(args)
@@ -89,6 +89,20 @@ def _first_seen(look: Look, condition: Condition, truth: bool) -> bool | None:
     return not objects or objects[0] in look.seen
 
 
+def _worked(look: Look, condition: Condition, truth: bool) -> bool | None:
+    """How a fixture's door or switch is set shows where robots use it, which its camera looks at from near by."""
+    name = condition.args[0]
+    return name in look.seen and _here(look, name)
+
+
+def _free(look: Look, condition: Condition, truth: bool) -> bool | None:
+    """Whether something has room shows in a vessel that is seen, and in a fixture before which the robot stands."""
+    target = condition.args[1]
+    if target in look.rules.objects:
+        return target in look.seen
+    return target in look.seen and _here(look, target) and _accessible(look, target)
+
+
 def _where(look: Look, condition: Condition, truth: bool) -> bool | None:
     """Where a robot stands shows in its own picture, but of what stands there unseen."""
     return not truth or condition.args[1] in look.seen
@@ -105,17 +119,23 @@ def _within(look: Look, condition: Condition, truth: bool) -> bool | None:
 def _behind(look: Look, condition: Condition, truth: bool) -> bool | None:
     """A fixture's own door, or an object at the robot's place: who does not see it there takes it to be shut in."""
     name = condition.args[0]
+    if name in look.rules.fixtures:
+        return _worked(look, condition, truth)
     if name in look.seen:
         return True
-    if name in look.rules.fixtures:
-        return False
-    here = look.world.robots[look.robot].station in stations_of(look.rules, look.world, name)
-    return True if here and base_place(look.world, name).relation == "slot" else None
+    return True if _here(look, name) and base_place(look.world, name).relation == "slot" else None
+
+
+def _here(look: Look, name: str) -> bool:
+    return look.world.robots[look.robot].station in stations_of(look.rules, look.world, name)
 
 
 def _accessible(look: Look, name: str) -> bool:
     return PREDICATES["accessible"].test(look.rules, look.world, name)
 
 
-_SHOWN: dict[str, Shown] = {"at": _where, "inside": _within, "directly_on": _within, "accessible": _behind}
+_SHOWN: dict[str, Shown] = {
+    "at": _where, "inside": _within, "directly_on": _within, "accessible": _behind, "room": _free,
+    **dict.fromkeys(("door_open", "door_closed", "switched_on", "some_on", "may_run"), _worked),
+}  # fmt: skip
 """Predicate -> whether it is shown; for all others `_first_seen`."""

@@ -15,7 +15,7 @@ from remac_bench.learning.cells import Cells
 from remac_bench.learning.checker_files import Album, albums, read_albums, write_album
 from remac_bench.learning.checker_measure import judge, least, measure, warmth
 from remac_bench.learning.checker_record import BACKENDS, record
-from remac_bench.learning.checker_train import Recipe, train
+from remac_bench.learning.checker_train import Recipe, common_in, train
 from remac_bench.learning.demos import file_digest
 from remac_bench.learning.sessions import side_by_side
 from remac_env.errors import check_choice
@@ -62,24 +62,25 @@ def train_checker(folder: Path, out: Path, recipe: Recipe) -> Iterator[str]:
     files = {part: albums(folder / part) for part in PARTS}
     parts = {part: read_albums(found) for part, found in files.items()}
     _check_apart(parts)
-    yield "; ".join(f"{part}: {len(album.side)} views of {len(album.seeds)} episodes" for part, album in parts.items())
+    sizes = {part: (len(album.station), len(album.seeds)) for part, album in parts.items()}
+    yield "; ".join(f"{part}: {views} views of {episodes} episodes" for part, (views, episodes) in sizes.items())
     losses: list[float] = []
     network = train(parts["train"], recipe, report=lambda epoch, loss: losses.append(loss))
-    tuned = judge(network, parts["calibrate"])
+    tuned, common = judge(network, parts["calibrate"]), common_in(parts["train"])
     temperature = warmth(tuned)
-    levels = least(tuned, temperature)
+    levels = least(tuned, temperature, common)
     told: dict[str, Any] = {name: {part: getattr(album, name) for part, album in parts.items()} for name in _TOLD}
     about = About(
-        predicates=network.words.predicates, words=network.words.words, temperature=temperature,
-        least={name: levels.get(name, (1.0, 1.0)) for name in network.words.predicates},
-        sample=_questions(parts["train"], network.words), views=len(parts["train"].side),
+        predicates=network.words.predicates, words=network.words.words, common=common, temperature=temperature,
+        least=levels,
+        sample=_questions(parts["train"], network.words), views=len(parts["train"].station),
         seeds={part: spans(album.seeds) for part, album in parts.items()},
         **told,
         data=file_digest(path for found in files.values() for path in found), code=code_digest(),
-        measured=measure(judge(network, parts["test"]), temperature, levels),
     )  # fmt: skip
+    about = replace(about, measured=measure(judge(network, parts["test"]), about))
     album = parts["train"]
-    sample = tuple((album.side[index], album.wrist[index]) for index in range(min(_SAMPLE, len(album.side))))
+    sample = tuple((album.station[index], album.wrist[index]) for index in range(min(_SAMPLE, len(album.station))))
     save_weights(out, Weights(about=about, network=network, sample=sample))
     how = f"loss {losses[0]:.3f} to {losses[-1]:.3f} in {len(losses)} epochs, temperature {temperature:.2f}"
     yield f"{how}; {out}, {out.stat().st_size / 1000:.0f} kB"
@@ -100,7 +101,7 @@ def evaluate_checker(
     if shared:
         raise UsageError(f"{folder} has episodes from which {weights} was made ({', '.join(sorted(shared))})")
     judged = judge(known.network, album)
-    return measure(judged, known.about.temperature, known.about.least, asked_only=asked_only), album
+    return measure(judged, known.about, asked_only=asked_only), album
 
 
 def note_measured(weights: Path, measured: Mapping[str, Mapping[str, float]]) -> None:
@@ -143,5 +144,5 @@ def _questions(album: Album, words: player.Words) -> tuple[tuple[str, ...], ...]
 def code_digest() -> str:
     """A name for the code that decides what is learnt: recording, labels, training and the network's player."""
     here, played = Path(__file__).parent, Path(player.__file__).parent
-    files = [here / f"checker_{name}.py" for name in ("record", "scenes", "train", "measure")]
+    files = [here / f"checker_{name}.py" for name in ("record", "scenes", "poses", "train", "measure")]
     return digest([path.read_text("utf-8") for path in (*files, played / "network.py", played / "questions.py")])

@@ -22,6 +22,7 @@ from remac_bench.learning.train import torch
 Codes = NDArray[np.int64]
 
 _LONGEST_NAME = 3  # words of a name that are told
+_OFTEN = 0.15  # of the episodes: in as many a name was met often
 _ASKED = 3.0  # times as often as others, questions are put that methods put
 _MOVED = 4  # pixels, at most
 _LEFT_OUT = 0.2  # of the features of the whole, by chance, while it learns
@@ -43,10 +44,10 @@ class Recipe:
     asked: int = 96
     hidden: int = 128
     whole: int = 160
-    epochs: int = 14
+    epochs: int = 20
     batch: int = 16
-    questions: int = 40
-    rate: float = 2e-3
+    questions: int = 48
+    rate: float = 3e-3
     seed: int = 0
 
 
@@ -55,6 +56,15 @@ def words_in(album: Album) -> Words:
     used = np.unique(album.rows[:, 2:4])
     names = [album.texts[number] for number in used if album.texts[number]]
     return Words(predicates(), tuple(sorted({word for name in names for word in words_of(name)})))
+
+
+def common_in(album: Album) -> tuple[str, ...]:
+    """The words of the names about which many of an album's episodes ask."""
+    seeds = np.tile(album.view_facts[album.rows[:, 0], 0], 2)
+    met = np.unique(np.stack([seeds, album.rows[:, 2:4].T.ravel()]), axis=1)[1]
+    often = [number for number, count in zip(*np.unique(met, return_counts=True), strict=True)
+             if album.texts[number] and count >= _OFTEN * len(album.seeds)]  # fmt: skip
+    return tuple(sorted({word for number in often for word in words_of(album.texts[number])}))
 
 
 def codes(album: Album, words: Words) -> tuple[Codes, NDArray[np.bool_]]:
@@ -82,8 +92,15 @@ def codes(album: Album, words: Words) -> tuple[Codes, NDArray[np.bool_]]:
 
 
 def shares(album: Album, asked: Codes, fine: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """How often each row is to be put: the rarer its predicate with its answer, the more often."""
-    kinds = asked[:, 0] * len(ANSWERS) + answers(album)
+    """How often each row is to be put: the rarer its predicate with its names and its answer, the more.
+
+    Names that are no common ones count as one: each of them is too rare to be learnt well at the others' cost.
+    """
+    common = common_in(album)
+    number = np.array([index if set(words_of(text)) <= {*common, ""} else 0 for index, text in enumerate(album.texts)])
+    first, last = number[album.rows[:, 2]], number[album.rows[:, 3]]
+    kinds = ((asked[:, 0] * len(number) + first) * len(number) + last) * len(ANSWERS) + answers(album)
+    _, kinds = np.unique(kinds, return_inverse=True)
     often = np.bincount(kinds[fine], minlength=kinds.max() + 1).astype(float)
     share = 1.0 / np.sqrt(np.maximum(often[kinds], 1.0)) * np.where(album.rows[:, 6] == 1, _ASKED, 1.0)
     return np.where(fine, share, 0.0)
@@ -98,23 +115,23 @@ def train(
         UsageError: where torch is not installed, or there are fewer views than a step takes.
     """
     library = torch()
-    if len(album.side) < recipe.batch:
-        raise UsageError(f"{len(album.side)} views are too few to learn from; valid: {recipe.batch} or more")
+    if len(album.station) < recipe.batch:
+        raise UsageError(f"{len(album.station)} views are too few to learn from; valid: {recipe.batch} or more")
     library.manual_seed(recipe.seed)
     chance = np.random.default_rng(recipe.seed)
     words = words_in(album)
     asked, fine = codes(album, words)
     share, right = shares(album, asked, fine), answers(album)
-    first = np.searchsorted(album.rows[:, 0], np.arange(len(album.side) + 1))
+    first = np.searchsorted(album.rows[:, 0], np.arange(len(album.station) + 1))
     parts = _parts(library, words, recipe)
     tuned = [array for part in parts.values() for array in part.parameters()]
     optimiser = library.optim.AdamW(tuned, lr=recipe.rate, weight_decay=1e-3)
-    steps = len(album.side) // recipe.batch
+    steps = len(album.station) // recipe.batch
     schedule = library.optim.lr_scheduler.OneCycleLR(
         optimiser, recipe.rate, total_steps=recipe.epochs * steps + 1, pct_start=0.2
     )
     for epoch in range(recipe.epochs):
-        order, total = chance.permutation(len(album.side)), 0.0
+        order, total = chance.permutation(len(album.station)), 0.0
         for step in range(steps):
             views = order[step * recipe.batch : (step + 1) * recipe.batch]
             put = np.stack([_drawn(chance, share[first[v] : first[v + 1]], recipe.questions) + first[v] for v in views])
@@ -145,12 +162,13 @@ def _varied(library: Any, chance: np.random.Generator, album: Album, views: NDAr
     mirrored = chance.random(len(views)) < 0.5
     found = {}
     for camera in CAMERAS:
-        values = getattr(album, camera)[views].astype(np.float32).transpose(0, 3, 1, 2) / 255.0 - 0.5
-        values[mirrored] = values[mirrored, :, :, ::-1]
-        gain = chance.uniform(0.75, 1.25, (len(views), 1, 1, 1)) * chance.uniform(0.9, 1.1, (len(views), 3, 1, 1))
-        shift = chance.uniform(-0.1, 0.1, (len(views), 1, 1, 1)) + chance.uniform(-0.04, 0.04, (len(views), 3, 1, 1))
-        moved = np.roll(values, tuple(chance.integers(-_MOVED, _MOVED + 1, 2)), axis=(2, 3))
-        found[camera] = library.from_numpy(np.ascontiguousarray(moved * gain + shift, dtype=np.float32))
+        values = getattr(album, camera)[views].astype(np.float32) / 255.0 - 0.5
+        values[mirrored] = values[mirrored, :, ::-1]
+        gain = chance.uniform(0.75, 1.25, (len(views), 1, 1, 1)) * chance.uniform(0.9, 1.1, (len(views), 1, 1, 3))
+        shift = chance.uniform(-0.1, 0.1, (len(views), 1, 1, 1)) + chance.uniform(-0.04, 0.04, (len(views), 1, 1, 3))
+        moved = np.roll(values, tuple(chance.integers(-_MOVED, _MOVED + 1, 2)), axis=(1, 2))
+        varied = np.ascontiguousarray(moved * gain + shift, dtype=np.float32)
+        found[camera] = library.from_numpy(varied).permute(0, 3, 1, 2)  # channels stay last in memory: a third quicker
     return found
 
 
@@ -172,7 +190,7 @@ def _parts(library: Any, words: Words, recipe: Recipe) -> dict[str, Any]:
         for out, stride in zip(recipe.channels, STRIDES, strict=True):
             layers += [nn.Conv2d(size, out, 3, stride, 1, bias=False), nn.BatchNorm2d(out), nn.ReLU()]
             size = out
-        found[camera] = nn.Sequential(*layers)
+        found[camera] = nn.Sequential(*layers).to(memory_format=library.channels_last)
         found[f"{camera}_places"] = nn.ParameterList([nn.Parameter(0.1 * library.randn(sizes[f"{camera}_places"]))])
         found[f"{camera}_asks"] = nn.Linear(width, sizes[f"{camera}_asks"][0], bias=False)
     return found

@@ -18,7 +18,7 @@ from remac_agents.checkers.vision import VisionChecker
 from remac_agents.roles import FreeText, StopEpisode, View
 from remac_agents.vision.network import CAMERAS, LARGEST, SIZE, STRIDES, Network, Words, convolved, shapes
 from remac_agents.vision.pictures import fitted
-from remac_agents.vision.questions import Question, predicates, question_of, robot_of
+from remac_agents.vision.questions import RARE, Question, kinds_of, predicates, question_of, robot_of
 from remac_agents.vision.weights import About, Weights, read_weights, save_weights
 from remac_env.errors import OptionError
 from remac_env.rules.conditions import condition, denied
@@ -30,21 +30,23 @@ DARK, BRIGHT = np.zeros((SIZE, SIZE, 3), np.uint8), np.full((SIZE, SIZE, 3), 255
 
 
 def arrays_of(last_bias: tuple[float, float, float] = (0.0, 0.0, 0.0), *, looks: float = 0.0) -> dict[str, np.ndarray]:
-    """A network whose answer is `last_bias`, and "true" the more, the brighter the side picture is (times `looks`)."""
+    """A network whose answer is `last_bias`, and "true" the more, the brighter the station is (times `looks`)."""
     found = {name: np.zeros(shape, np.float32) for name, shape in shapes(WORDS, (1,) * len(STRIDES), 2, 1, 1).items()}
     for number in range(len(STRIDES)):
         size = 27 if number == 0 else 9
-        found[f"side_weight_{number}"] = np.full((1, size), 1.0 / size, np.float32)
-    found["side_bias_0"][:] = 0.5  # pictures are told about 0: dark ones are seen as nothing, not cut off
-    found["hidden"][0, 2] = 1.0  # the first head of the side picture
+        found[f"station_weight_{number}"] = np.full((1, size), 1.0 / size, np.float32)
+    found["station_bias_0"][:] = 0.5  # pictures are told about 0: dark ones are seen as nothing, not cut off
+    found["hidden"][0, 2] = 1.0  # the first head of the station's picture
     found["last"][0, 0] = looks
     found["last_bias"][:] = last_bias
     return found
 
 
 def weights_of(arrays: Mapping[str, np.ndarray], *, least: float = 0.9) -> Weights:
+    kinds = {kind for name in WORDS.predicates for kind in (name, f"{name} {RARE}")}
     about = About(
-        predicates=WORDS.predicates, words=WORDS.words, least=dict.fromkeys(WORDS.predicates, (least, least)),
+        predicates=WORDS.predicates, words=WORDS.words, common=WORDS.words[:3],
+        least=dict.fromkeys(kinds, (least, least)),
         sample=(("door_open", "sink"), ("inside", "fish", "bowl")), seeds={"train": "3:9"},
     )  # fmt: skip
     return Weights(about=about, network=Network(WORDS, arrays), sample=((BRIGHT, DARK),))
@@ -86,6 +88,30 @@ def test_it_says_what_its_network_is_sure_of_and_else_that_it_cannot_tell(made: 
     assert values(made((0.0, 0.0, 9.0)), view, ON, denied(ON)) == [None, None]
     assert values(made((1.0, 0.0, 0.0)), view, ON) == [None], "60% are not 90%"
     assert values(made((1.0, 0.0, 0.0), sure=0.5), view, ON) == [True]
+
+
+def test_opposites_are_judged_by_one_answer_turned_round(made: Any, view: View) -> None:
+    opposites = [condition("switched_off", "faucet"), condition("all_off", "faucet")]
+    for said, told in (((9.0, 0.0, 0.0), False), ((0.0, 9.0, 0.0), True), ((0.0, 0.0, 9.0), None)):
+        assert values(made(said), view, *opposites) == [told, told]
+        assert values(made(said), view, denied(opposites[0])) == [None if told is None else not told]
+
+
+def test_each_kind_of_question_has_levels_of_its_own(made: Any, view: View) -> None:
+    bowl, fish = condition("inside", "bowl", "counter"), condition("inside", "fish", "counter")
+    assert kinds_of(Question("inside", ("bowl", "counter")), WORDS.words[:3]) == (
+        "inside bowl counter", "inside counter", "inside"
+    )  # fmt: skip
+    assert kinds_of(Question("inside", ("fish", "counter")), WORDS.words[:3]) == (f"inside {RARE}",)
+    checker = made((1.0, 0.0, 0.0))  # 58% of "true"
+    assert values(checker, view, bowl, fish) == [None, None]
+    usual = checker._about.least
+    for kind, told in (("inside", [True, None]), (f"inside {RARE}", [None, True]), ("inside counter", [True, None])):
+        checker._about = replace(checker._about, least={**usual, kind: (0.5, 0.9)})
+        assert values(checker, view, bowl, fish) == told, kind
+    narrow = {"inside": (0.5, 0.5), "inside counter": (1.5, 1.5)}
+    checker._about = replace(checker._about, least={**usual, **narrow})
+    assert values(checker, view, bowl) == [None], "the narrowest that there is counts"
 
 
 def test_it_looks_at_the_pictures(made: Any, view: View) -> None:
@@ -140,9 +166,14 @@ def test_reports_say_that_it_was_given_the_rules() -> None:
 
 
 def test_without_pictures_the_episode_ends_and_nobody_is_to_blame(made: Any, view: View) -> None:
-    with pytest.raises(StopEpisode, match="image_size=96") as stopped:
-        made().check([ON], replace(view, images={"robot_0": {}}))
-    assert stopped.value.infrastructure
+    usual = dict.fromkeys(("front", "side", "wrist"), DARK)
+    for images in ({}, usual):
+        with pytest.raises(StopEpisode, match='image_size=96, cameras="station,wrist"') as stopped:
+            made().check([ON], replace(view, images={"robot_0": images}))
+        assert stopped.value.infrastructure
+    obs, infos = suite_kitchen("DefrostInBowl", robots=1).reset(seed=1)
+    with pytest.raises(OptionError, match='cameras="station,wrist"'):
+        remac_agents.make("CC", checker="vision").reset({name: {**told, **usual} for name, told in obs.items()}, infos)
 
 
 def test_it_is_given_neither_truth_nor_rules_and_its_weights_are_named_in_the_report() -> None:
@@ -169,9 +200,11 @@ def test_what_is_shipped_knows_its_data_and_fits_this_player() -> None:
     assert not set(about.styles["train"]) & set(about.styles["test"])
 
 
-def test_every_seen_condition_that_the_round_does_not_settle_is_a_question() -> None:
-    asked = {row.name for row in PREDICATES.values() if row.kind == "seen" and not row.settled}
-    assert asked | {"marked seasoned"} == set(predicates())
+def test_every_seen_condition_that_the_round_does_not_settle_is_a_question_or_the_opposite_of_one() -> None:
+    rows = [row for row in PREDICATES.values() if row.kind == "seen" and not row.settled]
+    assert {row.denies or row.name for row in rows} | {"marked seasoned"} == set(predicates())
+    assert not {row.name for row in rows if row.denies} & set(predicates())
+    assert question_of(condition("door_not_open", "sink")) == question_of(condition("door_open", "sink"))
     assert question_of(condition("room", "robot_1", "sink")) == Question("room", ("sink",))
     assert robot_of(condition("room", "robot_1", "sink")) == "robot_1"
     assert question_of(condition("marked", "fish", "seasoned")) == Question("marked seasoned", ("fish",))
@@ -220,11 +253,12 @@ def changed(path: Path, **arrays: Any) -> Path:
     ({"last_bias": np.array([3.0, 0.0, 0.0], np.float16)}, "damaged"),
     ({"last": np.array([[object()]])}, "cannot be read"),
     ({"last": np.zeros((3, 1), int)}, "damaged|finite"),
-    ({"sample_side": np.zeros((1, 4, 4, 3), np.uint8)}, "sample"),
-    ({"about": {"format": "remac-checker-0"}}, "train it anew"),
+    ({"sample_station": np.zeros((1, 4, 4, 3), np.uint8)}, "sample"),
+    ({"about": {"format": "remac-checker-1"}}, "train it anew"),
     ({"about": {"predicates": ["is_tasty", *predicates()[1:]]}}, "is_tasty"),
     ({"about": {"words": ["bowl"]}}, "do not fit together"),
     ({"about": {"temperature": 0.0}}, "temperature"), ({"about": {"least": {}}}, "least"),
+    ({"about": {"least": dict.fromkeys(predicates(), (0.9, 0.9))}}, "least"), ({"about": {"common": [3]}}, "texts"),
     ({"about": {"mood": "good"}}, "mood"), ({"about": {"sample": []}}, "sample"),
     ({"padding": np.random.default_rng(0).integers(0, 255, 2 * LARGEST).astype(np.uint8)}, "bytes"),
 ])  # fmt: skip

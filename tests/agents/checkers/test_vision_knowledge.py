@@ -44,6 +44,8 @@ def test_what_must_not_touch_a_fixture_needs_the_vessel_that_is_not_there(
     world = with_held(world, held, target)
     assert judged(asked, rules, world) is False is asked.holds(rules, world)
     assert judged(asked, rules, world, hidden=(there,)) in (None, False)
+    others = [condition("inside", name, target) for name in rules.objects if name != vessel]
+    assert judged(asked, rules, world, hidden=others) is False, "nothing else can be its vessel"
     assert judged(condition("no_vessel_needed", ROBOT, "counter"), rules, world) is True
     assert judged(condition("no_vessel_needed", ROBOT, vessel), rules, world) is True
     slot = rules.fixtures[target].slots[0]

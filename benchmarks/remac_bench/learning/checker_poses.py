@@ -1,0 +1,58 @@
+"""Kitchens with everything anywhere, as no task begins: a checker is to see what is so, not what usually is.
+
+Only the skill table plays them: nobody would bring things there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from remac_env.kitchen.fixtures.door import OPEN_TO
+from remac_env.rules.facts import Rules
+from remac_env.rules.marks import SEASONED
+from remac_env.rules.places import has_room
+from remac_env.start import Offset, Start
+from remac_env.state import Place, WorldState
+
+_IN_VESSELS = 0.4  # of the things that fit into a vessel somewhere lie in one
+_SEASONED = 0.35  # of them have been seasoned
+_OPEN, _RUNNING = 0.5, 0.5  # of the doors, and of the fixtures with a switch that may run
+
+
+def shuffled(start: Start, chance: np.random.Generator) -> Start:
+    """A start with its objects anywhere where they fit, and with its doors, switches and marks drawn by lot."""
+    scene, world = start.scene, start.world
+    for name, state in world.fixtures.items():
+        facts, door = scene.fixtures[name], state.door
+        if door is not None:
+            door = "open" if chance.random() < _OPEN else "closed"
+        runs = bool(facts.switches) and chance.random() < _RUNNING and not (facts.shut_to_run and door == "open")
+        on = frozenset({str(chance.choice(facts.switches))}) if runs else frozenset[str]()
+        world = world.with_fixture(name, door=door, on=on)
+    for name in chance.permutation(sorted(world.objects)):
+        world = world.with_object(str(name), place=Place("floor"))
+    # What others lie in comes first.
+    for name in sorted(chance.permutation(sorted(world.objects)), key=lambda each: not scene.objects[each].holds):
+        world = _put(scene, world, str(name), chance)
+    angles = {name: OPEN_TO if state.door == "open" else 0.0 for name, state in world.fixtures.items() if state.door}
+    turns = {name: Offset(yaw=float(chance.uniform(0.0, 2 * np.pi))) for name in world.objects}
+    return replace(start, world=world, doors=angles, offsets=turns)
+
+
+def _put(scene: Rules, world: WorldState, name: str, chance: np.random.Generator) -> WorldState:
+    """The world with an object in a vessel or in a free place of some fixture that takes it."""
+    facts = scene.objects[name]
+    there = [other for other in world.objects if other != name and world.objects[other].place.relation == "slot"]
+    vessels = [other for other in there if facts.small and not facts.holds and has_room(scene, world, other)]
+    taken = {item.place.where for item in world.objects.values()}
+    free: dict[str, list[str]] = {}
+    for slot in scene.slots.values():
+        if slot.name not in taken and scene.fixtures[slot.fixture].kind not in facts.too_big_for:
+            free.setdefault(slot.fixture, []).append(slot.name)
+    place = Place("slot", str(chance.choice(free[str(chance.choice(sorted(free)))]))) if free else None
+    if vessels and (place is None or chance.random() < _IN_VESSELS):
+        place = Place("vessel", str(chance.choice(vessels)))
+    marks = frozenset({SEASONED}) if not facts.holds and not facts.seasons and chance.random() < _SEASONED else None
+    return world.with_object(name, place=place, marks=marks)
