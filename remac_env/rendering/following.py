@@ -111,7 +111,8 @@ def _directions(layout: Layout, station: str, shut_in: bool, facing: Floats) -> 
 
 def facing_of(data: mujoco.MjData, robot: str) -> Floats:
     """Right, ahead and up of a robot as columns (3, 3), world frame."""
-    yaw = float(data.joint(f"{robot}/base_yaw").qpos[0])
+    joint = int(data.model.body(f"{robot}/base").jntadr[0]) + 2  # its joints are x, y and yaw, whatever they are called
+    yaw = float(data.joint(joint).qpos[0])
     ahead = np.array([np.cos(yaw), np.sin(yaw), 0.0])
     return np.stack([np.cross(ahead, _UP), ahead, _UP], axis=1)
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -18,10 +20,34 @@ ROOT = Path(remac_env.__file__).parents[1]
 PACKAGES = [ROOT / name for name in ("remac_env", "remac_agents", "benchmarks")]
 
 
+NAMES = {"finger_left": "left_jaw", "finger_right": "right_jaw", "torso": "column", "base_yaw": "turn"}
+
+
+class Low(Panda):
+    """A Panda on a base that is 8 cm lower, some of whose parts have other names."""
+
+    joints = tuple(NAMES.get(name, name) for name in Panda.joints)
+    fingers = tuple(NAMES[name] for name in Panda.fingers)
+
+    def add_to(self, spec: mujoco.MjSpec, name: str, **more: Any) -> None:
+        """The Panda's, renamed."""
+        super().add_to(spec, name, **more)
+        names = {f"{name}/{old}": f"{name}/{new}" for old, new in NAMES.items()}
+        for part in (*spec.bodies, *spec.joints, *spec.actuators):
+            part.name = names.get(part.name, part.name)
+        for servo in spec.actuators:
+            servo.target = names.get(servo.target, servo.target)
+        for pair in spec.equalities:
+            pair.name1, pair.name2 = names.get(pair.name1, pair.name1), names.get(pair.name2, pair.name2)
+        for pair in spec.excludes:
+            pair.bodyname1 = names.get(pair.bodyname1, pair.bodyname1)
+            pair.bodyname2 = names.get(pair.bodyname2, pair.bodyname2)
+
+
 @pytest.fixture
 def low() -> Iterator[Panda]:
-    """A Panda on a base that is 8 cm lower."""
-    body = Panda(name="low panda", mount_height=0.62)
+    """A body of one's own, known for as long as a test lasts."""
+    body = Low(name="low panda", mount_height=0.62)
     bodies.register_body(body)
     yield body
     bodies._BODIES.pop(body.name)
@@ -58,6 +84,7 @@ def test_a_body_of_ones_own_stands_drives_and_acts_in_physics(low: Panda) -> Non
     model = backend.model  # type: ignore[attr-defined]
     assert model.body("robot_0/lift").pos[2] == pytest.approx(0.62)
     assert env.world.robots["robot_0"].holding == "vegetable" == env.world.robots["robot_0"].hands["hand"]
+    assert env.render_work().shape == (648, 768, 3)  # cameras know where it looks
     env.close()
 
 

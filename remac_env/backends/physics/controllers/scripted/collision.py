@@ -26,7 +26,6 @@ TRANSIT_MARGIN = 0.012  # m, around the gripper and what it holds on the way: th
 HELD_MARGIN = 0.010  # m, around what is held on straight ways: a vessel goes on drooping in the fingers
 
 OTHER, ARM, GRIPPER, HELD, TARGET, IGNORED = range(6)
-_GRIPPER_PARTS = ("hand", "finger_left", "finger_right")
 
 
 def _forbidden() -> np.ndarray:
@@ -76,7 +75,8 @@ class CollisionChecker:
         self.checks = 0
         names = [model.body(b).name for b in range(model.nbody)]
         own = np.array([n.startswith(robot.name + "/") for n in names])
-        grip = np.array([n.startswith(robot.name + "/") and n.split("/")[1] in _GRIPPER_PARTS for n in names])
+        gripper = {f"{robot.name}/{part}" for part in ("hand", *robot.body.fingers)}
+        grip = np.array([n in gripper for n in names])
         others = np.array([any(n.startswith(r + "/") for r in sensed.robots) for n in names]) & ~own
         self._body_names, self._others = names, others
         of = model.geom_bodyid
