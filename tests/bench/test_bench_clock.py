@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from chaos_server import ChaosServer, says
+from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_bench.jobs import Job
 from remac_bench.judging.episodes import idle_share, setting, share_of
 from remac_bench.judging.times import time_sheets
-from remac_bench.proof.again import check_job
+from remac_bench.proof.again import check_job, read_job
 from remac_bench.proof.rounds import check_rounds
 from remac_bench.records import Record
 from remac_bench.suites import load
@@ -158,3 +160,26 @@ def test_stops_are_written_down_and_played_again() -> None:
             env.note_thought(robot, thought)
         _, _, _, _, infos = env.step(tokens)
     assert env.timeline == seen and env.world == world
+
+
+def test_thinking_that_was_recorded_takes_as_long_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CUSTOM_API_KEY", "sk-test")
+    cassette, answer = str(tmp_path / "asked.jsonl"), says("Thought: go.\nPlan: [navigate to counter]")
+    options = Options(backend="symbolic", clock="events", robots=2, think="recorded", max_seconds=20.0)
+    with ChaosServer([answer]) as server:
+        access = Access(base_url=server.url, cassette=cassette)
+        job = Job(method="REACT", task="OpenMicrowavePnP", seed=1, options=options, agent={"model": "custom:m"},
+                  access=access)  # fmt: skip
+        (record,) = play_job(Work(job=job, folder="", video="none", optimum=False))
+    thoughts = [span for span in record.timeline if span.kind == "thought"]
+    assert thoughts and all(span.ended > span.began for span in thoughts)
+    assert list(check_job([record], cassette=cassette)) == []
+    slower = record.model_copy(update={"sim_seconds": record.sim_seconds + 0.001})
+    assert any("sim_seconds" in each for each in check_job([slower], cassette=cassette))
+
+
+def test_a_job_read_again_has_the_roles_that_look_at_pictures() -> None:
+    options = Options(backend="symbolic", obs="state+images", image_size=64)
+    job = Job(method="CC", task="OpenMicrowavePnP", seed=1, options=options, viewers=("checker",))
+    record = play().model_copy(update={"options": job.facts, "clock": "rounds", "method": "CC"})
+    assert read_job(record) == job

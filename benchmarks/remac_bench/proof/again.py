@@ -54,6 +54,7 @@ def read_job(record: Record) -> Job:
         iterations=int(record.options["iterations"]),
         access=Access.recorded(told),
         seconds=record.options.get("job_seconds"),
+        viewers=tuple(record.options.get("viewers", ())),
     )
     return job if record.suite is None else replace(job, suite=_mark(record, job))
 
