@@ -16,6 +16,7 @@ from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array
 from remac_env.rules.facts import Rules
+from remac_env.rules.marks import SEASONED
 
 _LET_GO = 3  # control periods for which a button has to be out before it can be pressed again
 
@@ -47,7 +48,7 @@ class _Shaker:
 
 
 class Happened:
-    """``running``: switches that push buttons have left on. ``seasoned``: objects over which a shaker was shaken.
+    """``running``: switches that push buttons have left on. ``marks``: of an object, those that no pose shows.
 
     ``update`` is to be called after every control step.
     """
@@ -60,7 +61,7 @@ class Happened:
         self._shakers = {name: _Shaker() for name, kind in objects.items() if kind.seasons}
         pushed = {button.switch for fixture in layout.fixtures.values() for button in fixture.buttons}
         self.running = frozenset(on) & pushed
-        self.seasoned: frozenset[str] = frozenset()
+        self.marks: dict[str, frozenset[str]] = {}
 
     def update(self) -> None:
         """Take the last control step into account."""
@@ -100,7 +101,7 @@ class Happened:
             return
         shaker.jerks[obj] = shaker.jerks.get(obj, 0) + 1
         if shaker.jerks[obj] >= JERKS:
-            self.seasoned |= {obj}
+            self.marks[obj] = self.marks.get(obj, frozenset()) | {SEASONED}
 
     def _below(self, name: str, position: Array, rotation: Array) -> str | None:
         """The object on which most grains land that leave the shaker's top now: the nearest in reach, on top."""

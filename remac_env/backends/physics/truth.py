@@ -11,7 +11,6 @@ from remac_env.backends.physics.snapshot import read_world
 from remac_env.kitchen.layout import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.rules.facts import Process
-from remac_env.rules.marks import SEASONED
 from remac_env.rules.quirks import QUIRKS
 from remac_env.rules.rounds import at_rest
 from remac_env.start import Start
@@ -56,7 +55,7 @@ class Truth:
     def seen(self) -> WorldState:
         """What geometry shows now, with what happened; nothing is kept of it."""
         happened = self.happened
-        marks = {n: marks | {SEASONED} if n in happened.seasoned else marks for n, marks in self._marks.items()}
+        marks = {name: had | happened.marks.get(name, frozenset()) for name, had in self._marks.items()}
         return read_world(
             self._bodies, self._scene, self._layout, self._objects, marks=marks, running=happened.running
         )
