@@ -23,6 +23,7 @@ def sampled(pose: np.ndarray) -> np.ndarray:
     return points @ np.array([[c, s], [-s, c]]) + pose[:2]
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize("seed", range(30))
 def test_bases_are_as_far_apart_as_their_points(seed: int) -> None:
     draw = np.random.default_rng(seed)

@@ -310,6 +310,7 @@ def test_the_width_is_sensible_whatever_is_said(monkeypatch: pytest.MonkeyPatch)
 _SHOW = ("tasks", "doctor", "bench report {records} --no-pages", "bench run --help", "memory --help")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("settings", [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0",
                                       "PYTHONUTF8": "0", "COLUMNS": "1000000000000"}], ids=["ascii", "C"])  # fmt: skip
 def test_streams_that_cannot_write_every_letter(settings: dict[str, str], words: dict[str, str]) -> None:

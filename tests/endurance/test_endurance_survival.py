@@ -98,7 +98,7 @@ def _children_find_this_folder(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(root), str(Path(__file__).parent)]))
 
 
-@both
+@pytest.mark.parametrize("backend", ["symbolic", pytest.param("physics", marks=pytest.mark.long)])
 @pytest.mark.usefixtures("_children_find_this_folder")
 def test_a_spawned_process_plays_the_same_episode(backend: str) -> None:
     env = survival.make(backend)
@@ -216,7 +216,8 @@ def test_environments_that_are_closed_give_their_memory_back(backend: str) -> No
 
 @linux
 @pytest.mark.parametrize(
-    ("backend", "what", "factor"), [("symbolic", "keep_what_is_told", 2), ("physics", "never_close", 20)]
+    ("backend", "what", "factor"),
+    [("symbolic", "keep_what_is_told", 2), pytest.param("physics", "never_close", 20, marks=pytest.mark.long)],
 )
 @pytest.mark.usefixtures("_children_find_this_folder")
 def test_a_planted_leak_is_seen(backend: str, what: str, factor: int) -> None:

@@ -263,6 +263,7 @@ def test_answers_that_are_no_object(tmp_path: Path, text: str) -> None:
         make_role("planner", f"answers:{file}")
 
 
+@pytest.mark.long  # pages are carried out by tests/test_documents_run.py
 def test_the_command_line_takes_the_same_texts(tmp_path: Path) -> None:
     (tmp_path / "my_planner.py").write_text(block("python"))
     command = next(line for line in PAGE.read_text().splitlines() if "my_planner.py:plan" in line).split()
