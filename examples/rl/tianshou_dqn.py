@@ -71,7 +71,7 @@ def learn(task, steps, seed=0):
     collector.collect(n_step=min(steps, 1000))
     algorithm.run_training(
         OffPolicyTrainerParams(
-            training_collector=collector, max_epochs=max(1, steps // 4000), epoch_num_steps=min(steps, 4000),
+            training_collector=collector, max_epochs=1, epoch_num_steps=steps,
             # Tianshou looks through its whole buffer for NaN after each collection.
             collection_step_num_env_steps=200, update_step_num_gradient_steps_per_sample=0.2, batch_size=64,
             show_progress=False, training_fn=Curve(policy, task, every=max(1, steps // 10)).tell,
