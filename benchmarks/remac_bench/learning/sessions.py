@@ -28,6 +28,7 @@ from remac_env.backends.physics.controllers.learned.weights import (
     save_weights,
 )
 from remac_env.lowlevel.names import camel
+from remac_env.rules.skills import SKILLS
 
 MakeRecorder = Callable[[str], Recorder]
 """Makes what records a skill; processes are handed it."""
@@ -152,8 +153,9 @@ def _trained(
     network = train(data, recipe, report=lambda epoch, loss: losses.append(loss))
     step = max(1, len(data.seen) // _SAMPLE)
     seeds = [demo.seed for demo in demos]
+    worked = {demo.target for demo in demos if not demo.case and not SKILLS[demo.skill].moves}
     about = About(
-        skill=name, targets=tuple(sorted({demo.target for demo in demos if not demo.case})), execute=recipe.execute,
+        skill=name, targets=tuple(sorted(worked)), execute=recipe.execute,
         demonstrations=len(demos), seeds=f"{min(seeds)}:{max(seeds) + 1}",
         layouts=tuple(sorted({demo.layout for demo in demos})), styles=tuple(sorted({demo.style for demo in demos})),
         data=file_digest(kept), code=code_digest(), words=words,
