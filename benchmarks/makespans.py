@@ -20,8 +20,8 @@ from statistics import mean
 from typing import Any
 
 import typer
+from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
 from remac_bench.flags import takes
 from remac_bench.job_lists import parse_names, parse_seeds
 from rich.table import Table
@@ -80,7 +80,7 @@ def main(
         apart = [each.apart for each in group if each.apart is not None]
         table.add_row(what, ours, checked, str(len(group)), f"{mean(apart):.1f}" if apart else "")
     table.add_row("all", "", "", str(len(found)), "")
-    make_console().print(table)
+    show(table)
 
 
 def _episode(env: Any, seed: int, folder: Path, by: str, validate: str, states: int) -> Compared:
