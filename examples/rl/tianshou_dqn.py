@@ -55,6 +55,7 @@ class Inner(nn.Module):
 def learn(task, steps, seed=0):
     """The policy after so many steps."""
     torch.manual_seed(seed)
+    np.random.seed(seed)  # noqa: NPY002 - Tianshou explores with NumPy's own generator
     torch.set_num_threads(1)
     envs = DummyVectorEnv([lambda n=n: Masked(Kitchens(task, seed=[seed, n])) for n in range(4)])
     one = Masked(Kitchens(task))
