@@ -151,6 +151,17 @@ def test_levels_are_low_for_what_is_always_right_and_out_of_reach_for_what_is_wr
     assert least(always, 1.0, common)["inside"][0] == NEVER
 
 
+def test_a_kind_with_few_rows_keeps_a_margin_or_takes_what_the_wider_one_has(tmp_path: Path) -> None:
+    for count, low, high in ((20, NEVER, NEVER), (80, 0.6, 0.7), (400, 0.5, 0.5)):
+        write_album(tmp_path / f"{count}.npz", planted(count))
+        album = read_albums([tmp_path / f"{count}.npz"])
+        doors = np.array([album.texts[number] == "door_open" for number in album.rows[:, 1]])
+        logits = np.log(np.where(doors[:, None], [0.48, 0.48, 0.04], [0.01, 0.85, 0.14]))  # of all others "false"
+        judged = Judged(album, logits, np.ones(len(album.rows), bool))
+        found = least(judged, 1.0, ("microwave",))
+        assert low <= found["door_open microwave"][1] <= high, count
+
+
 def test_what_was_rarely_met_has_levels_of_its_own(tmp_path: Path) -> None:
     write_album(tmp_path / "a.npz", planted(200))
     album = read_albums(albums(tmp_path))

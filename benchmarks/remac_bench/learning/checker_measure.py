@@ -19,15 +19,17 @@ Floats = NDArray[np.float64]
 FALSE_ALARMS, MISSES = 0.01, 0.02
 """Shares of true and of false conditions that may be judged wrongly, by which the least probabilities are found.
 
-Of a kind of question with so few rows that one would be more than its share they are not found, but the wider kind's
-taken: that none of thirty was judged wrongly says little of the next hundred. A false alarm repeats or changes what was
-right, again and again; what is missed is met by the next check.
+Of a kind of question with so few rows that one would be more than its share the wider kind's are taken: that none of
+thirty was judged wrongly says little of the next hundred. But with SOME rows a kind has its own if none of them would
+be judged wrongly by one that is lower by MARGIN. A false alarm repeats or changes what was right, again and again; what
+is missed is met by the next check.
 """
+
+SOME, MARGIN = 30, 0.1
 
 NEVER = 1.5
 """In place of a least probability: no answer of this kind is given."""
 
-_BOUNDS = {0: MISSES, 1: FALSE_ALARMS}  # by answer: 0 true, 1 false
 _LEVELS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99, 0.995, 0.998)
 _WARMTHS = tuple(float(value) for value in np.geomspace(0.4, 5.0, 40))
 
@@ -83,31 +85,34 @@ def least(judged: Judged, temperature: float, common: Collection[str]) -> dict[s
     told = judged.known & (judged.album.rows[:, 5] == 1)
     questions, which = _questions(judged.album)
     kinds = [kinds_of(question, common) for question in questions]
-    every = (_level(likely, told, true, 0), _level(likely, told, true, 1))
 
-    def levels(kind: str, wider: tuple[float, float]) -> tuple[float, float]:
-        own = told & np.array([kind in each for each in kinds])[which]
-        pair = [
-            _level(likely, own, true, answer) if (own & (true == bool(answer))).sum() * bound >= 1.0 else wider[answer]
-            for answer, bound in _BOUNDS.items()
-        ]
-        return pair[0], pair[1]
+    def levels(own: NDArray[np.bool_], wider: tuple[float, float]) -> tuple[float, float]:
+        wrong = [likely[own & (true == bool(answer)), answer] for answer in (0, 1)]
+        return _level(wrong[0], MISSES, wider[0]), _level(wrong[1], FALSE_ALARMS, wider[1])
 
+    def of(kind: str) -> NDArray[np.bool_]:
+        return told & np.array([kind in each for each in kinds])[which]
+
+    every = levels(told, (NEVER, NEVER))
     names = predicates()
-    found = {kind: levels(kind, every) for name in names for kind in (name, f"{name} {RARE}")}
+    found = {kind: levels(of(kind), every) for name in names for kind in (name, f"{name} {RARE}")}
     for each in kinds:
         for kind, wider in reversed(list(itertools.pairwise(each))):
-            found[kind] = found.get(kind) or levels(kind, found[wider])
+            found[kind] = found.get(kind) or levels(of(kind), found[wider])
     return found
 
 
-def _level(likely: Floats, rows: NDArray[np.bool_], true: NDArray[np.bool_], answer: int) -> float:
-    """The least probability of an answer (0 true, 1 false) at which few of those for which it is wrong get it."""
-    wrong = likely[rows & (true == bool(answer))]
-    for level in _LEVELS:
-        if not len(wrong) or float((wrong[:, answer] >= level).mean()) <= _BOUNDS[answer]:
-            return level
-    return NEVER
+def _level(wrong: Floats, bound: float, wider: float) -> float:
+    """The least probability of an answer, from its probabilities (n,) where it is wrong; see FALSE_ALARMS.
+
+    Args:
+        bound: the share of them that may get it. wider: that of the wider kind.
+    """
+    if len(wrong) * bound >= 1.0:
+        return next((level for level in _LEVELS if float((wrong >= level).mean()) <= bound), NEVER)
+    if len(wrong) >= SOME:
+        return min(wider, next((level for level in _LEVELS if float(wrong.max()) < level - MARGIN), NEVER))
+    return wider
 
 
 def measure(judged: Judged, about: About, *, asked_only: bool = False) -> dict[str, dict[str, float]]:
