@@ -44,9 +44,9 @@ class Recipe:
     asked: int = 96
     hidden: int = 128
     whole: int = 160
-    epochs: int = 20
-    batch: int = 16
-    questions: int = 48
+    epochs: int = 16
+    batch: int = 32
+    questions: int = 56
     rate: float = 3e-3
     seed: int = 0
 
@@ -92,14 +92,9 @@ def codes(album: Album, words: Words) -> tuple[Codes, NDArray[np.bool_]]:
 
 
 def shares(album: Album, asked: Codes, fine: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """How often each row is to be put: the rarer its predicate with its names and its answer, the more.
-
-    Names that are no common ones count as one: each of them is too rare to be learnt well at the others' cost.
-    """
-    common = common_in(album)
-    number = np.array([index if set(words_of(text)) <= {*common, ""} else 0 for index, text in enumerate(album.texts)])
-    first, last = number[album.rows[:, 2]], number[album.rows[:, 3]]
-    kinds = ((asked[:, 0] * len(number) + first) * len(number) + last) * len(ANSWERS) + answers(album)
+    """How often each row is to be put: the rarer its predicate, with where it is asked of and its answer, the more."""
+    last = np.where(album.rows[:, 3] > 0, album.rows[:, 3], album.rows[:, 2])
+    kinds = (asked[:, 0] * len(album.texts) + last) * len(ANSWERS) + answers(album)
     _, kinds = np.unique(kinds, return_inverse=True)
     often = np.bincount(kinds[fine], minlength=kinds.max() + 1).astype(float)
     share = 1.0 / np.sqrt(np.maximum(often[kinds], 1.0)) * np.where(album.rows[:, 6] == 1, _ASKED, 1.0)
