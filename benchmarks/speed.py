@@ -23,6 +23,7 @@ from time import process_time
 import clock_speed
 import gymnasium
 import numpy as np
+import robosuite_speed
 import typer
 from remac_bench.columns import show
 from remac_bench.command import run_script
@@ -41,7 +42,6 @@ from remac_env.tasks.goals import Goal
 
 TASK = "OpenMicrowavePnP"
 REPEATS = 5
-_WARM = 50  # steps of robosuite before it is timed: the first ones compile its controllers with numba
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def physics() -> Iterator[Figure]:
     for counter in ("contacts", "constraint rows"):
         yield Figure(f"two robots: {counter}", median(run[counter] for run in runs), "mean of a step")
     yield Figure("REMAC-length episode of two robots", median(run["seconds"] for run in runs), "s", "< 1")
-    peer = _robosuite("TwoArmLift", "Panda", 2)
+    peer = robosuite_speed.rate("TwoArmLift", "Panda", 2)
     if peer is not None:
         yield Figure("two robots: steps for each of robosuite's TwoArmLift", median(rates) / peer, "", ">= 25")
 
@@ -142,34 +142,9 @@ def robosuite() -> Iterator[Figure]:
     ours = f"RemacKitchen{TASK}"
     cases = [("TwoArmLift", "Panda", 2, 0.002), *((ours, "PandaOmron", n, dt) for dt in (0.002, 0.005) for n in (2, 1))]
     for name, robot, count, step in cases:
-        rate = _robosuite(name, robot, count, step)
+        rate = robosuite_speed.rate(name, robot, count, step)
         if rate is not None:
             yield Figure(f"robosuite: env.step of {name}, {count} {robot}, {1000 * step:.0f} ms", rate, "1/s")
-
-
-def _robosuite(name: str, robot: str, count: int, step: float = 0.002) -> float | None:
-    """Control steps of 0.05 s a second in an environment of robosuite's, None where that is not installed.
-
-    `step`: of the simulation, s; robosuite's own is 2 ms.
-    """
-    try:
-        import robosuite
-        from robosuite import macros
-
-        import remac_env.integrations.robosuite  # noqa: F401 - registers the kitchens
-    except ImportError:
-        return None
-    usual, macros.SIMULATION_TIMESTEP = macros.SIMULATION_TIMESTEP, step
-    try:
-        env = robosuite.make(
-            name, robots=[robot] * count, has_renderer=False, has_offscreen_renderer=False, use_camera_obs=False, seed=0
-        )
-        env.reset()
-        rest = np.zeros(env.action_dim)
-        _timed(lambda: env.step(rest), _WARM)
-        return 100 / sum(_timed(lambda: env.step(rest), 100))
-    finally:
-        macros.SIMULATION_TIMESTEP = usual
 
 
 def skills() -> Iterator[Figure]:
