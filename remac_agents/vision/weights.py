@@ -31,6 +31,11 @@ SUFFIX = ".npz"
 SHIPPED = Path(__file__).with_name("shipped") / f"vision{SUFFIX}"
 """The weights that come with the package."""
 
+LEAST_ALARM = 0.8
+"""The probability from which on "false" is said at least, whatever the pictures say by which levels were found. In play
+nearly all that is asked is true: of 32 answers "false" that were less sure, in 48 episodes on seeds from 160,000 on with
+learned skills, 29 were wrong."""
+
 _SAME = 2e-2  # by which logits of the sample may differ from machine to machine
 _UNPACKED = 2 * LARGEST  # bytes of all arrays, pictures of the sample among them
 
@@ -70,7 +75,8 @@ class About:
 
     def levels(self, question: Question) -> Sequence[float]:
         """The probabilities from which on a question is answered with "true", and with "false"."""
-        return next(self.least[kind] for kind in kinds_of(question, self.common) if kind in self.least)
+        true, false = next(self.least[kind] for kind in kinds_of(question, self.common) if kind in self.least)
+        return true, max(false, LEAST_ALARM)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -96,3 +96,19 @@ def test_a_quirk_that_has_nothing_to_do_changes_no_motion() -> None:
             env.step({"robot_0": env.vocabulary.encode(text)})
         ends.append(env.backend.positions().tolist())  # type: ignore[attr-defined]
     assert ends[0] == ends[1]
+
+
+def test_what_runs_only_shut_goes_off_when_its_door_opens_whatever_turns_it_on() -> None:
+    told = {}
+    for backend in ("symbolic", "physics"):
+        env = remac_env.parallel_env("OpenCabinetPnP", robots=1, layout="rich_u_shaped", backend=backend)
+        env.reset(seed=1)
+        told[backend] = []
+        for text in ("navigate to oven", "turn on oven", "open oven door", "turn on oven", "close oven door"):
+            infos = env.step({"robot_0": env.vocabulary.encode(text)})[4]
+            oven = env.world.fixtures["oven"]
+            told[backend].append((infos["robot_0"]["outcome"]["reason"], oven.door, set(oven.on)))
+    assert told["physics"] == told["symbolic"]
+    assert told["physics"][1:] == [
+        ("", "closed", {"oven"}), ("", "open", set()), ("blocked", "open", set()), ("", "closed", set())
+    ]

@@ -84,13 +84,13 @@ class Timeline:
         self._stepped: set[str] = set()
         self._fell: dict[str, str] = {}
         pose_start(self.simulation, self._layout, self._objects, start)
-        self._oddities = self._made_odd() if start.scene.quirks else None
+        self._oddities = self._made_odd() if Oddities.wanted(start.scene, self._layout) else None
         self._settle(_START_LEAST)
         self._zero = self.simulation.ticks
         self.world = self._truth.read()
 
     def _made_odd(self) -> Oddities:
-        """What the kitchen's quirks are in physics."""
+        """What the kitchen's quirks and interlocks are in physics."""
         scene, happened = self.start.scene, self._truth.happened
         around = Surroundings(self.simulation, scene, self._layout, self._objects, happened)
         return Oddities(around, self._truth)

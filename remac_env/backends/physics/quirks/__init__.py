@@ -12,7 +12,8 @@ from typing import Protocol
 from remac_env.backends.physics.quirks import doors, objects, switches
 from remac_env.backends.physics.quirks.mechanisms import Surroundings
 from remac_env.backends.physics.truth import Truth
-from remac_env.rules.facts import Quirk
+from remac_env.kitchen.floor_plan import Layout
+from remac_env.rules.facts import Quirk, Rules
 from remac_env.rules.subtasks import Subtask
 
 
@@ -33,11 +34,19 @@ class Mechanism(Protocol):
 
 
 class Oddities:
-    """The quirks of a kitchen."""
+    """The quirks of a kitchen, and the interlocks of what runs only shut."""
 
     def __init__(self, around: Surroundings, truth: Truth) -> None:
         self._around, self._simulation = around, around.simulation
-        self._all = [ROWS[q.kind](around, q, truth) for q in around.scene.quirks if q.kind in ROWS]
+        self._all: list[Mechanism] = [
+            *(switches.Interlock(around, f) for f in around.layout.fixtures.values() if switches.Interlock.wanted(f)),
+            *(ROWS[q.kind](around, q, truth) for q in around.scene.quirks if q.kind in ROWS),
+        ]
+
+    @staticmethod
+    def wanted(scene: Rules, layout: Layout) -> bool:
+        """Whether a kitchen has any."""
+        return bool(scene.quirks) or any(switches.Interlock.wanted(each) for each in layout.fixtures.values())
 
     def watch(self) -> None:
         """Look on, after every control period."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from remac_env.backends.physics.quirks.mechanisms import Surroundings, Switch
 from remac_env.backends.physics.truth import Truth
+from remac_env.kitchen.fixtures.base import Fixture
 from remac_env.rules.facts import Quirk
 
 
@@ -87,3 +88,31 @@ class Springs(_OfSwitches):
             switch.came_on()
             if left and switch.on:
                 switch.send_back()
+
+
+class Interlock:
+    """No quirk: what runs only shut goes off when its door opens. A spring brings its knobs back."""
+
+    def __init__(self, around: Surroundings, fixture: Fixture) -> None:
+        self._around, self._fixture, self.struck = around, fixture.name, set[str]()
+        self._switches = [Switch(around, actuator) for actuator in fixture.actuators]
+
+    @classmethod
+    def wanted(cls, fixture: Fixture) -> bool:
+        """Whether it has knobs that need one: what a button started stops without."""
+        return fixture.shut_to_run and not all(actuator.springs_back for actuator in fixture.actuators)
+
+    @property
+    def at_work(self) -> bool:
+        return any(switch.returning for switch in self._switches)
+
+    def watch(self) -> None:
+        shut = self._around.shut(self._fixture)
+        for switch in self._switches:
+            switch.came_on()
+            if not shut and switch.on:
+                switch.send_back()
+
+    def push(self) -> None:
+        for switch in self._switches:
+            switch.push()

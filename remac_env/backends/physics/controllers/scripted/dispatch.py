@@ -12,7 +12,7 @@ from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, 
 from remac_env.backends.physics.controllers.scripted.switches import work
 from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.kitchen.fixtures import Slot
-from remac_env.rules.facts import Rules
+from remac_env.rules.facts import FixtureFacts, Rules
 from remac_env.rules.places import switch_for
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState, base_place, contents
@@ -121,8 +121,17 @@ def _switch(here: Workspace, scene: Rules, world: WorldState, target: str, *, on
     switches = list(facts.switches)
     if facts.switch_per_slot:
         switches = [switch_for(scene, world, target)] if on else sorted(world.fixtures[target].on)
-    for switch in switches:
-        yield from work(here, actuators[switch], on=on)
-    if on and facts.shut_to_run and here.sensed.reading(target).door not in (None, "closed"):
-        raise SkillFailure("blocked", f"the {target} does not run with its door open")
+    try:
+        for switch in switches:
+            yield from work(here, actuators[switch], on=on)
+    except SkillFailure:
+        _check_runs(here, facts, on=on)  # a knob may have come back for that
+        raise
+    _check_runs(here, facts, on=on)
+
+
+def _check_runs(here: Workspace, facts: FixtureFacts, *, on: bool) -> None:
+    """Raise SkillFailure where something was turned on that runs only shut, and is open."""
+    if on and facts.shut_to_run and here.sensed.reading(facts.name).door not in (None, "closed"):
+        raise SkillFailure("blocked", f"the {facts.name} does not run with its door open")
 
