@@ -32,9 +32,11 @@ SHIPPED = Path(__file__).with_name("shipped") / f"vision{SUFFIX}"
 """The weights that come with the package."""
 
 LEAST_ALARM = 0.8
-"""The probability from which on "false" is said at least, whatever the pictures say by which levels were found. In play
-nearly all that is asked is true: of 32 answers "false" that were less sure, in 48 episodes on seeds from 160,000 on with
-learned skills, 29 were wrong."""
+"""The probability from which on "false" is said at least, whatever the pictures say by which levels were found.
+
+In play nearly all that is asked is true: of 32 answers "false" that were less sure, 29 were wrong (48 episodes with
+learned skills on seeds from 160,000 on).
+"""
 
 _SAME = 2e-2  # by which logits of the sample may differ from machine to machine
 _UNPACKED = 2 * LARGEST  # bytes of all arrays, pictures of the sample among them
