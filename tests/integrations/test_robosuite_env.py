@@ -54,7 +54,7 @@ def stand(env: Any, world: Any) -> None:
     start = env.episode.start
     fixtures = dict(world.fixtures.items())
     doors = {n: {"closed": 0.0, "ajar": 0.5, "open": 1.5}[f.door] for n, f in fixtures.items() if f.door}
-    pose_start(env._bodies, env.episode.layout, env.episode.things, replace(start, world=world, doors=doors))
+    pose_start(env._bodies, env.episode.layout, env.episode.objects, replace(start, world=world, doors=doors))
 
 
 def solved(start: Any, goal: Any) -> Any:
@@ -95,7 +95,7 @@ def test_the_physics_is_ours() -> None:
     env = make("WashPnPHeat", seed=2, looks=True)
     env.reset()
     episode, theirs = env.episode, env.sim.model._model
-    ours = build_model(episode.layout, robots=(), objects=episode.things)
+    ours = build_model(episode.layout, robots=(), objects=episode.objects)
     for name in ("integrator", "cone", "solver", "impratio", "iterations", "ls_iterations", "jacobian", "enableflags"):
         assert getattr(theirs.opt, name) == getattr(ours.opt, name), name
     assert theirs.opt.timestep == 0.002
