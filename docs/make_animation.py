@@ -26,6 +26,7 @@ from remac_env.pictures import Moment
 from remac_env.rendering.cameras import axes, fitted
 from remac_env.rendering.renderer import BEAUTY, Quality, Renderer
 from remac_env.rendering.signs import Signs
+from remac_env.state import switches_on
 
 FILE = Path(__file__).parent / "pictures" / "team.webp"
 SIZE = (640, 360)
@@ -109,7 +110,7 @@ def drawn(env: Any, moments: list[Moment], *, size: tuple[int, int], quality: Qu
     places = followed([_robots(model, data, moment, start.scene.robots) for moment in moments], turn)
     with Renderer(model, *size, quality=quality) as renderer:
         for moment, place in zip(moments, places, strict=True):
-            show_switches(model, frozenset().union(*(state.on for state in moment.world.fixtures.values())))
+            show_switches(model, switches_on(moment.world))
             signs.show(model, moment.world, moment.slow)
             data.qpos[:] = moment.positions
             data.mocap_pos[0] = place

@@ -129,6 +129,11 @@ def inside(scene: Rules, world: WorldState, name: str, container: str) -> bool:
     return container in supports(scene, world, name)
 
 
+def switches_on(world: WorldState) -> frozenset[str]:
+    """The switches of all fixtures that are on."""
+    return frozenset().union(*(state.on for state in world.fixtures.values()))
+
+
 def base_place(world: WorldState, name: str) -> Place:
     """The place of the lowest object under object `name`: a slot, a robot's hand or the floor."""
     place = world.objects[name].place

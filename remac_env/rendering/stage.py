@@ -26,7 +26,7 @@ from remac_env.robots import bodies
 from remac_env.rules.facts import ASIDE
 from remac_env.rules.marks import SEASONED, WASHED
 from remac_env.start import Start
-from remac_env.state import FixtureState, ObjectState, WorldState
+from remac_env.state import FixtureState, ObjectState, WorldState, switches_on
 
 RENDER_SIZE = (768, 432)
 """Width and height of `render()` and of videos, pixels."""
@@ -178,7 +178,7 @@ class Stage:
         state = world.fixtures, world.objects
         if state != self._state:
             self._state = state
-            show_switches(self._model, frozenset().union(*(state.on for state in world.fixtures.values())))
+            show_switches(self._model, switches_on(world))
             show_seasoned(self._model, {noun for noun, item in world.objects.items() if SEASONED in item.marks})
             show_stains(self._model, {noun for noun, item in world.objects.items() if WASHED in item.marks})
         self._signs.show(self._model, world, slow)

@@ -94,7 +94,7 @@ def test_a_quirk_that_has_nothing_to_do_changes_no_motion() -> None:
         env.reset(seed=1)
         for text in trial.tries:
             env.step({"robot_0": env.vocabulary.encode(text)})
-        ends.append(env.backend.positions().tolist())  # type: ignore[attr-defined]
+        ends.append(env._backend.positions().tolist())  # type: ignore[attr-defined]
     assert ends[0] == ends[1]
 
 

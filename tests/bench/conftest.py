@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
+from browser_helpers import chromium
+from pages_helpers import mixed
+from remac_bench.pages import write_pages
 from remac_bench.proof import verify
 from remac_bench.records import Record
+from remac_bench.store import Store
 
 Check = Callable[..., Iterator[str]]
 
@@ -28,3 +33,19 @@ def replays(monkeypatch: pytest.MonkeyPatch) -> None:
 
     for name in ("check_job", "check_rounds"):
         monkeypatch.setattr(verify, name, once(getattr(verify, name)))
+
+
+@pytest.fixture(scope="module")
+def driver() -> Iterator[Any]:
+    """A real Chromium."""
+    with chromium() as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def many(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the pages of many records."""
+    folder = tmp_path_factory.mktemp("many")
+    Store(folder).append(mixed())
+    write_pages(folder)
+    return folder

@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 import pytest
-from browser_helpers import chromium
-from pages_helpers import EVIL, mixed
-from remac_bench.pages import write_pages
-from remac_bench.store import Store
+from pages_helpers import EVIL
 
 pytestmark = pytest.mark.long
 
 
 @pytest.fixture(scope="module")
-def driver() -> Iterator[Any]:
-    with chromium() as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> str:
-    folder = tmp_path_factory.mktemp("many")
-    Store(folder).append(mixed())
-    write_pages(folder)
-    return (folder / "leaderboard.html").resolve().as_uri()
+def page(many: Path) -> str:
+    return (many / "leaderboard.html").resolve().as_uri()
 
 
 def visit(driver: Any, page: str, fragment: str) -> str:

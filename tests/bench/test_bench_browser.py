@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_helpers import chromium
-from pages_helpers import hostile, mixed, real_run, spoken
+from pages_helpers import hostile, real_run, spoken
 from remac_bench.pages import write_pages
 from remac_bench.pages.episode_page import page_name
 from remac_bench.report import read_records
@@ -24,23 +22,9 @@ SCHEMES = ("light", "dark")
 
 
 @pytest.fixture(scope="module")
-def driver() -> Iterator[Any]:
-    with chromium() as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = real_run(tmp_path_factory.mktemp("run"), video="last")
     Store(folder).append([spoken(folder)])
-    write_pages(folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def many(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("many")
-    Store(folder).append(mixed())
     write_pages(folder)
     return folder
 

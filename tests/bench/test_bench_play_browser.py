@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from bench_helpers import read, record, start, wait_for
-from browser_helpers import chromium
 from live_helpers import serving
 from remac_bench.live.viewing import View
 from remac_bench.proof.verify import verify
@@ -19,12 +17,6 @@ from remac_bench.store import Store
 from test_bench_play import TASK, shortest
 
 pytestmark = pytest.mark.long
-
-
-@pytest.fixture(scope="module")
-def driver() -> Iterator[Any]:
-    with chromium() as made:
-        yield made
 
 
 def text(driver: Any, selector: str) -> str:

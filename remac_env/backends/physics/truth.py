@@ -14,7 +14,7 @@ from remac_env.rules.facts import Process
 from remac_env.rules.quirks import QUIRKS
 from remac_env.rules.rounds import at_rest
 from remac_env.start import Start
-from remac_env.state import WorldState
+from remac_env.state import WorldState, switches_on
 
 
 class Truth:
@@ -27,8 +27,7 @@ class Truth:
         self._bodies, self._scene, self._layout, self._objects = bodies, start.scene, layout, objects
         self._rest = replace(start.scene, quirks=tuple(q for q in start.scene.quirks if QUIRKS[q.kind].marks_alone))
         self._marks = {name: state.marks for name, state in start.world.objects.items()}
-        on = frozenset().union(*(state.on for state in start.world.fixtures.values()))
-        self.happened = Happened(bodies, start.scene, layout, objects, on)
+        self.happened = Happened(bodies, start.scene, layout, objects, switches_on(start.world))
 
     def update(self) -> None:
         """Take the last control step into account."""

@@ -27,7 +27,7 @@ from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import MAX_ROBOTS
 from remac_env.parallel import UNSEEDED_BELOW
 from remac_env.seeding import SEED_MAX, generator
-from remac_env.state import WorldState
+from remac_env.state import WorldState, switches_on
 from remac_env.tasks.goals import progress
 from remac_env.tasks.spec import TaskSpec
 
@@ -261,7 +261,7 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
 
     def _show(self, world: WorldState) -> None:
         """Let water, flames and lamps be seen where something is on."""
-        on = frozenset().union(*(state.on for state in world.fixtures.values()))
+        on = switches_on(world)
         if self._visual and on != self._shown:
             show_switches(self._bodies.model, on)
         self._shown = on

@@ -39,7 +39,7 @@ class Oddities:
     def __init__(self, around: Surroundings, truth: Truth) -> None:
         self._around, self._simulation = around, around.simulation
         self._all: list[Mechanism] = [
-            *(switches.Interlock(around, f) for f in around.layout.fixtures.values() if switches.Interlock.wanted(f)),
+            *(switches.Interlock(around, n) for n, f in around.layout.fixtures.items() if switches.Interlock.wanted(f)),
             *(ROWS[q.kind](around, q, truth) for q in around.scene.quirks if q.kind in ROWS),
         ]
 

@@ -8,14 +8,12 @@ from remac_env.kitchen.fixtures.base import Fixture
 from remac_env.rules.facts import Quirk
 
 
-class _OfSwitches:
-    """What has to do with switches: those that it looks at, and those that it turns off."""
+class _Sender:
+    """What sends switches back: its own, and others."""
 
-    def __init__(self, around: Surroundings, quirk: Quirk, truth: Truth) -> None:
-        self.around, self.quirk, self.struck = around, quirk, set[str]()
-        fixture = quirk.about if quirk.about in around.scene.fixtures else around.scene.slots[quirk.about].fixture
-        self.fixture = fixture
-        self.switches = [switch for switch in self._of(fixture) if quirk.about in (fixture, switch.name)]
+    def __init__(self, around: Surroundings, fixture: str) -> None:
+        self.around, self.fixture, self.struck = around, fixture, set[str]()
+        self.switches = self._of(fixture)
         self.others: list[Switch] = []
 
     def _of(self, fixture: str) -> list[Switch]:
@@ -28,6 +26,16 @@ class _OfSwitches:
     def push(self) -> None:
         for switch in (*self.switches, *self.others):
             switch.push()
+
+
+class _OfSwitches(_Sender):
+    """A quirk that has to do with switches: those of a fixture, or one of them."""
+
+    def __init__(self, around: Surroundings, quirk: Quirk, truth: Truth) -> None:
+        fixture = quirk.about if quirk.about in around.scene.fixtures else around.scene.slots[quirk.about].fixture
+        super().__init__(around, fixture)
+        self.quirk = quirk
+        self.switches = [switch for switch in self.switches if quirk.about in (fixture, switch.name)]
 
 
 class Refuses(_OfSwitches):
@@ -90,29 +98,17 @@ class Springs(_OfSwitches):
                 switch.send_back()
 
 
-class Interlock:
+class Interlock(_Sender):
     """No quirk: what runs only shut goes off when its door opens. A spring brings its knobs back."""
-
-    def __init__(self, around: Surroundings, fixture: Fixture) -> None:
-        self._around, self._fixture, self.struck = around, fixture.name, set[str]()
-        self._switches = [Switch(around, actuator) for actuator in fixture.actuators]
 
     @classmethod
     def wanted(cls, fixture: Fixture) -> bool:
         """Whether it has knobs that need one: what a button started stops without."""
         return fixture.shut_to_run and not all(actuator.springs_back for actuator in fixture.actuators)
 
-    @property
-    def at_work(self) -> bool:
-        return any(switch.returning for switch in self._switches)
-
     def watch(self) -> None:
-        shut = self._around.shut(self._fixture)
-        for switch in self._switches:
+        shut = self.around.shut(self.fixture)
+        for switch in self.switches:
             switch.came_on()
             if not shut and switch.on:
                 switch.send_back()
-
-    def push(self) -> None:
-        for switch in self._switches:
-            switch.push()
