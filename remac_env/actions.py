@@ -19,7 +19,7 @@ def check_actions(actions: Mapping[str, Any], agents: Sequence[str]) -> dict[str
     """
     if not isinstance(actions, Mapping):
         raise ActionError(f"actions must map agents to tokens, got {type(actions).__name__}; agents: {list(agents)}")
-    if set(actions) != set(agents):
+    if actions.keys() != set(agents):
         missing = [name for name in agents if name not in actions]
         problem = f"missing {missing}, unexpected {[name for name in actions if name not in agents]}"
         raise ActionError(f"actions for the wrong agents: {problem}; agents: {list(agents)}")

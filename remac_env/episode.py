@@ -45,7 +45,7 @@ class Terms:
         commands = worlds.vocabulary.legal(start.scene)
         return cls(spec, options, start, spec.goal.bind(names), sentence, commands, phases)
 
-    @property
+    @cached_property
     def scene(self) -> Rules:
         """The facts of this kitchen."""
         return self.start.scene
@@ -106,6 +106,8 @@ class Episode:
     end: End | None = None
     phases_done: int = 0
     seen: frozenset[str] = frozenset()
+    _judged: WorldState | None = field(default=None, init=False, repr=False)
+    _fate: End | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Look about."""
@@ -133,20 +135,31 @@ class Episode:
         self.outcomes = {**result.outcomes, **{name: _at(invalid[name], result.outcomes[name]) for name in invalid}}
         self.counters = self.counters + result.counters
         self.seconds += result.seconds
-        said = {name for name, subtask in subtasks.items() if subtask.skill == "done"}
-        waits = {name for name, subtask in subtasks.items() if subtask.skill == "wait"}
-        self.done = frozenset((self.done & waits) | said)
+        before = self.done
+        self.done = frozenset(
+            [n for n, s in subtasks.items() if s.skill == "done" or (s.skill == "wait" and n in before)]
+        )
         self.look()
 
     def look(self) -> None:
         """Judge the world as it is after one more round."""
         self._look_about()
         self.rounds += 1
-        for _, goal in self.terms.phases[self.phases_done :]:
-            if not goal.holds(self.terms.scene, self.world):
+        if self.world is not self._judged:
+            # A refused command leaves the very same world, and how that stands is known.
+            self._judged, self._fate = self.world, self._look_at_goals()
+        self.end = self._judge()
+
+    def _look_at_goals(self) -> End | None:
+        """How the world decides the episode; phases that have been reached stay so."""
+        scene, world, goal = self.terms.scene, self.world, self.terms.goal
+        for _, phase in self.terms.phases[self.phases_done :]:
+            if not phase.holds(scene, world):
                 break
             self.phases_done += 1
-        self.end = self._judge()
+        if goal.holds(scene, world):
+            return "success"
+        return "lost" if lost(goal, scene, world) else None
 
     @property
     def progress(self) -> float:
@@ -155,7 +168,7 @@ class Episode:
 
     def info(self, robot: str) -> dict[str, Any]:
         """What `infos[robot]` holds: each key always of one type, as vector environments need it."""
-        terms = self.terms
+        terms, done = self.terms, self.phases_done
         return {
             "outcome": self._outcome(robot),
             "text": self._text(robot),
@@ -170,7 +183,7 @@ class Episode:
             "verbs": dict(terms.spec.verbs),
             "unseen": sorted(self.unseen),
             "feedback": terms.options.feedback,
-            "phases": {name: index < self.phases_done for index, (name, _) in enumerate(terms.phases)},
+            "phases": {name: index < done for index, (name, _) in enumerate(terms.phases)},
             "round": self.rounds,
             "seconds": float(self.seconds),
             "robot_contacts": int(self.counters.robot_contacts),
@@ -179,12 +192,9 @@ class Episode:
         }
 
     def _judge(self) -> End | None:
-        terms = self.terms
-        if terms.goal.holds(terms.scene, self.world):
-            return "success"
-        if lost(terms.goal, terms.scene, self.world):
-            return "lost"
-        if self.done >= set(terms.scene.robots):
+        if self._fate is not None:
+            return self._fate
+        if len(self.done) == len(self.terms.scene.robots):
             return "done"
         return "truncated" if self.out_of_time else None
 

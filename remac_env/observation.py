@@ -31,7 +31,7 @@ class _Things:
     fixtures: FrozenMap[FixtureState]
     values: dict[str, NDArray[np.float32]]
     at_station: dict[str, list[int]]
-    ones: dict[FrozenMap[RobotState], dict[str, NDArray[np.intp]]] = field(default_factory=dict)
+    ones: dict[tuple[tuple[str, str | None], ...], dict[str, NDArray[np.intp]]] = field(default_factory=dict)
 
     def are(self, scene: Rules, world: WorldState) -> bool:
         """Whether this is the very state of the objects in that world: equal ones are not looked for."""
@@ -74,9 +74,11 @@ class Facts:
         if things is None or not things.are(scene, world):
             # Most rounds move robots alone: what was seen of the objects last time is then seen again.
             things = self._things = self._see_things(scene, world)
-        ones = things.ones.get(world.robots)
+        # Texts are hashed once and found by identity, which states of robots are not.
+        robots_now = tuple([(state.station, state.holding) for state in world.robots.values()])
+        ones = things.ones.get(robots_now)
         if ones is None:
-            ones = things.ones[world.robots] = self._see_robots(scene, world, things)
+            ones = things.ones[robots_now] = self._see_robots(scene, world, things)
         told: dict[str, NDArray[np.float32]] = {}
         for robot in robots:
             values = told[robot] = things.values[robot].copy()
@@ -123,15 +125,19 @@ class Facts:
         blocks = {name: self._block(scene, world.robots[name], things) for name in scene.robots}
         ones: dict[str, NDArray[np.intp]] = {}
         for robot in scene.robots:
-            order = [robot, *(name for name in scene.robots if name != robot)]
-            ones[robot] = np.concatenate([blocks[name] + i * self._robot_size for i, name in enumerate(order)])
+            places, start = list(blocks[robot]), 0
+            for name in scene.robots:
+                if name != robot:
+                    start += self._robot_size
+                    places += [start + place for place in blocks[name]]
+            ones[robot] = np.array(places, dtype=np.intp)
         return ones
 
-    def _block(self, scene: Rules, state: RobotState, things: _Things) -> NDArray[np.intp]:
+    def _block(self, scene: Rules, state: RobotState, things: _Things) -> list[int]:
         """Places of the ones in a robot's block, from the beginning of the block."""
         aside = state.station == ASIDE
         ones = [0] if aside else [1 + self._at[name] for name in scene.used_from(state.station)]
         ones += [1 + index for index in things.at_station.get(state.station, ())]
         if state.holding is not None:
             ones.append(1 + self._at[state.holding] + len(self.objects))
-        return np.array(ones, dtype=np.intp)
+        return ones

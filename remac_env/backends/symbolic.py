@@ -133,8 +133,9 @@ class SymbolicBackend:
         check_idle(subtasks, start.scene.robots, ())
         # What begins together and is alone comes true together, so that nothing has to be carried over one by one.
         told, _, _, self._world = self._foretold(start.scene, world, subtasks)
-        self._clock = max([self._clock, *[outcome.ended for outcome in told.values()]])
-        return RoundResult(self._came_to_rest(start), told, max([0.0, *[outcome.seconds for outcome in told.values()]]))
+        seconds = max([outcome.seconds for outcome in told.values()], default=0.0)
+        self._clock = max([outcome.ended for outcome in told.values()], default=self._clock)
+        return RoundResult(self._came_to_rest(start), told, seconds)
 
     def kept(self) -> Kept:
         """The moment at hand, for `put_back`: what a search goes on from. Slips are not among it."""
@@ -246,7 +247,9 @@ class SymbolicBackend:
 
     def _timed(self, outcome: Outcome, subtask: Subtask) -> Outcome:
         """An outcome with nominal seconds from now on: a refusal takes none."""
-        seconds = 0.0 if outcome.refused else self._seconds(subtask)
-        status, reason, detail, refused = outcome.status, outcome.reason, outcome.detail, outcome.refused
-        ended = round(self._clock + seconds, CLOCK_DIGITS)
-        return Outcome(status, reason, detail, seconds, refused, self._clock, ended)
+        began = ended = self._clock
+        seconds, refused = 0.0, outcome.refused
+        if not refused:
+            seconds = self._seconds(subtask)
+            ended = round(began + seconds, CLOCK_DIGITS)
+        return Outcome(outcome.status, outcome.reason, outcome.detail, seconds, refused, began, ended)

@@ -51,24 +51,20 @@ def first_false(
     Args:
         alone: False leaves out what the round settles, as robots may change places in it.
     """
-    for requirement, settles, test, args in _tests(subtask.skill, subtask.target, robot).get(mark, ()):
-        if (alone or not settles) and not test(rules, world, *args):
+    for requirement, test, args in _tests(subtask.skill, subtask.target, robot, mark, alone):
+        if not test(rules, world, *args):
             return requirement
     return None
 
 
-_Test = tuple[Requirement, bool, Test, tuple[str, ...]]
-
-
 @lru_cache(maxsize=4096)
-def _tests(skill: str, target: str, robot: str) -> dict[Mark, list[_Test]]:
-    """The requirements of each mark, with what decides it and on which names: found once, not in every round."""
-    tests: dict[Mark, list[_Test]] = {}
-    for requirement in Subtask(skill, target).requirements(robot):
-        condition = requirement.condition
-        row = PREDICATES[condition.predicate]
-        tests.setdefault(requirement.mark, []).append((requirement, row.settled, row.test, condition.args))
-    return tests
+def _tests(
+    skill: str, target: str, robot: str, mark: Mark, alone: bool
+) -> tuple[tuple[Requirement, Test, tuple[str, ...]], ...]:
+    """The requirements of a mark, with what decides each and on which names: found once, not in every round."""
+    wanted = [one for one in Subtask(skill, target).requirements(robot) if one.mark == mark]
+    rows = [(one, PREDICATES[one.condition.predicate]) for one in wanted]
+    return tuple((one, row.test, one.condition.args) for one, row in rows if alone or not row.settled)
 
 
 def feasible(rules: Rules, world: WorldState, robot: str, subtask: Subtask) -> bool:
