@@ -20,6 +20,8 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """See typer."""
+        if ctx.resilient_parsing:  # a line that is being completed may be wrong in any way as yet
+            return list(super().parse_args(ctx, args))
         try:
             _, _, given = self.make_parser(ctx).parse_args(args=list(args))
             twice = [p for p, times in Counter(given).items() if times > 1 and not getattr(p, "multiple", False)]

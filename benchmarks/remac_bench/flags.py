@@ -20,6 +20,7 @@ from remac_agents.options import AgentOptions
 from remac_bench import agents
 from remac_bench.agents import Access
 from remac_bench.command_rows import ROWS as COMMANDS
+from remac_bench.completion import completer
 from remac_bench.console import clean_errors
 from remac_bench.script_rows import ROWS as SCRIPTS
 from remac_bench.settings import Settings
@@ -83,7 +84,8 @@ class Flag:
     def declared(self) -> inspect.Parameter:
         """The same for typer."""
         row = self.row
-        told = typer.Option(*row.flag.split(), help=row.help, rich_help_panel=self.panel, **parsed(row.values))
+        more = {**parsed(row.values), "autocompletion": completer(self.home, self.keyword, row.values)}
+        told = typer.Option(*row.flag.split(), help=row.help, rich_help_panel=self.panel, **more)
         kind: Any = GenericAlias(list, (row.values.kind,)) if row.values.many else row.values.kind
         default = (list(row.default) or None) if isinstance(row.default, tuple) else row.default
         annotation: Any = Annotated[kind | None if default is None else kind, told]

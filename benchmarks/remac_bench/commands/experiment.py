@@ -9,10 +9,16 @@ import typer
 from remac_bench.flags import REACH, of, takes
 
 
+def _names() -> list[str]:
+    from remac_bench.experiments.trials import EXPERIMENTS
+
+    return [*EXPERIMENTS, "headroom"]
+
+
 @takes(*of("experiment"), *REACH, "extensions")
 def experiment(
     context: typer.Context,
-    name: Annotated[str, typer.Argument(help="reflection, wording, validity or headroom.")],
+    name: Annotated[str, typer.Argument(help="reflection, wording, validity or headroom.", autocompletion=_names)],
     **given: Any,
 ) -> None:
     """Ask planners for plans only, and judge them by the skill table: seconds, no physics."""
