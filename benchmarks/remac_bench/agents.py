@@ -63,8 +63,16 @@ class Access:
 
     @classmethod
     def recorded(cls, told: Mapping[str, Any]) -> Access:
-        """What a record tells of it: no file that could be read again."""
-        return cls(**{name: value for name, value in told.items() if name != "providers"})
+        """What a record tells of it: no file that could be read again.
+
+        Raises:
+            OptionError: for what no version writes.
+        """
+        given = {name: value for name, value in told.items() if name != "providers"}
+        for name, value in given.items():
+            if not isinstance(value, bool if name in ("replay", "isolated") else str | None):
+                raise OptionError(f"access.{name} {str(value)[:80]!r} is not valid; valid: as a run writes it")
+        return cls(**given)
 
 
 def asked_models(agent: Mapping[str, Any], *, providers: str | None = None) -> list[str]:

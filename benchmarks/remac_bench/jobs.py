@@ -13,6 +13,9 @@ from remac_bench.outside import plugins
 from remac_env.options import Options
 from remac_env.seeding import digest
 
+MOST_ITERATIONS = 1000
+"""More is a slip of the keyboard."""
+
 NOT_IN_KEY = ("render_mode",)
 """Options of the kitchen that cannot change what happens in it."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 SCHEMA = 1
 """Raised whenever the meaning of a field changes; fields may be added without."""
@@ -258,6 +258,14 @@ class Record(Model):
     suite: str | None = None
     suite_version: int | None = None
     suite_digest: str | None = None
+
+    @field_validator("options")
+    @classmethod
+    def _tables(cls, options: dict[str, Any]) -> dict[str, Any]:
+        wrong = [name for name in ("kitchen", "agent", "access") if not isinstance(options.get(name, {}), dict)]
+        if wrong:
+            raise ValueError(f"options.{wrong[0]} is no table")
+        return options
 
     @property
     def infrastructure_error(self) -> bool:

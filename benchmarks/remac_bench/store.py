@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from codecs import BOM_UTF8
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -19,8 +20,10 @@ from remac_env.files import read_text
 FILE = "records.jsonl"
 VIDEOS = "videos"
 PICTURES = "pictures"
+VIDEO_PATH = re.compile(rf"{VIDEOS}/[A-Za-z0-9_.-]+\.webm")
 SUITE = "suite.json"
-"""Beside the records: folders of videos and of pictures that models were shown, and which suite they belong to."""
+"""Beside the records: folders of videos and of pictures that models were shown, where in them a record's video may lie,
+and which suite they belong to."""
 
 
 class Store:
@@ -74,6 +77,11 @@ class Store:
         whole, torn = _split(self.path.read_bytes())
         lines = [*whole, torn] if _is_record(torn) else whole
         return [_parse(line, f"{self.path}, line {number}") for number, line in enumerate(lines, start=1)]
+
+    def raw_lines(self) -> list[bytes]:
+        """The lines as they stand in the file, the torn last one too."""
+        whole, torn = _split(self.path.read_bytes()) if self.path.exists() else ([], b"")
+        return [*whole, torn] if torn else whole
 
     @property
     def size(self) -> int:

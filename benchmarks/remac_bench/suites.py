@@ -13,7 +13,7 @@ from remac_bench import agents
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_bench.job_lists import check_jobs, make_jobs, parse_seeds
-from remac_bench.jobs import Job, SuiteMark
+from remac_bench.jobs import MOST_ITERATIONS, Job, SuiteMark
 from remac_bench.suite_numbers import check_finite, number, option_value
 from remac_env.errors import RemacError
 from remac_env.files import read_text
@@ -37,9 +37,6 @@ _NOT_A_SUITES = ("robots", "style", "layout", "render_mode")
 KITCHEN = tuple(name for name, row in rows(Options).items() if row.spoken and name not in _NOT_A_SUITES)
 FLOOR_METHOD = "BASE"
 """Floors plan once and look at nothing."""
-
-MOST_ITERATIONS = 1000
-"""More is a slip of the keyboard."""
 
 BUDGET = (*agents.BUDGET, *agents.BOUNDS)
 """The keys of a suite, of one of its blocks of jobs, and of their tables."""

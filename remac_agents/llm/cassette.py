@@ -25,6 +25,8 @@ VERSION = 1
 Mode = Literal["record", "replay", "fill"]
 DIFF_LINES = 60
 CANDIDATES = 200
+MOST = 1e12
+"""Tokens, dollars or seconds of one call; more is no number of any of them."""
 
 
 class Cassette:
@@ -120,10 +122,11 @@ class Cassette:
         with self.path.open("rb") as file:
             for line in file:
                 entry = _entry(line)
-                if entry is None:
+                outcome = None if entry is None else _outcome(entry)
+                if entry is None or outcome is None:
                     self.damaged += bool(line.strip())
                 elif entry["played"]:
-                    self._told.setdefault(entry["key"], []).append(_outcome(entry))
+                    self._told.setdefault(entry["key"], []).append(outcome)
                     self._requests.setdefault(entry["key"], entry["request"])
 
     def _nearest(self, canonical: Mapping[str, Any]) -> str:
@@ -165,13 +168,34 @@ def _entry(line: bytes) -> dict[str, Any] | None:
         return None
 
 
-def _outcome(entry: Mapping[str, Any]) -> ChatReply | ChatError:
-    value = dict(entry["value"])
-    value["bill"] = Bill(**value["bill"]) if "bill" in value else _old_bill(value)
-    value["adaptations"] = tuple(value.get("adaptations", ()))
-    if entry["outcome"] == "error":
-        return ChatError(**value)
-    return ChatReply(**value | {"flags": tuple(value.get("flags", ()))})
+def _outcome(entry: Mapping[str, Any]) -> ChatReply | ChatError | None:
+    """What came of an exchange; None where no client could have written it."""
+    try:
+        value = dict(entry["value"])
+        value["bill"] = Bill(**value["bill"]) if "bill" in value else _old_bill(value)
+        value["adaptations"] = tuple(value.get("adaptations", ()))
+        if entry["outcome"] == "error":
+            outcome: ChatReply | ChatError = ChatError(**value)
+        else:
+            outcome = ChatReply(**value | {"flags": tuple(value.get("flags", ()))})
+    except (TypeError, ValueError, KeyError):
+        return None
+    return outcome if _is_sound(outcome) else None
+
+
+def _is_sound(outcome: ChatReply | ChatError) -> bool:
+    """Whether counts, money and seconds are numbers of their kind, and nothing is less than nothing."""
+    bill = outcome.bill
+    counts = [outcome.attempts, bill.requests, bill.tokens_in, bill.tokens_out, bill.unpriced]
+    counts += [each for each in (outcome.tokens_in, outcome.tokens_out) if each is not None]
+    amounts = [outcome.seconds, outcome.took, bill.money, outcome.money or 0.0]
+    texts = [outcome.kind, outcome.detail] if isinstance(outcome, ChatError) else [outcome.text, outcome.reasoning]
+    return (
+        all(type(count) is int and 0 <= count <= MOST for count in counts)
+        and all(type(each) in (int, float) and 0 <= each <= MOST for each in amounts)
+        and all(isinstance(text, str) for text in texts)
+        and (not isinstance(outcome, ChatError) or outcome.kind in KINDS)
+    )
 
 
 def _old_bill(value: Mapping[str, Any]) -> Bill:

@@ -13,11 +13,16 @@ import pytest
 from bench_helpers import read
 from remac_bench import suites
 from remac_bench.agents import Access
+from remac_bench.code import code_digest
+from remac_bench.errors import UsageError
 from remac_bench.proof.acceptance import ACCEPTED, accept
-from remac_bench.proof.submission import ENTRY, pack
+from remac_bench.proof.standings import gather
+from remac_bench.proof.submission import ENTRY, pack, read_entry, submission_digest
 from remac_bench.proof.verify import verify
 from remac_bench.runner import Settings, run_jobs
 from test_bench_cli import remac
+
+from remac_env.errors import OptionError
 
 sys.path.append(str(Path(__file__).parents[1] / "llm"))
 from chaos_server import ChaosServer, says  # noqa: E402
@@ -46,6 +51,7 @@ def honest(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     (files / "small.toml").write_text(SUITE)
     patch = pytest.MonkeyPatch()
     patch.setattr(suites, "_folder", lambda: files)
+    patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))  # of the key that seals acceptances
     with ChaosServer() as server:
         server.script = [says(f"Plan: [{NAIVE}]", usage={"prompt_tokens": 900, "completion_tokens": 40})]
         access = Access(base_url=server.url, cassette=str(folder / "cassette.jsonl"))
@@ -240,6 +246,17 @@ def _swap_agents(lines: Lines) -> None:
         bad[name] = good[name]
 
 
+def _time_was_up(lines: Lines) -> None:
+    """A failure that never began, so that nothing could be played again, and counts as a success."""
+    error = {"kind": "agent", "type": "JobTimeoutError", "message": "timeout", "where": []}
+    failure(lines).update(success=True, end="success", progress=1.0, digest=None, error=error)
+
+
+def _endless(lines: Lines) -> None:
+    """Whoever verifies is to play until the end of days."""
+    learner(lines)["options"]["iterations"] = 10**9
+
+
 FORGERIES: dict[str, Forgery] = {
     "success": set_field(failure, "success", True),
     "success and end": lambda lines: failure(lines).update(success=True, end="success", progress=1.0),
@@ -308,6 +325,13 @@ FORGERIES: dict[str, Forgery] = {
     "suite's version": _other_suite_version,
     "out of the suite": _no_suite,
     "one entry's results for another's": _swap_agents,
+    "success of a job whose time was up": _time_was_up,
+    "iterations without end": _endless,
+    "seconds before it began": set_field(learner, "wall_seconds", -100.0),
+    "seconds that are no number": set_field(learner, "wall_seconds", float("nan")),
+    "requests": _usage("requests", 0.5e9),
+    "pictures for nobody": lambda lines: learner(lines)["options"].update(viewers=["checker"]),
+    "a video from elsewhere": set_field(learner, "video", {"path": "../../elsewhere.webm"}),
     "a role of someone else": lambda lines: asked(lines)["options"]["agent"].update(checker="noisy"),
 }
 
@@ -432,10 +456,68 @@ def test_a_run_of_another_code_is_not_accepted(submission: Path, tmp_path: Path)
     assert any("made with code 000000000000" in reason for reason in accept(folder).reasons)
 
 
-def test_models_can_be_asked_again(submission: Path, tmp_path: Path) -> None:
-    found = accept(copied(submission, tmp_path), reask=2)
+def test_models_can_be_asked_again(honest: Path, submission: Path, tmp_path: Path) -> None:
+    lines = [json.loads(line) for line in (honest / "records.jsonl").read_text().splitlines()]
+    access = Access(base_url=asked(lines)["options"]["access"]["base_url"])
+    found = accept(copied(submission, tmp_path), reask=2, access=access)
     assert found.tier == "re-asked" and found.reasked is not None
     assert (found.reasked.jobs, found.reasked.before, found.reasked.now) == (2, 0, 0)
+
+
+def test_no_key_goes_where_a_submission_says(submission: Path, tmp_path: Path) -> None:
+    """It names the server of the one who entered; keys go where whoever accepts says, or nowhere."""
+    with pytest.raises(OptionError, match="needs base_url"):
+        accept(copied(submission, tmp_path), reask=1)
+
+
+def test_an_acceptance_that_was_written_elsewhere_is_none(submission: Path, tmp_path: Path) -> None:
+    folder = copied(submission, tmp_path)
+    _repacked(folder, FORGERIES["success and end"])
+    facts = {"submission": submission_digest(read_entry(folder)), "tier": "re-asked", "code": code_digest()}
+    facts["seal"] = "0" * 64
+    for left_out in ("", "seal"):
+        told = [f"{name} = {json.dumps(value)}" for name, value in facts.items() if name != left_out]
+        (folder / ACCEPTED).write_text("\n".join(told))
+        result = remac("bench", "board", str(folder), "--out", str(tmp_path / "board"))
+        assert result.exit_code == 2 and "was not accepted here" in result.output, result.output
+
+
+def test_a_tier_that_was_raised_is_found(submission: Path, tmp_path: Path) -> None:
+    folder = copied(submission, tmp_path)
+    assert accept(folder).tier == "replayed"
+    (folder / ACCEPTED).write_text((folder / ACCEPTED).read_text().replace("replayed", "re-asked"))
+    with pytest.raises(UsageError, match="was not accepted here"):
+        gather([folder], tmp_path / "board")
+
+
+def test_files_that_are_links_or_not_listed_are_no_part_of_a_submission(submission: Path, tmp_path: Path) -> None:
+    folder = copied(submission, tmp_path)
+    (folder / "cassette.jsonl").rename(tmp_path / "elsewhere")
+    (folder / "cassette.jsonl").symlink_to(tmp_path / "elsewhere")
+    (folder / "providers.toml").write_text("version = 1\n")
+    assert accept(folder).reasons == (
+        "cassette.jsonl: not as entry.toml lists it", "providers.toml: not as entry.toml lists it"
+    )
+    (folder / ENTRY).rename(tmp_path / "entry")
+    (folder / ENTRY).symlink_to("/dev/zero")
+    with pytest.raises(UsageError, match="is no file of this folder"):
+        accept(folder)
+
+
+@pytest.mark.parametrize("name", ["Kitchen Crew", "kitchen  CREW", "\uff2bitchen Crew"])
+def test_no_entry_stands_in_for_another(submission: Path, tmp_path: Path, name: str, replays: None) -> None:
+    first, second = copied(submission, tmp_path), Path(shutil.copytree(submission, tmp_path / "second"))
+    entry = second / ENTRY
+    entry.write_text(entry.read_text().replace('name = "Kitchen Crew"', f'name = "{name}"'))
+    assert not accept(first).reasons and not accept(second).reasons
+    with pytest.raises(UsageError, match="stands there already"):
+        gather([first, second], tmp_path / "board")
+
+
+def test_a_name_has_letters_of_one_alphabet(honest: Path, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="letters of one alphabet"):
+        pack(honest, tmp_path / "out", name="Kitchen Cr\u0435w", kind="custom")
+    pack(honest, tmp_path / "out", name="\u041a\u0443\u0445\u043d\u044f 7", kind="custom")
 
 
 def test_a_model_without_a_cassette_cannot_be_submitted(honest: Path, tmp_path: Path) -> None:

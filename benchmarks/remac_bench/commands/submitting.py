@@ -25,13 +25,17 @@ def submit(
     typer.echo(f"packed: {plain(out)}; try it yourself: remac bench accept {plain(out)}")
 
 
-@takes("accept.reask", "accept.seed")
-def accept(folder: Annotated[str, typer.Argument(help="A submission.")], *, reask: int, seed: int) -> None:
+@takes("accept.reask", "accept.seed", "base_url", "providers")
+def accept(
+    folder: Annotated[str, typer.Argument(help="A submission.")],
+    *, reask: int, seed: int, base_url: str | None, providers: str | None,
+) -> None:
     """Play a whole submission again; print its rows, or the reasons why it is not accepted (exit code 1)."""
+    from remac_bench.agents import Access
     from remac_bench.proof.acceptance import accept as judge
     from remac_bench.report import tables
 
-    found = judge(folder, reask=reask, seed=seed)
+    found = judge(folder, reask=reask, seed=seed, access=Access(base_url=base_url, providers=providers))
     screen = console()
     if found.reasons:
         for reason in found.reasons[:SHOWN]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +17,7 @@ from remac_bench.pages.rounds import ShownRound, alarms_of, round_spans, shown_r
 from remac_bench.pages.text import slug
 from remac_bench.records import Record
 from remac_bench.sight import checked_by
-from remac_bench.store import VIDEOS
+from remac_bench.store import VIDEO_PATH
 
 PAGE_MAX = 9_000_000
 """Bytes of a page: mail and browsers take it; pages stay below 10 MB."""
@@ -27,8 +26,6 @@ SCRIPTS = ("tables.js", "timeline.js")
 
 LIST_MAX = 400
 """Entries of one list on a page; how many more there are is said."""
-
-_VIDEO = re.compile(rf"{VIDEOS}/[A-Za-z0-9_.-]+\.webm")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,6 +163,6 @@ def _view(record: Record, folder: Path, neighbours: Neighbours, blame: Blame | N
 def _video(record: Record, folder: Path) -> str | None:
     """Where the video lies as seen from the page; a record that names a place of its own choosing has none."""
     path = record.video.path if record.video else None
-    if path is None or not _VIDEO.fullmatch(path) or not (folder / path).is_file():
+    if path is None or not VIDEO_PATH.fullmatch(path) or not (folder / path).is_file():
         return None
     return f"../{path}"

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from remac_bench.agents import Access, asked_models
 from remac_bench.code import code_digest
 from remac_bench.errors import UsageError
+from remac_bench.job_lists import check_jobs
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.proof.again import asks_only_models, read_job, repeatable
+from remac_bench.proof.seal import is_sealed, seal
 from remac_bench.proof.submission import CASSETTE, PROVIDERS, Entry, changed_files, read_entry, submission_digest
 from remac_bench.proof.verify import verify
 from remac_bench.records import Record
@@ -54,15 +56,18 @@ class Acceptance:
     reasked: Reasked | None = None
 
 
-def accept(folder: str | Path, *, reask: int = 0, seed: int = 0) -> Acceptance:
+def accept(folder: str | Path, *, reask: int = 0, seed: int = 0, access: Access | None = None) -> Acceptance:
     """Look at a submission's files, play every job again, and note the acceptance beside them.
 
     Args:
-        reask: jobs whose models are asked again, at the keys and addresses that are set here.
+        reask: jobs whose models are asked again.
         seed: of the sample that is asked again.
+        access: where: by the addresses and providers that are set here. What a submission says of them would send the
+            keys of this machine wherever the entrant likes.
 
     Raises:
         UsageError: for a folder that is not a submission.
+        UnknownNameError, OptionError: where models are to be asked again, and are not known here, or no address is.
         RecordFileError: if its records cannot be read.
     """
     path = Path(folder)
@@ -85,8 +90,8 @@ def accept(folder: str | Path, *, reask: int = 0, seed: int = 0) -> Acceptance:
     if reasons:
         return Acceptance(entry, tuple(dict.fromkeys(reasons)))
     rows = (*summarise(records), *overall(records))
-    reasked = _reask(path, records, reask, seed) if reask else None
-    accepted = Acceptance(entry, (), rows, "re-asked" if reasked else "replayed", reasked)
+    reasked = _reask(records, reask, seed, access or Access()) if reask else None
+    accepted = Acceptance(entry, (), rows, "re-asked" if reasked and reasked.jobs else "replayed", reasked)
     _note(path, accepted)
     return accepted
 
@@ -95,7 +100,7 @@ def accepted_records(folder: str | Path) -> tuple[Entry, str, list[Record]]:
     """An accepted submission: its entry, its tier and its records.
 
     Raises:
-        UsageError: where it is not accepted, or was changed since.
+        UsageError: where it was not accepted here and by this code, or was changed since.
     """
     path = Path(folder)
     entry = read_entry(path)
@@ -103,9 +108,18 @@ def accepted_records(folder: str | Path) -> tuple[Entry, str, list[Record]]:
         noted = tomllib.loads(read_text(path / ACCEPTED))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise UsageError(f"{folder} is not accepted: run `remac bench accept {folder}` first") from error
-    if noted.get("submission") != submission_digest(entry) or changed_files(path, entry):
+    facts = {name: noted.get(name) for name in ("submission", "tier", "code")}
+    if not is_sealed(_text(facts), noted.get("seal")):
+        raise UsageError(f"{folder} was not accepted here: run `remac bench accept {folder}` first")
+    if facts["submission"] != submission_digest(entry) or changed_files(path, entry):
         raise UsageError(f"{folder} was changed after it was accepted: run `remac bench accept {folder}` again")
-    return entry, str(noted.get("tier", "replayed")), Store(path).read()
+    if facts["code"] != code_digest():
+        raise UsageError(f"{folder} was accepted by other code: run `remac bench accept {folder}` again")
+    return entry, str(facts["tier"]), Store(path).read()
+
+
+def _text(facts: Mapping[str, object]) -> str:
+    return json.dumps(facts, sort_keys=True, default=str)
 
 
 def _of_the_whole(entry: Entry, records: Sequence[Record]) -> list[str]:
@@ -132,16 +146,16 @@ def _providers(path: Path) -> str | None:
     return str(path / PROVIDERS) if (path / PROVIDERS).is_file() else None
 
 
-def _reask(path: Path, records: Sequence[Record], jobs: int, seed: int) -> Reasked:
+def _reask(records: Sequence[Record], jobs: int, seed: int, access: Access) -> Reasked:
     """Play a sample of the jobs that ask models anew, with no cassette."""
     scored = [record for record in records if record.scored and asked_models(record.options.get("agent", {}))]
     order = generator(seed, "sample of jobs to ask again").permutation(len(scored))[:jobs]
     chosen = [scored[index] for index in sorted(order)]
+    jobs_now = [replace(read_job(record), access=access) for record in chosen]
+    check_jobs(jobs_now)  # what is not set here, such as an address, is nobody's failure
     now = 0
-    for record in chosen:
-        job = read_job(record)
-        access = Access(base_url=job.access.base_url, providers=_providers(path))
-        again = play_job(Work(job=replace(job, access=access), folder="", video="none"))
+    for job in jobs_now:
+        again = play_job(Work(job=job, folder="", video="none"))
         if again[-1].infrastructure_error:
             told = "" if again[-1].error is None else again[-1].error.message
             raise UsageError(f"asking again failed, nothing is accepted: {told}")
@@ -150,11 +164,8 @@ def _reask(path: Path, records: Sequence[Record], jobs: int, seed: int) -> Reask
 
 
 def _note(path: Path, accepted: Acceptance) -> None:
-    lines = [
-        f"submission = {json.dumps(submission_digest(accepted.entry))}",
-        f"tier = {json.dumps(accepted.tier)}",
-        f"code = {json.dumps(code_digest())}",
-    ]
+    facts = {"submission": submission_digest(accepted.entry), "tier": accepted.tier, "code": code_digest()}
+    lines = [f"{name} = {json.dumps(value)}" for name, value in {**facts, "seal": seal(_text(facts))}.items()]
     if accepted.reasked is not None:
         told = accepted.reasked
         lines += ["[reasked]", f"jobs = {told.jobs}", f"before = {told.before}", f"now = {told.now}"]

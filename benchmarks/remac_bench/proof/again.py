@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-from remac_bench import agents
+from remac_bench import agents, sight
 from remac_bench.agents import Access
-from remac_bench.jobs import Job, SuiteMark
+from remac_bench.jobs import MOST_ITERATIONS, Job, SuiteMark
 from remac_bench.records import Record
 from remac_bench.shared import Shared
 from remac_bench.worker import Work, play_job
-from remac_env.errors import RemacError
+from remac_env.errors import RemacError, whole_number
 from remac_env.options import Options
 
 NOT_PROVEN = ("wall_seconds", "started", "machine", "video", "versions", "schema_version")
@@ -51,7 +51,7 @@ def read_job(record: Record) -> Job:
         seed=record.seed,
         options=Options(**kitchen),
         agent=dict(record.options["agent"]),
-        iterations=int(record.options["iterations"]),
+        iterations=whole_number("iterations", record.options["iterations"], 0, MOST_ITERATIONS),
         access=Access.recorded(told),
         seconds=record.options.get("job_seconds"),
         viewers=tuple(record.options.get("viewers", ())),
@@ -100,25 +100,44 @@ def check_job(
     cassette: str | None = None,
     providers: str | None = None,
     shared: Shared | None = None,
+    searched: bool = False,
 ) -> Iterator[str]:
-    """Play the whole job again, models from the cassette, and compare every field that the code decides."""
+    """Play the whole job again, models from the cassette, and compare every field that the code decides.
+
+    Args:
+        searched: other records of the folder tell what is shortest, so that these have to.
+    """
     try:
         job = read_job(rows[0])
-        _ = job.label  # it names the method, which may be none
+        _ = job.label, job.key  # the method may be none, and a bound no number
     except (RemacError, TypeError, KeyError, ValueError) as error:
         yield f"its options make no job: {error}"
         return
     yield from check_key(rows[0], job)
     if cassette is not None:
         job = replace(job, access=replace(job.access, cassette=cassette, providers=providers, replay=True))
-    searched = any(row.optimum_proof is not None or row.optimum_seconds_lower is not None for row in rows)
-    work = Work(job=job, folder="", video="none", optimum=searched)
+    yield from _check_viewers(job, providers)
+    work = Work(job=job, folder="", video="none", optimum=searched or any(map(searched_best, rows)))
     again = {record.iteration: record for record in play_job(work, shared)}
     if set(again) != {row.iteration for row in rows}:
         yield f"iterations: recorded {sorted(row.iteration for row in rows)}, played again {sorted(again)}"
     for row in rows:
         if row.iteration in again:
             yield from differences(row, again[row.iteration])
+
+
+def _check_viewers(job: Job, providers: str | None) -> Iterator[str]:
+    """Whether the roles for which the kitchen had pictures look at any: pictures for nobody are another setting."""
+    if not job.viewers:
+        return
+    looking = sight.viewers(job.method, job.agent, replace(job.access, providers=providers))
+    if not set(job.viewers) <= set(looking):
+        yield f"viewers: recorded {list(job.viewers)}, again {list(looking)}"
+
+
+def searched_best(row: Record) -> bool:
+    """Whether it was asked what is shortest."""
+    return row.optimum_proof is not None or row.optimum_seconds_lower is not None
 
 
 def differences(row: Record, again: Record) -> Iterator[str]:

@@ -10,8 +10,8 @@ from remac_bench import agents
 from remac_bench.entries import EXCHANGES_MAX
 from remac_bench.jobs import Job
 from remac_bench.outside import plugins
-from remac_bench.playing import proven
-from remac_bench.proof.again import check_key, compare, read_job
+from remac_bench.playing import Course, make_record, proven
+from remac_bench.proof.again import NOT_PROVEN, check_key, compare, read_job
 from remac_bench.records import CheckEntry, Record
 from remac_bench.shared import make
 from remac_bench.timing import StepBook, replayed, shortest, timeline, token_of
@@ -36,31 +36,58 @@ AS_TOLD = (
 """Fields that are the word of who chose the subtasks: they have to add up, and no more can be said of them."""
 
 
-def check_rounds(rows: Sequence[Record]) -> Iterator[str]:
-    """Play the recorded subtasks again; who chose them is taken as told, and what is told of it must add up."""
+def check_rounds(rows: Sequence[Record], *, searched: bool = False) -> Iterator[str]:
+    """Play the recorded subtasks again; who chose them is taken as told, and what is told of it must add up.
+
+    Args:
+        searched: as `check_job`.
+    """
     import remac_env
 
+    yield from _missing_iterations(rows)
     for row in rows:
-        if row.infrastructure_error or row.digest is None:
+        if row.infrastructure_error:
             continue
         try:
             job = read_job(row)
             yield from check_key(row, job)
+            if row.digest is None:
+                yield from _check_unplayed(row, job)
+                continue
             yield from _check_sums(row, job)
             env = remac_env.parallel_env(row.task, **asdict(job.options))
         except (RemacError, TypeError, KeyError, ValueError) as error:
             yield f"its options make no job: {error}"
             return
         try:
-            yield from compare(row.iteration, row.model_dump(), play_rounds(env, row), PLAYED)
+            yield from compare(row.iteration, row.model_dump(), play_rounds(env, row, searched=searched), PLAYED)
         except (RemacError, KeyError, IndexError, ValueError) as error:
             yield f"iteration {row.iteration}: its subtasks cannot be played: {error}"
         finally:
             env.close()
 
 
-def play_rounds(env: Any, row: Record) -> dict[str, Any]:
-    """The fields PLAYED, from the recorded subtasks."""
+def _missing_iterations(rows: Sequence[Record]) -> Iterator[str]:
+    """Iterations that were left out: what they took counts too."""
+    told = sorted(row.iteration for row in rows)
+    began = [row.iteration for row in rows if row.digest is not None]
+    if told[: len(began)] != list(range(len(began))) or len(told) > len(began) + 1:
+        yield f"iterations: recorded {told}, of which {len(began)} began"
+
+
+def _check_unplayed(row: Record, job: Job) -> Iterator[str]:
+    """An episode that never began, because of an error, has nothing to tell."""
+    if row.error is None:
+        yield f"iteration {row.iteration}: it never began, and nothing says why"
+        return
+    blank = make_record(job, row.iteration, course=Course(), report={}, fault=None)
+    told = [name for name in Record.model_fields if name not in (*NOT_PROVEN, "error", "options", "success")]
+    expected = {**blank.model_dump(include=set(told)), "success": False}
+    yield from compare(row.iteration, row.model_dump(), expected, list(expected))
+
+
+def play_rounds(env: Any, row: Record, *, searched: bool = False) -> dict[str, Any]:
+    """The fields PLAYED, from the recorded subtasks; `searched`: what is shortest is told for sure."""
     _, infos = env.reset(seed=row.seed)
     start = (env.start.scene, env.world, env.goal)
     outcomes: list[dict[str, Any]] = []
@@ -98,7 +125,7 @@ def play_rounds(env: Any, row: Record) -> dict[str, Any]:
         **{name: _noted(row, name, episode) for name in ("template", "known_rounds")},
         "skills": dict(getattr(env, "skills", {})),
         "skill_cases": dict(getattr(env, "skill_cases", {})),
-        **_optimum(env, row, start),
+        **_optimum(env, row, start, searched=searched),
         **{name: _truths(getattr(row, name), env, states) for name in ("pre_checks", "post_checks")},
         "orders": [{robot: each.model_dump() for robot, each in step.items()} for step in book.orders],
         "timeline": [span.model_dump() for span in timeline(env)],
@@ -112,10 +139,10 @@ def _noted(row: Record, name: str, episode: Mapping[str, Any]) -> Any:
     return episode.get(name) if name in row.model_fields_set else None
 
 
-def _optimum(env: Any, row: Record, start: tuple[Any, WorldState, Any]) -> dict[str, Any]:
-    """The fields of what is shortest, where the record has any of them."""
+def _optimum(env: Any, row: Record, start: tuple[Any, WorldState, Any], *, searched: bool) -> dict[str, Any]:
+    """The fields of what is shortest, where the record has any of them, or has to."""
     told = row.model_dump(include={name for name in PLAYED if name.startswith("optimum")})
-    if all(value is None for value in told.values()):
+    if not searched and all(value is None for value in told.values()):
         return told
     nothing: dict[str, Any] = dict.fromkeys(told)
     return {**nothing, **(shortest(env) if row.clock == "events" else proven(certify(*start)))}

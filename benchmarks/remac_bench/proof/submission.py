@@ -6,6 +6,7 @@ import hashlib
 import json
 import shutil
 import tomllib
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -116,6 +117,8 @@ def read_entry(folder: str | Path) -> Entry:
         UsageError: for a file that is missing, malformed, or of another format.
     """
     path = Path(folder) / ENTRY
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        raise UsageError(f"{path} is no file of this folder; `remac bench submit` writes one")
     try:
         data = tomllib.loads(read_text(path))
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
@@ -135,9 +138,16 @@ def read_entry(folder: str | Path) -> Entry:
 
 
 def changed_files(folder: str | Path, entry: Entry) -> list[str]:
-    """Files of a submission that are not as entry.toml lists them."""
-    paths = {file: Path(folder) / file for file in entry.files}
-    return [file for file, path in paths.items() if not path.is_file() or _sha256(path) != entry.files[file]]
+    """Files of a submission that are not as entry.toml lists them: links too, which may change later, and those that
+    it does not list, though they would be read."""
+    return [file for file in FILES if _digest(Path(folder) / file) != entry.files.get(file)]
+
+
+def _digest(path: Path) -> str | None:
+    """The SHA-256 of a file, "" of what is none, None where nothing is."""
+    if not path.exists() and not path.is_symlink():
+        return None
+    return _sha256(path) if path.is_file() and not path.is_symlink() else ""
 
 
 def submission_digest(entry: Entry) -> str:
@@ -171,10 +181,23 @@ def _suite(records: Sequence[Record]) -> str:
 def _check_words(name: str, contact: str, kind: str) -> None:
     if not name.strip() or len(name) > NAME_MAX or not name.isprintable():
         raise UsageError(f"name {name[:80]!r} is not valid; valid: 1 to {NAME_MAX} printable characters")
+    if len(_alphabets(name)) > 1:
+        raise UsageError(f"name {name!r} is not valid; valid: letters of one alphabet, so that no two names look alike")
     if len(contact) > 200 or not contact.isprintable():
         raise UsageError("contact is not valid; valid: at most 200 printable characters")
     if kind not in KINDS:
         raise UsageError(f"kind {kind!r} is not valid; valid: {', '.join(KINDS)}")
+
+
+def looks(name: str) -> str:
+    """What two names have in common that look alike: without case, spaces and forms of the same letters."""
+    return "".join(unicodedata.normalize("NFKC", name).casefold().split())
+
+
+def _alphabets(name: str) -> set[str]:
+    """Latin, Greek, Cyrillic: their letters look alike."""
+    words = {unicodedata.name(letter, "").partition(" ")[0] for letter in unicodedata.normalize("NFKC", name)}
+    return words & {"LATIN", "GREEK", "CYRILLIC"}
 
 
 def _written(entry: Entry) -> str:

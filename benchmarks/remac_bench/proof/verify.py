@@ -8,13 +8,17 @@ from pathlib import Path
 
 from remac_bench.errors import JobTimeoutError
 from remac_bench.machine import versions
-from remac_bench.proof.again import asks_only_models, check_job, repeatable
+from remac_bench.proof.again import asks_only_models, check_job, repeatable, searched_best
 from remac_bench.proof.complete import check_once, check_scores, check_suite
 from remac_bench.proof.rounds import check_rounds
+from remac_bench.proof.told import NO_JOB, check_lines, check_told
 from remac_bench.records import Record
 from remac_bench.shared import Shared
 from remac_bench.store import Store, latest
 from remac_env.seeding import generator
+
+UNTOLD = "unknown"
+"""The version of what a record does not name."""
 
 
 @dataclass(frozen=True)
@@ -69,20 +73,25 @@ def verify(
     """
     lines = Store(folder).lines()
     records = latest(lines)
-    checks = (check_once(lines), check_scores(records), check_suite(records, providers=providers))
+    impossible = list(check_told(records))
+    checks = (check_lines(folder), impossible, check_once(lines), check_scores(records))
     findings = [Finding(*told) for check in checks for told in check]
-    finished = _sampled(_finished(records), sample, seed)
+    findings += [Finding(*told) for told in check_suite(records, providers=providers)]
+    none = {job for job, told in impossible if NO_JOB in told}
+    finished = _sampled([rows for rows in _finished(records) if rows[0].job not in none], sample, seed)
+    searched = {clock: any(map(searched_best, rows)) for clock, rows in _by_clock(records).items()}
     shared, replayed = Shared(), 0
     for rows in finished:
+        best = searched[rows[0].clock]
         played = _cassette(folder, rows[0], cassette)
         slow = any(row.error is not None and row.error.type == JobTimeoutError.__name__ for row in rows)
         if repeatable(rows[0]) and not slow:
-            told = check_job(rows)
+            told = check_job(rows, searched=best)
         elif played is not None and asks_only_models(rows[0]) and not slow:
-            told = check_job(rows, cassette=str(played), providers=providers, shared=shared)
+            told = check_job(rows, cassette=str(played), providers=providers, shared=shared, searched=best)
         else:
             replayed += 1
-            told = check_rounds(rows)
+            told = check_rounds(rows, searched=best)
         findings += [Finding(rows[0].job, line) for line in told]
     found = tuple(dict.fromkeys(findings))
     return Verification(len(finished), sum(map(len, finished)), replayed, found, strange_versions(records))
@@ -91,8 +100,16 @@ def verify(
 def strange_versions(records: Sequence[Record]) -> tuple[str, ...]:
     """Versions, of packages and of the code that decides results, which are not those here."""
     here = versions()
-    others = {(name, value) for row in records for name, value in row.versions.items() if here.get(name) != value}
+    told = dict.fromkeys(here, UNTOLD)
+    others = {(n, value) for row in records for n, value in {**told, **row.versions}.items() if here.get(n) != value}
     return tuple(sorted(f"{name} {value} (here {here.get(name)})" for name, value in others))
+
+
+def _by_clock(records: Sequence[Record]) -> dict[str, list[Record]]:
+    groups: dict[str, list[Record]] = {}
+    for record in records:
+        groups.setdefault(record.clock, []).append(record)
+    return groups
 
 
 def _finished(records: Sequence[Record]) -> list[list[Record]]:
