@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from remac_bench.agents import Access
 from remac_bench.blame.labels import LABELS, blame
 from remac_bench.columns import show
 from remac_bench.command import run_script
@@ -101,10 +102,10 @@ def failures(
         kitchen={"backend": "symbolic", **(kitchen or {})},
         agent=agent,
         iterations=iterations,
+        access=Access(isolated=False),
     )
-    shared = Shared()  # shared, so that code from outside is imported once
+    shared = Shared()
     records = [record for job in jobs for record in play_job(Work(job=job, folder="."), shared)]
-    shared.servers.close()
     return [record for record in records if record.scored and not record.success]
 
 

@@ -31,6 +31,7 @@ from remac_env.errors import SamplingError
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.worlds import TaskWorlds
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.claims import first_false
 from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome
@@ -74,12 +75,16 @@ class _Job:
 
 def run_chain(
     chain: Mapping[str, Any], seed: int, *, style: str | None, layout: str | None, perception_noise: float,
-    before: Callable[[PhysicsBackend, str], None] | None = None,
+    before: Callable[[PhysicsBackend, str], None] | None = None, body: str = STANDARD,
 ) -> list[Trial]:
-    """Run one chain on one seed; the first tries of its steps. ``before`` is called with every command that is run."""
+    """Run one chain on one seed; the first tries of its steps. ``before`` is called with every command that is run.
+
+    ``body``: the name of the robot's.
+    """
     worlds = TaskWorlds(_spec(chain))
     start, _ = worlds.start(
-        seed, style=style, layout=layout, starts="paper", robots=(ROBOT,), perception_noise=perception_noise
+        seed, style=style, layout=layout, starts="paper", robots=(ROBOT,), perception_noise=perception_noise,
+        body=body,
     )
     start = _spread(start, worlds)
     backend = PhysicsBackend(worlds)

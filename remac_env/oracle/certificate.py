@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
-from remac_env.oracle.bounds import IMPOSSIBLE, make_bound
-from remac_env.oracle.commands import relevant_commands
-from remac_env.oracle.search import OraclePlan, most_states, search
+from remac_env.oracle.bounds import IMPOSSIBLE
+from remac_env.oracle.goal_search import search_goal
+from remac_env.oracle.search import OraclePlan, most_states
 from remac_env.oracle.shortest import shortest
 from remac_env.rules.facts import ASIDE, Rules
-from remac_env.state import FrozenMap, WorldState
+from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal
 
 GREED = 4.0
@@ -18,6 +19,9 @@ GREED = 4.0
 
 LONGEST = 1000
 """Rounds that a plan may take where nothing bounds them: more than any kitchen needs."""
+
+KEPT = 64
+"""Certificates that a process keeps: methods and iterations of a run begin in the same worlds."""
 
 Proof = Literal["search", "bounds", "exhausted", "rounds"]
 
@@ -67,6 +71,14 @@ def certify(
             plan, for the proof (see `shortest`), and for any plan at all.
     """
     max_states = most_states(scene) if max_states is None else max_states
+    try:
+        hash((scene, world, goal))
+    except TypeError:  # a goal of somebody's own, which may change
+        return _certificate(scene, world, goal, max_rounds, max_states)
+    return _kept(scene, world, goal, max_rounds, max_states)
+
+
+def _certificate(scene: Rules, world: WorldState, goal: Goal, max_rounds: int, max_states: int) -> Certificate:
     found = shortest(scene, world, goal, max_rounds=max_rounds, max_states=max_states)
     some = found.plan
     if some is not None and not found.gave_up:
@@ -75,18 +87,12 @@ def certify(
         lower = None if found.lower >= IMPOSSIBLE else found.lower
         return Certificate(plan=None, lower=lower, proof="rounds" if found.too_long else "exhausted")
     if some is None:
-        some = search(
-            scene,
-            world,
-            lambda state: goal.holds(scene, state),
-            commands=relevant_commands(scene, world, goal),
-            bound=make_bound(scene, goal),
-            max_rounds=max_rounds,
-            max_states=max_states,
-            greed=GREED,
-        ).plan
+        some = search_goal(scene, world, goal, max_rounds=max_rounds, max_states=max_states, greed=GREED).plan
     proof: Proof = "search" if some is not None and some.cost == found.lower else "bounds"
     return Certificate(plan=some, lower=found.lower, proof=proof, expanded=max_states)
+
+
+_kept = lru_cache(maxsize=KEPT)(_certificate)
 
 
 def solve(
@@ -107,17 +113,8 @@ def solvable(scene: Rules, world: WorldState, goal: Goal, *, max_states: int | N
     """
     idle = [name for name, state in world.robots.items() if state.station == ASIDE and state.holding is None]
     for robots in dict.fromkeys((tuple(idle[:1]) if len(idle) == len(scene.robots) else scene.robots, scene.robots)):
-        part = replace(scene, robots=robots)
-        there = WorldState(FrozenMap({name: world.robots[name] for name in robots}), world.objects, world.fixtures)
-        found = search(
-            part,
-            there,
-            lambda state, part=part: goal.holds(part, state),  # type: ignore[misc]
-            commands=relevant_commands(part, there, goal),
-            bound=make_bound(part, goal),
-            max_rounds=LONGEST,
-            max_states=max_states,
-            greed=GREED,
+        found = search_goal(
+            scene, world, goal, robots=robots, max_rounds=LONGEST, max_states=max_states, greed=GREED
         )
         if found.plan is not None:
             return True

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from remac_env.oracle.bounds import make_bound
-from remac_env.oracle.commands import relevant_commands
-from remac_env.oracle.search import Found, most_states, search
+from remac_env.oracle.goal_search import search_goal
+from remac_env.oracle.search import Found, most_states
 from remac_env.rules.facts import Rules
 from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal
@@ -28,24 +27,11 @@ def shortest(
     Returns:
         With a plan and `gave_up`, the plan works, costs no less than `lower`, and is not proven to be the cheapest.
     """
-    most, bound = most_states(scene) if max_states is None else max_states, make_bound(scene, goal)
-
-    def look(upto: int, states: int, *, exact: bool) -> Found:
-        commands = relevant_commands(scene, world, goal, exact=exact)
-        return search(
-            scene,
-            world,
-            lambda state: goal.holds(scene, state),
-            commands=commands,
-            bound=bound,
-            max_rounds=upto,
-            max_states=states,
-        )
-
-    near = look(max_rounds, most, exact=False)
+    most = most_states(scene) if max_states is None else max_states
+    near = search_goal(scene, world, goal, exact=False, max_rounds=max_rounds, max_states=most)
     if near.plan is None and not near.gave_up:
-        return look(max_rounds, most, exact=True)
-    below = look(near.lower - 1, WIDER * most, exact=True)
+        return search_goal(scene, world, goal, max_rounds=max_rounds, max_states=most)
+    below = search_goal(scene, world, goal, max_rounds=near.lower - 1, max_states=WIDER * most)
     if below.plan is not None or not (below.gave_up or below.too_long):
         return below
     return Found(near.plan, min(below.lower, near.lower), gave_up=near.gave_up or below.gave_up)

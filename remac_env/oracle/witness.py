@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
-from remac_env.oracle.bounds import make_bound
-from remac_env.oracle.commands import relevant_commands
+from remac_env.oracle.goal_search import search_goal
 from remac_env.oracle.moves import Joint
-from remac_env.oracle.search import OraclePlan, search
+from remac_env.oracle.search import OraclePlan
 from remac_env.rules.facts import ASIDE, Rules
 from remac_env.rules.rounds import transition
 from remac_env.rules.subtasks import WAIT
-from remac_env.state import FrozenMap, WorldState
+from remac_env.state import WorldState
 from remac_env.tasks.compound import AnyOf, Before, Count, ForAll
 from remac_env.tasks.goals import All, Goal, Inside, Marked
 
@@ -88,16 +86,8 @@ def _search(
     scene: Rules, world: WorldState, whole: Goal, part: Goal, robots: tuple[str, ...], states: int
 ) -> OraclePlan | None:
     """The part reached by these robots, while the others wait out of the way."""
-    here = replace(scene, robots=robots)
-    there = WorldState(FrozenMap({name: world.robots[name] for name in robots}), world.objects, world.fixtures)
-    found = search(
-        here,
-        there,
-        lambda state: whole.holds(here, state),
-        commands=relevant_commands(here, there, part, exact=False),
-        bound=make_bound(here, part),
-        max_rounds=PART_ROUNDS,
-        max_states=states,
+    found = search_goal(
+        scene, world, whole, about=part, exact=False, robots=robots, max_rounds=PART_ROUNDS, max_states=states,
         greed=GREED,
     ).plan
     if found is None:

@@ -6,6 +6,8 @@ and its arm's joints. Lengths in m, angles in rad, forces in N, torques in N m; 
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -15,6 +17,18 @@ if TYPE_CHECKING:
     import mujoco
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fingertip:
+    """A fingertip's measures, m: how far it reaches beyond the grip site, half its width, and its thickness.
+
+    The thickness is along its travel, the width across that and across the hand's approach.
+    """
+
+    beyond: float
+    half_width: float
+    thickness: float
 
 
 class Tracked(Protocol):
@@ -53,7 +67,7 @@ class Kinematics(Protocol):
         """Configurations (k, n) within limits that reach a pose from a base pose (3,), at these heights of the lift."""
 
 
-class Body(Protocol):
+class Body(Hashable, Protocol):
     """A kind of robot. Names of joints, bodies and sites in a model are ``<robot>/<name>``.
 
     Attributes:
@@ -63,6 +77,7 @@ class Body(Protocol):
         lower, upper: (n,) between which configurations are planned; lowest, highest: (n,) between which set-points are.
         speed, top_speed: (n,) of plans, and that the maker allows. acceleration: of the base in drives.
         torques: the largest that the arm's joints give. finger_stiffness: N/m; grip_friction: of what touches objects.
+        fingertip: its measures; palm: how far (m) the palm is from the grip site.
         footprint: low and high corner (x, y) of the base around its axis, as it heads along x.
         folded: postures of the arm's joints: ``tuck`` of a robot at rest; via: those that ways lead by.
         lift_tucked: of the lift at rest; lifts: heights of it that are tried.
@@ -85,6 +100,8 @@ class Body(Protocol):
     finger_travel: float
     finger_stiffness: float
     grip_friction: float
+    fingertip: Fingertip
+    palm: float
     footprint: tuple[tuple[float, float], tuple[float, float]]
     folded: Array
     via: tuple[Array, ...]

@@ -11,8 +11,8 @@ from physics_kit import ROBOT, kitchen, run
 
 from remac_env.backends.physics import timeline
 from remac_env.backends.physics.controllers.scripted import arc, panel
+from remac_env.robots import tracking
 from remac_env.robots.panda import measures as panda
-from remac_env.robots.panda import model
 
 TORQUES = np.array([87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0])
 """N m, the manufacturer's; written down here once more, so that a limit that is raised in the model is seen."""
@@ -30,10 +30,10 @@ TAP = ("navigate to faucet", "turn on faucet")
 @pytest.fixture
 def fresh_models() -> Iterator[None]:
     """Models are compiled anew, before and after."""
-    for cache in (timeline._model, model.bare_model):
+    for cache in (timeline._model, tracking.bare_model):
         cache.cache_clear()
     yield
-    for cache in (timeline._model, model.bare_model):
+    for cache in (timeline._model, tracking.bare_model):
         cache.cache_clear()
 
 
@@ -90,7 +90,7 @@ def test_gravity_counts(fresh_models: None) -> None:
 def test_a_hand_that_presses_on_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(arc, "_YIELD", 0.0)
     monkeypatch.setattr(arc, "_SQUEEZE", 140.0)
-    monkeypatch.setattr(panel.DoorPanel, "clear_of_palm", lambda self, pitch: 0.0)
+    monkeypatch.setattr(panel.DoorPanel, "clear_of_palm", lambda self, pitch, palm: 0.0)
     assert strongest(measured(DOORS[:2])) > DOOR
 
 

@@ -20,6 +20,7 @@ from remac_env.kitchen.frame import WORLD
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.objects.colliders import WALL_PIECES
 from remac_env.kitchen.scene import build_scene, resting_fixtures
+from remac_env.robots import bodies
 from remac_env.robots.rotation import about_z
 from remac_env.start import Offset, Start
 from remac_env.state import FrozenMap, RobotState, WorldState
@@ -62,7 +63,7 @@ def test_a_robot_that_has_gone_round_does_not_turn_back_to_come_home(
 @pytest.mark.parametrize("yaw", [0.0, 0.2, -1.4, 3.0])
 def test_a_rim_is_taken_in_the_middle_of_a_piece_the_nearest_first(category: str, yaw: float) -> None:
     obj, position = catalogue.get(category), np.array([0.3, 0.2, 0.93])
-    found = candidates(obj, Pose(position, about_z(yaw), WORLD))
+    found = candidates(obj, Pose(position, about_z(yaw), WORLD), bodies.get())
     around = []
     for grasp in found:
         local = about_z(yaw).T @ (grasp.position - position)

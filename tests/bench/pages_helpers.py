@@ -6,6 +6,7 @@ import base64
 import hashlib
 import re
 from dataclasses import dataclass, field
+from functools import cached_property
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -123,8 +124,13 @@ class Element:
 
     tag: str
     attributes: dict[str, str]
-    text: str = ""
+    pieces: list[str] = field(default_factory=list)
     inside: list[Element] = field(default_factory=list)
+
+    @cached_property
+    def text(self) -> str:
+        """All text inside; to be read once the page is."""
+        return "".join(self.pieces)
 
     def all(self, tag: str, **attributes: str) -> list[Element]:
         """The elements with this tag and these attributes (`class_` for class: one of its words) inside, in order."""
@@ -166,7 +172,7 @@ class _Reader(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         for each in self.open:
-            each.text += data
+            each.pieces.append(data)
 
 
 def parse(html: str) -> Element:

@@ -168,12 +168,14 @@ def test_run_and_report_with_flags(tmp_path: Path) -> None:
     assert "| HeatOnStove | CC (checker=noisy" in table
 
 
-def test_demo_runs_everything_and_begins_anew(tmp_path: Path) -> None:
+def test_demo_runs_everything_and_begins_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     arguments = ("demo", "--backend", "symbolic", "--no-video", "--seeds", "0:1", "--out", str(tmp_path))
     for _ in range(2):
         result = remac(*arguments, "--jobs", "0")
         assert result.exit_code == 0, result.output
         assert "16 jobs played, 0 found finished" in result.stdout
+        assert (tmp_path / "leaderboard.html").is_file()
+        monkeypatch.setattr("remac_bench.commands.demo.show_pages", lambda *given, **more: None)  # once is enough
     entries = [entry for entry in read(tmp_path) if entry.scored]
     assert len(entries) == 16
     assert len({(entry.task, entry.style, entry.layout) for entry in entries}) == 4

@@ -247,9 +247,10 @@ def test_two_hundred_drawn_problems_have_the_optimum_of_a_search_over_all_comman
 
 
 def test_a_bound_that_promises_too_much_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    from remac_env.oracle import bounds
+    from remac_env.oracle import bounds, certificate
 
     right = bounds._Needs.at_least
+    monkeypatch.setattr(certificate, "_kept", certificate._certificate)
     monkeypatch.setattr(bounds._Needs, "at_least", lambda self, world: 2 * right(self, world))
     with pytest.raises(AssertionError):
         _check_drawn(range(60), states=250, most_robots=1)

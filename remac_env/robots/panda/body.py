@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.errors import check_choice
+from remac_env.robots.body import Fingertip
 from remac_env.robots.panda import measures
 from remac_env.seeding import digest
 
@@ -38,6 +39,8 @@ class Panda:
     finger_travel: float = measures.FINGER_OPEN
     finger_stiffness: float = measures.FINGER_STIFFNESS
     grip_friction: float = measures.PAD_FRICTION
+    fingertip: Fingertip = measures.FINGERTIP
+    palm: float = measures.PALM
     footprint: tuple[tuple[float, float], tuple[float, float]] = ((-0.42, -0.24), (0.15, 0.24))
     folded: Array = measures.TUCK_ARM
     via: tuple[Array, ...] = (

@@ -1,4 +1,4 @@
-"""Kinematics of the mobile Panda: forward, differential (tracking) and closed form.
+"""The closed form of the mobile Panda's kinematics; `remac_env.robots.tracking` has the rest.
 
 Poses are those of the grip site in the world: position (3,) in m and rotation (3, 3). Configurations are (11,),
 see :mod:`remac_env.robots.panda.measures`.
@@ -7,95 +7,26 @@ see :mod:`remac_env.robots.panda.measures`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.robots.body import Body
 from remac_env.robots.panda import measures as panda
-from remac_env.robots.panda.measures import ARM_WEIGHTS, TORSO_HEIGHTS
-from remac_env.robots.panda.model import bare_model
-from remac_env.robots.rotation import Array, rotation_vector
+from remac_env.robots.panda.measures import TORSO_HEIGHTS
+from remac_env.robots.rotation import Array
+from remac_env.robots.tracking import ModelKinematics
 
 WRIST_TURNS = np.linspace(panda.LOWER[10], panda.UPPER[10], 36)
-_ROTATION_WEIGHT = 0.5  # m/rad: what a turn counts beside a shift
-_ROW_WEIGHTS = np.array([[1.0]] * 3 + [[_ROTATION_WEIGHT]] * 3)
 _HAND = panda.FLANGE + panda.GRIP_DEPTH
 
 
-@dataclass(frozen=True)
-class Tracked:
-    """Result of a tracking step: configuration, remaining position (m) and rotation (rad) errors before it."""
-
-    q: Array
-    position_error: float
-    rotation_error: float
-
-
-class Kinematics:
-    """Forward kinematics and damped least squares on a robot-only model. Holds scratch memory: one per thread."""
+class Kinematics(ModelKinematics):
+    """The body's model, and the closed form of its arm, whose first link is at ``mount_height`` (m)."""
 
     def __init__(self, body: Body, mount_height: float = panda.MOUNT_HEIGHT) -> None:
-        self.body, self._mount_height = body, mount_height
-        self._model = bare_model(mount_height)
-        self._data = mujoco.MjData(self._model)
-        self._site = self._model.site("robot/grip").id
-        self._jacobian = np.zeros((6, self._model.nv))
-        self._linear, self._angular, self._columns = self._jacobian[:3], self._jacobian[3:], self._jacobian[:, :11]
-        self._qpos = self._data.qpos[:11]
-        self._position = self._data.site_xpos[self._site]
-        self._rotation = self._data.site_xmat[self._site].reshape(3, 3)
-
-    def forward(self, q: Array) -> tuple[Array, Array]:
-        """Grip position (3,) and rotation (3, 3) at ``q``."""
-        self._qpos[:] = q
-        mujoco.mj_kinematics(self._model, self._data)
-        return self._position.copy(), self._rotation.copy()
-
-    def jacobian(self, q: Array) -> Array:
-        """(6, 11): linear then angular velocity of the grip by joint velocity, in the world."""
-        self._qpos[:] = q
-        mujoco.mj_kinematics(self._model, self._data)
-        self._refresh_jacobian()
-        return self._columns.copy()
-
-    def _refresh_jacobian(self) -> None:
-        mujoco.mj_comPos(self._model, self._data)
-        mujoco.mj_jacSite(self._model, self._data, self._linear, self._angular, self._site)
-
-    def track(
-        self, q: Array, position: Array, rotation: Array, *, weights: Array = ARM_WEIGHTS, iterations: int = 4,
-        damping: float = 0.02, largest: Array,
-    ) -> Tracked:
-        """Move ``q`` towards a pose by damped least squares, each joint by at most ``largest`` (11,)."""
-        start = q
-        error, step = np.empty(6), np.empty(6)
-        for iteration in range(iterations + 1):
-            self._qpos[:] = q
-            mujoco.mj_kinematics(self._model, self._data)
-            turn = rotation_vector(rotation @ self._rotation.T)
-            error[:3] = position - self._position
-            error[3:] = turn
-            ep, er = math.sqrt(float(error[:3] @ error[:3])), math.sqrt(float(turn @ turn))
-            if iteration == iterations or (ep < 3e-4 and er < 2e-3):
-                break
-            error[3:] *= _ROTATION_WEIGHT
-            size = math.hypot(ep, _ROTATION_WEIGHT * er)
-            if size > 0.3:
-                error *= 0.3 / size
-            self._refresh_jacobian()
-            scaled = self._columns * _ROW_WEIGHTS
-            weighted = scaled * weights
-            normal = weighted @ scaled.T
-            normal.flat[::7] += damping * damping
-            # MuJoCo's Cholesky: a third of the time of numpy's general solver on six rows.
-            mujoco.mju_cholFactor(normal, 0.0)
-            mujoco.mju_cholSolve(step, normal, error)
-            q = np.minimum(panda.UPPER, np.maximum(panda.LOWER, q + step @ weighted))
-        change = np.minimum(largest, np.maximum(-largest, q - start))
-        return Tracked(start + change, ep, er)
+        super().__init__(body)
+        self._mount_height = mount_height
 
     def solutions(self, position: Array, rotation: Array, base: Array, *, lifts: Array = TORSO_HEIGHTS) -> Array:
         """See `remac_env.robots.body.Kinematics`."""

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remac_env.robots.body import Fingertip
+
 JOINTS = ("base_x", "base_y", "base_yaw", "torso", *(f"joint{i}" for i in range(1, 8)))
 FINGERS = ("finger_left", "finger_right")
 
@@ -30,6 +32,8 @@ GRIP_TURN = -0.75 * math.pi  # grip site (x along the opening) from the link 7 f
 MOUNT_HEIGHT = 0.70  # first arm link above the floor with the torso down
 TORSO_RANGE = (0.0, 0.34)
 FINGER_OPEN = 0.04  # travel of each finger
+FINGERTIP = Fingertip(beyond=0.0164, half_width=0.0095, thickness=0.010)
+PALM = 0.032  # from the grip site
 
 ARM_LOWER = np.array([-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973])
 ARM_UPPER = np.array([2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973])

@@ -7,7 +7,6 @@ site ``<robot>/grip`` lies between the fingertip pads (z along the approach, x a
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 from types import MappingProxyType
 
 import mujoco
@@ -63,17 +62,6 @@ def add_robot(
         from remac_env.robots.panda import visual as drawing
 
         drawing.dress(spec, name, links, accent)
-
-
-@lru_cache(maxsize=4)
-def bare_model(mount_height: float = panda.MOUNT_HEIGHT) -> mujoco.MjModel:
-    """A model that holds one robot called ``robot`` and nothing else, for kinematics. Shared: do not change it."""
-    spec = mujoco.MjSpec()
-    spec.compiler.degree = False
-    add_robot(spec, "robot", mount_height=mount_height)
-    for geom in list(spec.geoms):
-        geom.contype = geom.conaffinity = 0
-    return spec.compile()
 
 
 def _collider(body: mujoco.MjsBody, kind: mujoco.mjtGeom, mass: float, **shape: object) -> mujoco.MjsGeom:

@@ -12,7 +12,7 @@ import numpy as np
 from remac_env.backends.physics.controllers.base import Command
 from remac_env.backends.physics.controllers.scripted.arc import NARROW_GRIP, DoorGrasp, arc_is_free, follow_arc
 from remac_env.backends.physics.controllers.scripted.collision import OTHER, TARGET
-from remac_env.backends.physics.controllers.scripted.grasps import Grasp
+from remac_env.backends.physics.controllers.scripted.grasps import MEASURED, Grasp
 from remac_env.backends.physics.controllers.scripted.panel import DoorPanel
 from remac_env.backends.physics.controllers.scripted.pull import pull
 from remac_env.backends.physics.controllers.scripted.reach import Reach, go_to_grasp, let_go, plan_reach
@@ -21,7 +21,7 @@ from remac_env.backends.physics.controllers.scripted.verdicts import Free, Hit, 
 from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
 from remac_env.kitchen.fixtures.level import Level
-from remac_env.robots.body import Body
+from remac_env.robots.body import Body, Fingertip
 from remac_env.robots.rotation import Array, grip_frame
 
 _SWUNG, _SHUT = 1.0, 0.045  # rad at which a panel has been opened, and closed
@@ -34,7 +34,7 @@ _PARTS, _LEAST = (1.0, 0.7), 0.3  # rad to which a panel is opened first that do
 _INSETS, _HIGHER = (0.02, 0.035, 0.0), (0.13, 0.19, 0.25)
 _CLOSING_TURNS, _OPENING_TURNS = (0.3, 0.15, 0.5, 0.0), (-0.6, -0.9, -0.3, -1.2)
 _FINGERS = 0.02  # m from the panel's upper and lower edge within which fingers would miss it
-_AIR = 0.022  # m from the panel to the grip site: closed fingertips reach 19 mm at most
+_AIR = 0.022  # m from the panel to the grip site: closed fingertips as measured reach 19 mm at most
 
 
 def open_door(here: Workspace, name: str) -> Steps:
@@ -193,7 +193,7 @@ def _grasps(door: DoorPanel, angle: float, body: Body, *, closing: bool) -> list
     helps = (body.door_weights, np.concatenate([0.1 * body.door_weights[:3], body.door_weights[3:]]))
     found: list[DoorGrasp] = []
     for pitch in pitches:
-        higher = door.clear_of_palm(pitch)
+        higher = door.clear_of_palm(pitch, body.palm)
         at = door.at(angle, higher)
         for follows in _CLOSING_FOLLOWS if closing else _OPENING_FOLLOWS:
             turn = door.turn(follows * angle if closing else angle)
@@ -213,7 +213,8 @@ def _grasps(door: DoorPanel, angle: float, body: Body, *, closing: bool) -> list
 def _pushes(door: DoorPanel, angle: float, body: Body, *, closing: bool) -> list[DoorGrasp]:
     """Closed hands before the face, or behind it, near the free edge above the handle; their wide side upright."""
     found, shares = [], _CLOSING_TURNS if closing else _OPENING_TURNS
-    out = door.faces[0] - _AIR if closing else door.faces[1] + _AIR
+    air = _AIR + (_reach(body.fingertip) - _reach(MEASURED))
+    out = door.faces[0] - air if closing else door.faces[1] + air
     # In front a hand keeps clear of the handle; behind the panel there is none. Either way the fingers meet the panel.
     heights = [door.half + higher for higher in _HIGHER] + ([] if closing else [0.0])
     low, high = door.ends[0] - float(door.bar[2]) + _FINGERS, door.ends[1] - float(door.bar[2]) - _FINGERS
@@ -231,3 +232,8 @@ def _pushes(door: DoorPanel, angle: float, body: Body, *, closing: bool) -> list
             at = grasp.at(door, angle)
             found.append(replace(grasp, position=at, before=at - hand[:, 2] * 0.12))
     return found
+
+
+def _reach(tip: Fingertip) -> float:
+    """How far (m) a fingertip reaches from the grip site at most, whatever way its wide side is turned."""
+    return math.hypot(tip.beyond, tip.half_width)

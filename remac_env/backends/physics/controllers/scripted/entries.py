@@ -15,12 +15,13 @@ from remac_env.backends.physics.controllers.scripted.skill import lowest
 from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.pose import Pose
 from remac_env.kitchen.objects.catalogue import Category
+from remac_env.robots.body import Body
 from remac_env.robots.rotation import Array, about_z, grip_frame
 
 _TILTS = (0.45, 0.3, 0.6, 0.8)  # of the hand below the horizontal
 _GRASP_TILTS = (0.6, 0.7, 0.8, 0.53, 0.45, 1.0, 0.3)
 _HOLD = 0.005  # m by which the pads must reach below an object's middle, with the air that tip_depth adds
-_PALM = 0.028  # m between grip site and palm, less a little
+_OFF_PALM = 0.004  # m that stay between an object and the palm
 _PAD = 0.012  # m to either side of a grasp's middle that the fingers hold along an object, about
 _WIDEST_TURN = 1.25  # rad to the side from which a hand still fits into a cavity
 _CLEAR_OF_FLOOR = 0.03  # m by which a vessel is lowered once it is in
@@ -77,7 +78,7 @@ def _fall(obj: Category, rotation: Array) -> float:
 
 
 def grasping(
-    obj: Category, pose: Pose, raised: Sequence[float], askew: float, base: Array
+    obj: Category, body: Body, pose: Pose, raised: Sequence[float], askew: float, base: Array
 ) -> Iterator[Entry]:
     """Hand poses that grasp an object from the front, ``askew`` rad at most."""
     position, rotation = pose.position, pose.rotation
@@ -96,12 +97,12 @@ def grasping(
             for side in (-front[:, 1], front[:, 1]):
                 approach = front[:, 0] * math.cos(tilt) - np.array([0.0, 0.0, math.sin(tilt)])
                 hand = grip_frame(approach, side)
-                height = max(obj.grasp.height, tip_depth(0.5 * math.pi - tilt) - obj.rest_height)
+                height = max(obj.grasp.height, tip_depth(body, 0.5 * math.pi - tilt) - obj.rest_height)
                 # A long object lies along the hand: take it nearer, or its end would meet the palm.
                 height += higher
-                if higher and height > tip_depth(0.5 * math.pi - tilt) - _HOLD:
+                if higher and height > tip_depth(body, 0.5 * math.pi - tilt) - _HOLD:
                     continue
-                spare = (_PALM + height * math.sin(tilt)) / math.cos(tilt)
+                spare = (body.palm - _OFF_PALM + height * math.sin(tilt)) / math.cos(tilt)
                 nearer = min(max(0.0, obj.size[0] - spare), 0.6 * obj.size[0])
                 at = position + [0.0, 0.0, height] - nearer * front[:, 0]
                 aside, turned = _bent(obj, -nearer * front[:, 0] @ rotation)

@@ -12,7 +12,7 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.collision import TARGET
 from remac_env.backends.physics.controllers.scripted.entries import Entry, grasping, level, placing
-from remac_env.backends.physics.controllers.scripted.grasps import OPENINGS, squeeze
+from remac_env.backends.physics.controllers.scripted.grasps import opening, squeeze
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.place import release
 from remac_env.backends.physics.controllers.scripted.search import CHECKS, Budget, Reasons, search
@@ -96,8 +96,7 @@ def take_out(here: Workspace, body: str, *, vessel: str | None = None) -> Steps:
     here.begin()
     yield from tuck(here)
     obj = here.kitchen.objects[body]
-    opening = OPENINGS[obj.grasp.mode]
-    here.robot.grip = opening
+    here.robot.grip = opening(obj, here.robot.body)
     here.begin(here.sensed.geoms(body))
     stood = here.sensed.pose(body)
     found = _way_to(here, obj, stood, vessel)
@@ -106,7 +105,7 @@ def take_out(here: Workspace, body: str, *, vessel: str | None = None) -> Steps:
     yield from here.mover.grasp(squeeze(obj, here.robot.body))
     yield from here.mover.play(_up(here))
     if here.robot.opening < EMPTY:
-        yield from here.mover.fingers(opening, 6)
+        yield from here.mover.fingers(opening(obj, here.robot.body), 6)
         yield from _leave(here, found)
         raise SkillFailure("slipped", f"the {body} did not come with the hand")
     take(here, body, stood, ())
@@ -122,7 +121,7 @@ def _way_to(here: Workspace, obj: Category, pose: Pose, vessel: str | None) -> I
 
     def over(rim: list[int], askew: float) -> Insertion:
         here.clear.checker.mark(rim, TARGET)
-        poses = partial(grasping, obj, pose, _RAISED[::-1] if rim else _RAISED, askew)
+        poses = partial(grasping, obj, here.robot.body, pose, _RAISED[::-1] if rim else _RAISED, askew)
         return _search(here, pose.position, carry, poses, _advanced, CHECKS if rim is rims[-1] else CHECKS // 2)
 
     return _first([partial(over, rim, askew) for rim, askew in product(rims, turns)])

@@ -10,7 +10,7 @@ import numpy as np
 from remac_env.kitchen.frame import Frame
 from remac_env.robots.rotation import Array, about_z
 
-_PALM = 0.025  # m along the hand from the bar's middle to the palm, with a little air
+_OFF_PALM = 0.007  # m that stay between a bar and the palm, along the hand from the bar's middle
 
 
 @dataclass(frozen=True)
@@ -44,11 +44,14 @@ class DoorPanel:
         way = (self.turn(angle) @ self.bar) * [1.0, 1.0, 0.0]
         return np.asarray(way / np.linalg.norm(way))
 
-    def clear_of_palm(self, pitch: float) -> float:
-        """How much higher (m) a hand pitched down by so much (rad) takes the bar, whose end would meet its palm."""
+    def clear_of_palm(self, pitch: float, palm: float) -> float:
+        """How much higher (m) a hand pitched down by so much (rad) takes the bar, whose end would meet its palm.
+
+        palm: how far that is from the grip site, m.
+        """
         if pitch >= 0.0:
             return 0.0
-        return max(0.0, self.half - max(0.0, _PALM - self.radius) / math.sin(-pitch))
+        return max(0.0, self.half - max(0.0, palm - _OFF_PALM - self.radius) / math.sin(-pitch))
 
     def turn(self, angle: float) -> Array:
         """Rotation (3, 3) of the door when it has been opened by an angle, rad."""

@@ -25,7 +25,7 @@ _DENSE = 0.0125  # rad between looks at a tight way: usually the hand moves by m
 _TREE_ROUNDS = 300
 _TREE_STEP = 0.35
 _TREE_CHECKS = 6000
-_TREE_SCALE = np.array([0.0, 0.0, 0.0, 4.0, *[1.0] * 7])
+_LIFT_SCALE = 4.0  # rad/m: what the lift counts beside the arm's joints
 _ESCAPES = ((-0.05, 0.0), (-0.10, 0.0), (0.0, 0.05), (-0.2, 0.05), (-0.3, 0.0))  # base back, torso up (m)
 
 
@@ -36,6 +36,7 @@ class Planner:
         self.checker, self.random = checker, random
         self.robot = checker.robot
         self.kinematics, self.body = checker.robot.kinematics, checker.robot.body
+        self._scale = np.array([0.0, 0.0, 0.0, _LIFT_SCALE, *[1.0] * len(self.body.folded)])
         self.step = self.body.speed * CONTROL_PERIOD * 1.5  # largest change of a joint in one control period
 
     # -- joint space -----------------------------------------------------------------------------------------
@@ -79,7 +80,7 @@ class Planner:
             return [b]
         if via:
             for arm in self.body.via:
-                for torso in (a[3], b[3], 0.3):
+                for torso in (a[3], b[3], min(0.3, self.body.upper[3])):
                     middle = np.concatenate([a[:3], [torso], arm])
                     free = self.checker.free(middle) and self.edge(a, middle) and self.edge(middle, b)
                     if free:
@@ -133,9 +134,9 @@ class Planner:
 
     def _extend(self, tree: _Tree, goal: Array) -> Array | Hit:
         nodes = np.array(tree.nodes)
-        nearest = int(np.argmin((((nodes - goal) * _TREE_SCALE) ** 2).sum(axis=1)))
+        nearest = int(np.argmin((((nodes - goal) * self._scale) ** 2).sum(axis=1)))
         change = goal - nodes[nearest]
-        length = float(np.linalg.norm(change * _TREE_SCALE))
+        length = float(np.linalg.norm(change * self._scale))
         reached = goal if length <= _TREE_STEP else nodes[nearest] + change * (_TREE_STEP / length)
         free = self.edge(nodes[nearest], reached, 0.07)
         if not free:

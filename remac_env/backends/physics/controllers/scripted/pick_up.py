@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remac_env.backends.physics.controllers.scripted.collision import IGNORED, TARGET
-from remac_env.backends.physics.controllers.scripted.grasps import OPENINGS, Grasp, awkward, candidates, squeeze
+from remac_env.backends.physics.controllers.scripted.grasps import Grasp, awkward, candidates, opening, squeeze
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, reach_in_slot
 from remac_env.backends.physics.controllers.scripted.skill import (
@@ -43,19 +43,19 @@ def pick_up(
         yield from tuck(here)
     here.begin(sensed.geoms(body) + (sensed.geoms(vessel) if vessel else []))
     stood = here.sensed.pose(body)
-    opening = OPENINGS[obj.grasp.mode]
-    here.clear.checker.fingers(opening)
-    here.robot.grip = opening
+    here.robot.grip = opening(obj, here.robot.body)
+    here.clear.checker.fingers(here.robot.grip)
     for inner in contents:
         here.clear.checker.mark(sensed.geoms(inner), IGNORED)
 
     def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
         return _lift(here, body, goal, grasp, lift, lifts)
 
-    grasps = candidates(obj, stood)
+    grasps = candidates(obj, stood, here.robot.body)
     # A handle lies well in front of its pan; too near to it the arm could not draw the pan in.
     target = grasps[0].position if obj.grasp.mode == "handle" else stood.position
-    found = reach_in_slot(here, kind, target, grasps, after, awkward=awkward(obj, stood), carry=carry)
+    askew = awkward(obj, stood, here.robot.body)
+    found = reach_in_slot(here, kind, target, grasps, after, awkward=askew, carry=carry)
     yield from go_to_grasp(here, found)
     if obj.grasp.mode == "rim":
         yield from here.mover.settle(_RIM_TOLERANCE, 20)
@@ -63,7 +63,7 @@ def pick_up(
     yield from here.mover.play(found.after)
     risen = sensed.pose(body).position[2] - stood.position[2]
     if here.robot.opening < EMPTY or risen < _LEAST_RISE:
-        yield from here.mover.fingers(opening, 6)
+        yield from here.mover.fingers(opening(obj, here.robot.body), 6)
         raise SkillFailure("slipped", f"the {body} did not come up with the hand")
     take(here, body, stood, contents)
     if obj.vessel:

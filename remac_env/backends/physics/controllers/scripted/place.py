@@ -87,7 +87,7 @@ def release(here: Workspace, periods: int = 6) -> Steps:
     """Open the fingers; the hand is empty from now on."""
     body = here.hand.body
     level = body is not None and here.kitchen.objects[body].vessel
-    yield from here.mover.fingers(0.03 if level else 0.04, periods)
+    yield from here.mover.fingers(min(0.03 if level else 0.04, here.robot.body.finger_travel), periods)
     here.hand.body, here.hand.contents = None, ()
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remac_env.backends.physics.controllers.scripted.grasps import Grasp
+from remac_env.backends.physics.controllers.scripted.grasps import MEASURED, Grasp
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, plan_reach
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, go_home, stances, tuck
@@ -17,6 +17,8 @@ from remac_env.backends.physics.controllers.scripted.workspace import Workspace
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.robots.rotation import Array, about_x, about_y, about_z, grip_frame
+
+_BEFORE = 0.021  # m from a button's face to the grip site of a hand with measured fingertips, which end 17 mm beyond it
 
 
 def work(here: Workspace, actuator: Actuator, *, on: bool) -> Steps:
@@ -107,14 +109,13 @@ def _push_button(here: Workspace, actuator: Actuator) -> Steps:
     here.clear.checker.fingers(0.0)
     face = np.array(sensed.model.body(name).pos) + np.array(sensed.model.site(actuator.site).pos)
     face, seen = sensed.located(name, face), about_z(sensed.turned(name))
-    grasps = []
+    longer, grasps = robot.body.fingertip.beyond - MEASURED.beyond, []
     for pitch in (0.5, 0.8, 0.3, 0.0):
         for yaw in (0.0, 0.4, -0.4):
             for side in (1.0, -1.0):
                 approach = about_z(yaw) @ [0.0, math.cos(pitch), -math.sin(pitch)]
                 hand = seen @ grip_frame(approach, about_z(yaw) @ [side, 0.0, 0.0])
-                # The fingertips end 17 mm beyond the grip site.
-                at = face - hand[:, 2] * 0.021
+                at = face - hand[:, 2] * (_BEFORE + longer)
                 grasps.append(Grasp(at, hand, here.robot.frame, before=at - hand[:, 2] * 0.10))
 
     def after(goal: Array, grasp: Grasp) -> Path | Hit | NoWay:
@@ -126,7 +127,7 @@ def _push_button(here: Workspace, actuator: Actuator) -> Steps:
     yield from here.mover.play(found.after)
     pushed = sensed.joint(name)
     yield from here.mover.play(found.approach[::-1])
-    yield from here.mover.fingers(0.04, 4)
+    yield from here.mover.fingers(min(0.04, robot.body.finger_travel), 4)
     here.begin()
     yield from go_home(here)
     if pushed < actuator.counts:
