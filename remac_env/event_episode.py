@@ -47,8 +47,9 @@ class EventEpisode(Episode):
 
     def decided(self) -> None:
         """The robots that are ready decide now."""
+        now, decisions = self.clock.now, self._decisions
         for robot in self.clock.ready:
-            self._decisions[robot] = Decision(self.clock.now, 0.0, self._decisions[robot].count + 1)
+            decisions[robot] = Decision(now, 0.0, decisions[robot].count + 1)
 
     def arrive(self, world: WorldState, outcomes: Mapping[str, Outcome], counters: Counters) -> None:
         """Take over a decision point, and judge it."""
@@ -68,12 +69,12 @@ class EventEpisode(Episode):
 
     def info(self, robot: str) -> dict[str, Any]:
         """What `infos[robot]` holds: that of an episode in rounds, and what time adds to it."""
-        doing, now, last = self.clock.doing(robot), self.clock.now, self._decisions[robot]
+        doing, now, last = self.clock.doing(robot), self.seconds, self._decisions[robot]
         slow = self._slow.items() if self.terms.scene.processes else ()
         told = super().info(robot)
         if self.stops is not None:
             told["stop"] = self.stops
-        return told | {
+        told.update({
             "ready": doing is None and self.end is None,
             "running": "" if doing is None else doing.text,
             "elapsed": 0.0 if doing is None else round(now - doing.since, 6),
@@ -83,7 +84,8 @@ class EventEpisode(Episode):
             "continue": self.continues,
             "max_seconds": float(self.terms.max_seconds),
             "processes": {f"{each.name} {name}": round(now - since, 6) for (each, name), since in slow},
-        }
+        })
+        return told
 
     @property
     def shares(self) -> dict[Key, float]:
@@ -109,7 +111,7 @@ class EventEpisode(Episode):
 
     def _of_time(self) -> Iterator[str]:
         """What all robots are told of time at a decision point."""
-        now = self.clock.now
+        now = self.seconds
         yield f"The clock shows {now:g} of {self.terms.max_seconds:g} s."
         for name in self.terms.scene.robots:
             doing = self.clock.doing(name)

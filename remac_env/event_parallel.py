@@ -103,11 +103,7 @@ class KitchenEventEnv(KitchenParallelEnv):
         """The tokens that this robot may choose now; 1 or 0, shape (N,). Never without a 1."""
         if self._timed().clock.doing(agent) is None:
             return super().action_mask(agent)
-        mask = np.zeros(len(self.vocabulary), np.int8)
-        mask[self._continue] = 1
-        if self._stop is not None:
-            mask[self._stop] = 1
-        return mask
+        return self._busy.copy()
 
     def _stopped(self, tokens: Mapping[str, int], orders: Mapping[str, Order]) -> list[str]:
         """The robots that are busy and told to stop."""
@@ -120,13 +116,20 @@ class KitchenEventEnv(KitchenParallelEnv):
     def _words(self) -> Vocabulary:
         return self.worlds.vocabulary.with_words((CONTINUE, *((STOP,) if self.options.interrupts else ())))
 
-    @property
+    @cached_property
     def _continue(self) -> int:
         return self.vocabulary.encode(CONTINUE)
 
-    @property
+    @cached_property
     def _stop(self) -> int | None:
         return self.vocabulary.encode(STOP) if self.options.interrupts else None
+
+    @cached_property
+    def _busy(self) -> NDArray[np.int8]:
+        """The mask of a busy robot."""
+        mask = np.zeros(len(self.vocabulary), np.int8)
+        mask[[token for token in (self._continue, self._stop) if token is not None]] = 1
+        return mask
 
     def _begin(self, terms: Terms, backend: Backend) -> Episode:
         world = backend.reset(terms.start)
@@ -153,10 +156,8 @@ class KitchenEventEnv(KitchenParallelEnv):
 
     def _vectors(self) -> dict[str, NDArray[np.float32]]:
         episode = self._timed()
-        return {
-            robot: np.concatenate((facts, self._time.vector(robot, episode.clock, episode.world)))
-            for robot, facts in super()._vectors().items()
-        }
+        time = self._time.vectors(self.agents, episode.clock, episode.world)
+        return {robot: np.concatenate((facts, time[robot])) for robot, facts in super()._vectors().items()}
 
     @cached_property
     def _time(self) -> TimeFacts:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Any, Literal, NamedTuple
 
 from remac_env.backends.base import Backend
 from remac_env.events.processes import DIGITS, Key, ProcessQueue
@@ -26,8 +26,7 @@ REFUSAL = 1.0
 Kind = Literal["thinking", "working", "waiting", "declined"]
 
 
-@dataclass(frozen=True, slots=True)
-class Order:
+class Order(NamedTuple):
     """What a ready robot is told to do. `think`: s until it takes effect; `invalid`: why it means nothing."""
 
     subtask: Subtask
@@ -35,8 +34,7 @@ class Order:
     invalid: Outcome | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Doing:
+class Doing(NamedTuple):
     """What a robot is at. `since`, `until`: s on the clock; `outcome`: how it ends where that is known already."""
 
     kind: Kind
@@ -51,8 +49,7 @@ class Doing:
         return "thinking" if self.kind == "thinking" else self.subtask.text
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
+class Span(NamedTuple):
     """Something that lasted from `began` to `ended`, s. `who`: the robot, or what a process is about.
 
     `kind`: subtask, wait, thought or process. `status`: success, failure (with its reason), or cut: it was under way
@@ -70,7 +67,7 @@ class Span:
     @property
     def as_values(self) -> dict[str, Any]:
         """It as plain values."""
-        return asdict(self)
+        return self._asdict()
 
 
 Kept = tuple[dict[str, Doing], frozenset[str], dict[Key, float]]
@@ -159,7 +156,7 @@ class EventClock:
             told = self._told(self._backend.advance(until=self._limit()))
             happened = self._happen()
             arrived = self._take_effect()
-            if told or happened or arrived or self.over or self._idle_is_over():
+            if told or happened or arrived or self.over or self._idle():
                 break
         else:
             told = {}
@@ -203,8 +200,11 @@ class EventClock:
             else:
                 self._doing[robot] = Doing("working", each.subtask, now)
                 batch[robot] = each.subtask
-        kept = {robot for robot, each in due.items() if each.subtask == WAIT and each.outcome is None}
-        self.done = (self.done - due.keys()) | (self.done & kept) | {r for r, e in due.items() if e.subtask == DONE}
+            # Who has said `done` stays done for as long as it waits.
+            if each.subtask == DONE:
+                self.done |= {robot}
+            elif robot in self.done and (each.subtask != WAIT or each.outcome is not None):
+                self.done -= {robot}
         if batch:
             for robot, refused in self._backend.begin(batch).items():
                 self._decline(robot, batch[robot], refused)
@@ -227,14 +227,14 @@ class EventClock:
 
     def _told(self, ended: Mapping[str, Outcome]) -> dict[str, Outcome]:
         """The outcomes of what has ended by now."""
-        told: dict[str, Outcome] = {}
+        now, told = self.now, dict[str, Outcome]()
         for robot, outcome in ended.items():
             if outcome.ended <= outcome.began:
                 self._decline(robot, self._doing[robot].subtask, outcome)  # given up before anything moved
             else:
                 told[robot] = outcome
         for robot, each in self._doing.items():
-            if each.kind == "declined" and each.until <= self.now and each.outcome is not None:
+            if each.kind == "declined" and each.until <= now and each.outcome is not None:
                 told[robot] = each.outcome
         for robot, outcome in told.items():
             self._note(robot, "subtask", outcome)
@@ -247,12 +247,10 @@ class EventClock:
 
     def _waited(self) -> dict[str, Outcome]:
         """At a decision point those are asked again that have waited for it."""
-        now, over = self.now, self._all_done()
-        waits = {r: d.since for r, d in self._doing.items() if d.kind == "waiting" and (d.since < now or over)}
-        told = {
-            robot: Outcome("success", seconds=round(now - since, DIGITS), began=since, ended=now)
-            for robot, since in waits.items()
-        }
+        now, over, told = self.now, self._all_done(), dict[str, Outcome]()
+        for robot, each in self._doing.items():
+            if each.kind == "waiting" and (each.since < now or over):
+                told[robot] = Outcome("success", seconds=round(now - each.since, DIGITS), began=each.since, ended=now)
         for robot, outcome in told.items():
             self._note(robot, "wait", outcome)
         return told
@@ -260,12 +258,12 @@ class EventClock:
     def _limit(self) -> float:
         """What the clock shows at most before something is due."""
         due = [each.until for each in self._doing.values()]
-        if all(each.kind == "waiting" for each in self._doing.values()):
+        if self._idle():
             due.append(round(self.now + IDLE, DIGITS))
-        return min((*due, self._processes.next, self._deadline))
+        return min(*due, self._processes.next, self._deadline)
 
-    def _idle_is_over(self) -> bool:
+    def _idle(self) -> bool:
         return all(each.kind == "waiting" for each in self._doing.values())
 
     def _all_done(self) -> bool:
-        return self.done >= set(self._robots)
+        return len(self.done) == len(self._robots)

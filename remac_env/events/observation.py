@@ -15,6 +15,7 @@ LONG = 60.0
 """s that what a robot is at has taken when the figure for it is 1: after so long a controller gives up."""
 
 _CLOCK, _ROBOT = 1, 4
+_KINDS = ((1, "thinking"), (2, "working"))
 
 
 class TimeFacts:
@@ -34,7 +35,8 @@ class TimeFacts:
     def __init__(
         self, robots: Sequence[str], processes: Iterable[str], nouns: Iterable[str], *, deadline: float
     ) -> None:
-        self._robots, self._deadline = tuple(robots), deadline
+        self._deadline = deadline
+        self._orders = {robot: (robot, *(other for other in robots if other != robot)) for robot in robots}
         self._processes = [known()[name] for name in processes]
         nouns = tuple(nouns) if self._processes else ()
         self._places = {
@@ -44,20 +46,42 @@ class TimeFacts:
         }
         self.size = _CLOCK + _ROBOT * len(robots) + len(self._places)
 
-    def vector(self, robot: str, clock: EventClock, world: WorldState) -> NDArray[np.float32]:
-        """Time as a robot sees it; shape (size,), values 0..1."""
-        now, values = clock.now, np.zeros(self.size, np.float32)
-        values[0] = min(now / self._deadline, 1.0)
-        others = (other for other in self._robots if other != robot)
-        for index, name in enumerate((robot, *others)):
-            each, at = clock.doing(name), _CLOCK + _ROBOT * index
-            kind = "" if each is None else each.kind
-            values[at : at + 3] = (each is None, kind == "thinking", kind == "working")
-            values[at + 3] = 0.0 if each is None else min((now - each.since) / LONG, 1.0)
-        for (process, about), since in clock.processes.items():
-            values[self._places[process.name, about]] = min((now - since) / process.seconds, 1.0)
+    def vectors(
+        self, robots: Iterable[str], clock: EventClock, world: WorldState
+    ) -> dict[str, NDArray[np.float32]]:
+        """Time as each of `robots` sees it; shape (size,), values 0..1. What they see alike is worked out once."""
+        now, told = clock.now, dict[str, NDArray[np.float32]]()
+        over, at_work = min(now / self._deadline, 1.0), self._at_work(clock, now)
+        slow = self._slow(clock, world, now) if self._processes else ()
+        for robot in robots:
+            values = told[robot] = np.zeros(self.size, np.float32)
+            values[0], block = over, _CLOCK
+            for name in self._orders[robot]:
+                for place, value in at_work[name]:
+                    values[block + place] = value
+                block += _ROBOT
+            for place, value in slow:
+                values[place] = value
+        return told
+
+    def _at_work(self, clock: EventClock, now: float) -> dict[str, list[tuple[int, float]]]:
+        """Of each robot, the places in its block that are not 0, and what stands there."""
+        found = {}
+        for name in self._orders:
+            each = clock.doing(name)
+            if each is None:
+                found[name] = [(0, 1.0)]
+            else:
+                kinds = [(place, 1.0) for place, kind in _KINDS if each.kind == kind]
+                found[name] = [*kinds, (_ROBOT - 1, min((now - each.since) / LONG, 1.0))]
+        return found
+
+    def _slow(self, clock: EventClock, world: WorldState, now: float) -> list[tuple[int, float]]:
+        """Places of what goes on by itself or is over, and how much of its time is."""
+        goes_on, places = clock.processes.items(), self._places
+        found = [(places[each.name, name], min((now - since) / each.seconds, 1.0)) for (each, name), since in goes_on]
         for process in self._processes:
             for name, item in world.objects.items() if process.mark else ():
                 if process.mark in item.marks:
-                    values[self._places[process.name, name]] = 1.0
-        return values
+                    found.append((places[process.name, name], 1.0))
+        return found

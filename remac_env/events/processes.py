@@ -39,7 +39,7 @@ class ProcessQueue:
     @property
     def next(self) -> float:
         """When the next one ends, s; infinite where none goes on."""
-        return min((self._ends(key) for key in self._since), default=math.inf)
+        return min([self._ends(key) for key in self._since], default=math.inf)
 
     def over(self, now: float) -> list[tuple[Process, str, float]]:
         """The processes that have come to their end, with when they began; they are forgotten."""
