@@ -101,7 +101,7 @@ def test_water_that_takes_time_washes_nothing_at_once() -> None:
 def test_a_deadline_ends_the_episode() -> None:
     env = kitchen("SupperInTime", robots=1)
     info = play(env, *row(A, "; ".join(["wait"] * 40)))
-    assert (info["end"], info["seconds"], info["max_seconds"]) == ("truncated", 100.0, 100.0)
+    assert (info["end"], info["seconds"], info["max_seconds"]) == ("truncated", 110.0, 110.0)
 
 
 @pytest.mark.parametrize("task", TIMED)

@@ -9,11 +9,11 @@ SPEC = TaskSpec(
     name="SupperInTime",
     wordings=(
         "place the {food} into the microwave, place the {other} into the cabinet, and place the {third} into the "
-        "sink, within 100 seconds",
+        "sink, within 110 seconds",
         "place the {third} into the sink, the {other} into the cabinet, and the {food} into the microwave, within"
-        " 100 seconds",
+        " 110 seconds",
         "place the {food} into the microwave, the {other} into the cabinet and the {third} into the sink within "
-        "100 seconds",
+        "110 seconds",
     ),
     goal=All(
         Inside("{food}", "microwave"),
@@ -29,7 +29,10 @@ SPEC = TaskSpec(
         Role("third", ("mug",)),
     ),
     fixtures=("counter", "sink", "microwave", "cabinet"),
-    deadline=100.0,
+    # One robot is slower by the skill table already, where commands take less time than in physics: a search over all
+    # that it can do ends without a plan (16 starts, four floor plans). Two take up to 100 s in physics
+    # (benchmarks/timed_physics.py), in `galley`, where drives go a long way round each other.
+    deadline=110.0,
     layouts=("one_wall_large", "l_shaped_large", "galley", "u_shaped_large"),
     styles=("modern_1", "farmhouse", "scandinavian", "traditional_1"),
 )
