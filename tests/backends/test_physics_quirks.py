@@ -56,6 +56,21 @@ def test_without_the_quirk_the_same_commands_do_it(kind: str) -> None:
     assert play(kind, TRIALS[kind], quirky=False).held
 
 
+@pytest.mark.long
+def test_one_subtask_pulls_once_at_a_door_that_jams() -> None:
+    """One that found no way beside another at work went back to the door, which had given way by then."""
+    env = remac_env.parallel_env(make(grade=1, seed=192001, template="physics", quirks=2, robots=2).spec, robots=2)
+    env.reset(seed=192001)
+    for pair in (
+        ("navigate to carrot", "navigate aside"), ("navigate to counter", "navigate to stove"),
+        ("navigate to stove", "navigate to carrot"), ("wait", "pick up carrot"), ("navigate to cabinet", "wait"),
+        ("navigate aside", "navigate to microwave"), ("wait", "turn on microwave"), ("wait", "wait"),
+        ("navigate to cabinet", "wait"), ("open cabinet door", "close microwave door"),
+    ):
+        infos = env.step({name: env.vocabulary.encode(text) for name, text in zip(env.agents, pair, strict=True)})[4]
+    assert infos["robot_0"]["outcome"]["reason"] == "blocked" and env.world.fixtures["cabinet"].door == "ajar"
+
+
 def test_a_floor_plan_that_physics_lacks_is_refused() -> None:
     galley = Quirk("narrow galley", "cabinet", "counter")
     spec = replace(task_of("stuck object", TRIALS["stuck object"]), quirks=(galley,))

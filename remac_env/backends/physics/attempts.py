@@ -38,7 +38,8 @@ NEIGHBOUR = 1.3  # m between stations whose robots could reach one another
 class Orders:
     """What begins together: the accepted subtasks, where every robot ends, the world before, and a running number.
 
-    ``achieved``: whether a robot's subtask has, by now, done what it says.
+    ``achieved``: whether a robot's subtask has, by now, done what it says. ``hindered``: whether a quirk has kept it from
+    that; then nothing is tried again within a subtask, as to try again is for who gives the next one.
     """
 
     number: int
@@ -46,6 +47,7 @@ class Orders:
     subtasks: Mapping[str, Subtask]
     stations: Mapping[str, str]
     achieved: Callable[[str, Subtask], bool]
+    hindered: Callable[[Subtask], bool]
 
     @property
     def active(self) -> set[str]:
@@ -179,10 +181,10 @@ class Attempts:
         began = self._simulation.ticks
         sensing, own = pilot.briefed(now.number, subtask, now.world), pilot.own_for(now.number, subtask, now.world)
         if own is not None:
-            outcome = yield from pilot.skill(own, subtask, sensing)
+            outcome = yield from pilot.skill(own, subtask, sensing, lambda: now.hindered(subtask))
             return _or_done(outcome, robot, subtask, now)
         outcome = yield from self._among_litter(robot, subtask, sensing, now)
-        if here.clear.checker.keep_out and outcome.reason in ("blocked", "unreachable"):
+        if here.clear.checker.keep_out and _no_way(outcome) and not now.hindered(subtask):
             moved = self._simulation.ticks - began > _THOUGHT
             yield from self._turn(robot)
             here.clear.checker.keep_out = ()
@@ -204,7 +206,7 @@ class Attempts:
                 here.clear.litter = litter if here.clear.checker.free(here.robot.q) else litter - pressed(here)
             outcome = yield from pilot.scripted(subtask, sensing)
             here.clear.litter = frozenset()
-            if last or not litter or outcome.reason not in ("blocked", "unreachable"):
+            if last or not litter or not _no_way(outcome) or now.hindered(subtask):
                 break
             home = yield from pilot.home()
             if not home.success or now.achieved(robot, subtask):
@@ -266,6 +268,10 @@ def keeps_from(plane: KeepOutPlane, here: Station, there: Station) -> bool:
 def _or_done(outcome: Outcome, robot: str, subtask: Subtask, now: Orders) -> Outcome:
     """How a subtask ended; one that was stopped when it had done what it says has succeeded."""
     return Outcome("success") if outcome.reason == "interrupted" and now.achieved(robot, subtask) else outcome
+
+
+def _no_way(outcome: Outcome) -> bool:
+    return outcome.reason in ("blocked", "unreachable")
 
 
 def _nothing() -> Attempt:

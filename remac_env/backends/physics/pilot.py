@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping
 
 from remac_env.backends.physics.controllers.base import Command, CommandError, Controller, set_points
 from remac_env.backends.physics.controllers.guard import guarded
@@ -75,10 +75,12 @@ class Pilot:
         self.here.robot.q = self.here.robot.measured
         return self.steps(go_home(self.here), RECOVERY_TIME)
 
-    def skill(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:
+    def skill(
+        self, controller: Controller, subtask: Subtask, sensing: Briefed, hindered: Callable[[], bool]
+    ) -> Attempt:
         """Run a controller of the robot's own at a station, and bring the robot home from wherever that leaves it.
 
-        One that says how many `tries` it has begins again where it missed (`slipped`).
+        One that says how many `tries` it has begins again where it missed (`slipped`), but not where it was `hindered`.
         """
         for left in reversed(range(getattr(controller, "tries", 1))):
             outcome = yield from self._owned(controller, subtask, sensing)
@@ -86,7 +88,7 @@ class Pilot:
                 yield from self.steps(go_home(self.here), RECOVERY_TIME)
             else:
                 home = yield from self.home()
-            if not left or outcome.reason != "slipped" or not home.success or self.stopping:
+            if not left or outcome.reason != "slipped" or not home.success or self.stopping or hindered():
                 break
         return outcome
 

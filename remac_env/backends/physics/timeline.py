@@ -122,9 +122,10 @@ class Timeline:
         for robot, subtask in accepted.items():
             claim = Claim.of(world, robot, subtask, stations[robot])
             self._tasks[robot] = _Task(subtask, now, world, claim, self._foretold(robot, subtask, stations[robot]))
-            if self._oddities is not None:
-                self._oddities.began(subtask)
-        self._attempts |= self._team.attempts(Orders(self._batches, world, accepted, stations, self._achieved))
+        if self._oddities is not None:
+            self._oddities.began(accepted.values())
+        orders = Orders(self._batches, world, accepted, stations, self._achieved, self._hindered)
+        self._attempts |= self._team.attempts(orders)
         self._batches += 1
         return {robot: self._timed(outcome, now) for robot, outcome in refused.items()}
 
@@ -180,8 +181,7 @@ class Timeline:
             outcomes |= self._run(watch)
         self._settle()
         self.world = self._truth.read()
-        judged = self._judge(outcomes, tasks, before, subtasks)
-        ticks = self.simulation.ticks - began
+        judged, ticks = self._judge(outcomes, tasks, before, subtasks), self.simulation.ticks - began
         seconds = max((outcome.seconds for outcome in judged.values()), default=0.0)
         counters = Counters(ticks, ticks * SUBSTEPS, self._contacts - met[0], self._misses - met[1])
         return RoundResult(self.world, judged, seconds, counters)
@@ -257,6 +257,10 @@ class Timeline:
         seen, held = self._truth.seen(), self._tasks[robot].held(robot)
         return all(condition.holds(self.start.scene, seen) for condition in subtask.achieves(robot, held))
 
+    def _hindered(self, subtask: Subtask) -> bool:
+        """Whether a quirk has kept a subtask from succeeding, so far."""
+        return self._oddities is not None and self._oddities.hindered(subtask)
+
     def _judge(
         self, ended: Mapping[str, Outcome], tasks: Mapping[str, _Task], before: WorldState,
         running: Mapping[str, Subtask],
@@ -266,12 +270,6 @@ class Timeline:
             for robot in robots:
                 self._fell.setdefault(robot, name)
         judged = {robot: self._judged(robot, tasks.get(robot), outcome) for robot, outcome in ended.items()}
-        if (odd := self._oddities) is not None:
-            judged |= {
-                robot: replace(outcome, reason=HINDERED.reason, detail=HINDERED.detail)
-                for robot, outcome in judged.items()
-                if not outcome.success and robot in tasks and odd.hindered(tasks[robot].subtask)
-            }
         for robot, name in self._fell.items():
             if robot in judged and judged[robot].success:
                 judged[robot] = replace(judged[robot], status="failure", reason="dropped", detail=f"the {name} fell")
@@ -279,14 +277,15 @@ class Timeline:
         return judged
 
     def _judged(self, robot: str, task: _Task | None, outcome: Outcome) -> Outcome:
-        """Success only when what the subtask achieves is true."""
-        if not outcome.success or task is None:
-            return outcome
-        for condition in task.subtask.achieves(robot, task.held(robot)):
-            if not condition.holds(self.start.scene, self.world):
-                detail = f"not true at rest: {condition.sentence}"
-                return replace(outcome, status="failure", reason="slipped", detail=detail)
-        return outcome
+        """Success only when what the subtask achieves is true; what a quirk has kept from it is blocked."""
+        if task is not None and outcome.success:
+            achieved = task.subtask.achieves(robot, task.held(robot))
+            false = [f"not true at rest: {c.sentence}" for c in achieved if not c.holds(self.start.scene, self.world)]
+            if not false:
+                return outcome
+            outcome = replace(outcome, status="failure", reason="slipped", detail=false[0])
+        hindered = task is not None and self._hindered(task.subtask)
+        return replace(outcome, reason=HINDERED.reason, detail=HINDERED.detail) if hindered else outcome
 
 
 @lru_cache(maxsize=8)

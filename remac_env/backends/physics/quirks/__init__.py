@@ -6,7 +6,7 @@ objects (a dirty vessel) are left to the rules, and what is full is so from the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Protocol
 
 from remac_env.backends.physics.quirks import doors, objects, switches
@@ -62,10 +62,10 @@ class Oddities:
         """Whether one of them waits to act, so that the kitchen is not at rest yet."""
         return any(isinstance(mechanism, doors.Falls) and mechanism.pending for mechanism in self._all)
 
-    def began(self, subtask: Subtask) -> None:
-        """Note that a subtask begins."""
+    def began(self, subtasks: Collection[Subtask]) -> None:
+        """Note that subtasks begin."""
         for mechanism in self._all:
-            mechanism.struck.discard(subtask.target)
+            mechanism.struck.difference_update(subtask.target for subtask in subtasks)
 
     def hindered(self, subtask: Subtask) -> bool:
         """Whether a quirk had to do with its failure."""

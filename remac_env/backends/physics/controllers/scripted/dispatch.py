@@ -111,8 +111,7 @@ def _spot(here: Workspace, scene: Rules, world: WorldState, robot: str, target: 
 
 def _season(here: Workspace, world: WorldState, target: str) -> Steps:
     slot = _slot_of(here, world, target)
-    if slot.kind == "cavity":
-        require_open(here, slot.fixture)
+    require_open(here, slot.fixture)
     yield from season(here, target, inside=slot.fixture if slot.kind == "cavity" else None)
 
 

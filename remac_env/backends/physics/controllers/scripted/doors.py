@@ -30,6 +30,7 @@ _CLEAR, _ASIDE = 0.8, 1.0  # rad at which a panel leaves room for the hand at it
 _OPENING_FOLLOWS, _CLOSING_FOLLOWS = (0.5, 0.8, 0.3), (0.3, 0.5, 0.15, 0.65)
 _DISTANCES, _SIDES, _TURNS = (0.58, 0.5, 0.66, 0.74), (-0.05, 0.1, -0.2, 0.25, 0.4), (0.0, 0.3, -0.3)
 _PARTS, _LEAST = (1.0, 0.7), 0.3  # rad to which a panel is opened first that does not open in one go; of which at least
+_SHORT = 0.3  # rad by which an opened panel may fall short: one that stops before is held, and is left
 # A hand that pushes: from the free edge, and above the handle's end, m; share of the panel's turn that it follows.
 _INSETS, _HIGHER = (0.02, 0.035, 0.0), (0.13, 0.19, 0.25)
 _CLOSING_TURNS, _OPENING_TURNS = (0.3, 0.15, 0.5, 0.0), (-0.6, -0.9, -0.3, -1.2)
@@ -121,6 +122,8 @@ def _swing_panel(here: Workspace, door: DoorPanel, target: float) -> Steps:
             raise SkillFailure("slipped", f"the hand missed the handle of {door.joint}")
     yield from follow_arc(here, door, found.grasp, start, end)
     yield from _back_off(here, door, 0.0 if found.grasp.pushes else NARROW_GRIP)
+    if target > 0.0 and here.sensed.joint(door.joint) < min(end - _SHORT, _SWUNG):
+        raise SkillFailure("slipped", f"{door.joint} stopped at {here.sensed.joint(door.joint):.2f} rad")
     if end != target:
         yield from _swing_panel(here, door, target)
 
