@@ -3,7 +3,8 @@
 Each episode runs the oracle's plan; after a failed round the oracle plans again from where objects are, at most
 `--replans` times. "first try" counts episodes without a failed subtask, but for what the plan foresees: that a quirk is
 in the way. With `--grades 1,2` the tasks are generated ones, with `--template`, `--quirks` and `--knowledge`, and their
-plans are those that they come with. `--by task` groups those by grade, `--by template` by template.
+plans are those that they come with, of which one robot carries out nearly all; with `--together` they are the shortest
+that are found for all robots at once. `--by task` groups those by grade, `--by template` by template.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from rich.table import Table
 
 import remac_env
 from remac_env.generator import make
+from remac_env.generator.making import GRADES
 from remac_env.oracle import OraclePlan, solve
 from remac_env.oracle.witness import witness
 from remac_env.parallel import KitchenParallelEnv
@@ -64,6 +66,11 @@ class Job:
     template: str | None = None
     quirks: int = 0
     knowledge: str = "full"
+    together: bool = False
+
+
+STATES = 3000
+"""States at which each search for a plan of all robots together gives up; then one robot does nearly all, as before."""
 
 
 def play(job: Job) -> Played:
@@ -107,21 +114,25 @@ def _made(job: Job) -> tuple[KitchenParallelEnv, OraclePlan | None]:
         grade=job.grade, seed=job.seed, template=job.template, quirks=job.quirks, knowledge=job.knowledge,
         robots=job.robots,
     )  # fmt: skip
-    return remac_env.parallel_env(task.spec, robots=job.robots), task.plan
+    return remac_env.parallel_env(task.spec, robots=job.robots), None if job.together else task.plan
 
 
 def _planned(job: Job, env: KitchenParallelEnv) -> OraclePlan | None:
-    return (solve if job.grade is None else witness)(env.start.scene, env.world, env.goal)
+    kitchen = env.start.scene, env.world, env.goal
+    if job.grade is None:
+        return solve(*kitchen)
+    found = solve(*kitchen, max_rounds=GRADES[job.grade], max_states=STATES) if job.together else None
+    return found or witness(*kitchen)
 
 
 @takes(
     *("script.seeds", "script.tasks", "oracle_physics.layouts", "oracle_physics.by", "oracle_physics.grades"),
-    *("oracle_physics.robots", "template", "quirks", "knowledge", "starts", "oracle_physics.replans"),
-    "script.processes",
+    *("oracle_physics.robots", "template", "quirks", "knowledge", "oracle_physics.together", "starts"),
+    *("oracle_physics.replans", "script.processes"),
 )
 def main(
     *, seeds: str, tasks: str | None, layouts: str | None, by: str, grades: str, robots: str, template: str | None,
-    quirks: int, knowledge: str, starts: str, replans: int, processes: int,
+    quirks: int, knowledge: str, together: bool, starts: str, replans: int, processes: int,
 ) -> None:  # fmt: skip
     """Print a table a task and number of robots, and every failed subtask."""
     names = remac_env.tasks() if tasks is None else parse_names(tasks, "tasks")
@@ -129,7 +140,10 @@ def main(
     counts = [int(number) for number in parse_names(robots, "robots")]
     if grades:
         jobs = [
-            Job(f"grade {grade}", n, seed, None, starts, replans, int(grade), template or "physics", quirks, knowledge)
+            Job(
+                f"grade {grade}", n, seed, None, starts, replans, int(grade), template or "physics", quirks, knowledge,
+                together,
+            )
             for grade, n, seed in product(parse_names(grades, "grades"), counts, parse_seeds(seeds))
         ]
     else:

@@ -63,6 +63,10 @@ ROWS: dict[str, Row] = {
         help="Comma-separated grades of generated tasks, to be played in place of the suite's.", default=""
     ),
     "oracle_physics.robots": Row(help="How many robots, separated by commas.", default="1,2"),
+    "oracle_physics.together": Row(
+        help="Generated tasks: the shortest plan that is found for all robots at once.", default=False, values=Switch(),
+        flag="--together",
+    ),
     "oracle_physics.replans": Row(
         help="Maximum number of replans after failed rounds.", default=2, values=Whole()
     ),

@@ -1,9 +1,9 @@
-"""Where objects can be used, go and land in a kitchen, and which switch a command means."""
+"""Where objects can be used, go and land in a kitchen, which switch a command means, and what an open door stops."""
 
 from __future__ import annotations
 
 from remac_env.rules.facts import Rules
-from remac_env.state import Place, WorldState, base_place, contents, occupant
+from remac_env.state import Door, Place, WorldState, base_place, contents, occupant
 
 
 def stations_of(rules: Rules, world: WorldState, target: str) -> tuple[str, ...]:
@@ -83,3 +83,9 @@ def kind_around(rules: Rules, world: WorldState, target: str) -> str:
         return rules.fixtures[target].kind
     place = base_place(world, target)
     return rules.fixtures[rules.slots[place.where].fixture].kind if place.relation == "slot" else ""
+
+
+def unshut(rules: Rules, world: WorldState, fixture: str, door: Door) -> WorldState:
+    """The world once a door is no longer shut, whatever moved it: what runs only with it shut stops."""
+    left = world.with_fixture(fixture, door=door)
+    return left.with_fixture(fixture, on=frozenset()) if rules.fixtures[fixture].shut_to_run else left

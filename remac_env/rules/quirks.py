@@ -15,7 +15,7 @@ from remac_env.rules import subjects
 from remac_env.rules.facts import ASIDE, Quirk, Rules
 from remac_env.rules.marks import WASHED
 from remac_env.rules.outcomes import Outcome, failure
-from remac_env.rules.places import landing, switch_for
+from remac_env.rules.places import landing, switch_for, unshut
 from remac_env.rules.predicates import PREDICATES
 from remac_env.rules.subtasks import Subtask
 from remac_env.rules.tables import by_name
@@ -106,7 +106,7 @@ def _jams(quirk: Quirk, rules: Rules, world: WorldState, robot: str, subtask: Su
 
 
 def _gives_way(quirk: Quirk, rules: Rules, world: WorldState, subtask: Subtask) -> WorldState:
-    return world.with_fixture(quirk.about, door="ajar")
+    return unshut(rules, world, quirk.about, "ajar")
 
 
 def _falls_shut(quirk: Quirk, rules: Rules, world: WorldState) -> WorldState:
@@ -116,7 +116,7 @@ def _falls_shut(quirk: Quirk, rules: Rules, world: WorldState) -> WorldState:
 
 def _swings_open(quirk: Quirk, rules: Rules, world: WorldState) -> WorldState:
     left = world.fixtures[quirk.about].door == "closed" and not _attended(rules, world, quirk.about)
-    return world.with_fixture(quirk.about, door="ajar") if left else world
+    return unshut(rules, world, quirk.about, "ajar") if left else world
 
 
 def _goes_off(quirk: Quirk, rules: Rules, world: WorldState) -> WorldState:

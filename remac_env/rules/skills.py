@@ -10,7 +10,7 @@ from remac_env.rules.conditions import Condition, condition
 from remac_env.rules.facts import ASIDE, Rules
 from remac_env.rules.marks import SEASONED, WASHED
 from remac_env.rules.outcomes import Reason
-from remac_env.rules.places import destination, landing, switch_for
+from remac_env.rules.places import destination, landing, switch_for, unshut
 from remac_env.rules.skill_row import Achieves, Requirement, Skill
 from remac_env.rules.tables import by_name
 from remac_env.state import FLOOR, Place, WorldState
@@ -122,9 +122,7 @@ def _set_off(rules: Rules, world: WorldState, robot: str, target: str) -> WorldS
 
 
 def _open(rules: Rules, world: WorldState, robot: str, target: str) -> WorldState:
-    opened = world.with_fixture(target, door="open")
-    # A fixture that runs only when shut stops when its door is opened.
-    return opened.with_fixture(target, on=frozenset()) if rules.fixtures[target].shut_to_run else opened
+    return unshut(rules, world, target, "open")
 
 
 def _close(rules: Rules, world: WorldState, robot: str, target: str) -> WorldState:

@@ -1,4 +1,4 @@
-"""What stands behind a door takes an open door, whatever kind of place it is in, for every skill that reaches for it."""
+"""Every skill that reaches for what stands behind a door takes an open one, whatever kind of place that is."""
 
 from __future__ import annotations
 

@@ -79,6 +79,17 @@ def test_a_quirk_shows_in_its_condition_and_nowhere_without_it(kind: str) -> Non
         assert shown.holds(scene, mended), QUIRKS[kind].remedy
 
 
+@pytest.mark.parametrize(
+    ("kind", "plan"),
+    [("", "open microwave door"), ("jammed door", "open microwave door"), ("swinging door", "navigate aside")],
+)
+def test_what_runs_only_shut_stops_whatever_opens_its_door(kind: str, plan: str) -> None:
+    scene, world = kitchen(*([Quirk(kind, "microwave")] if kind else []))
+    world = world.with_fixture("microwave", door="closed", on=frozenset({"microwave"}))
+    after, _ = play(scene, world.with_robot("robot_0", station="microwave"), plan)
+    assert after.fixtures["microwave"].door == ("ajar" if kind else "open") and not after.fixtures["microwave"].on
+
+
 def test_what_it_takes_two_robots_for_they_can_do_together() -> None:
     scene, world = kitchen(Quirk("falling door", "cabinet"), robots=2)
     way = "navigate to carrot, pick up carrot, navigate to carrot, navigate to carrot, navigate to cabinet"

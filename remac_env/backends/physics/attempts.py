@@ -38,8 +38,8 @@ NEIGHBOUR = 1.3  # m between stations whose robots could reach one another
 class Orders:
     """What begins together: the accepted subtasks, where every robot ends, the world before, and a running number.
 
-    ``achieved``: whether a robot's subtask has, by now, done what it says. ``hindered``: whether a quirk has kept it from
-    that; then nothing is tried again within a subtask, as to try again is for who gives the next one.
+    ``achieved``: whether a robot's subtask has, by now, done what it says. ``hindered``: whether a quirk has kept it
+    from that; then nothing is tried again within a subtask, as to try again is for who gives the next one.
     """
 
     number: int

@@ -31,6 +31,7 @@ WALL_PIECES = 12
 _FOOT_RADIUS = 0.004
 # Feet reach half a millimetre below the frame, so that the floor over them stays clear of the surface.
 _FOOT_HEIGHT = 0.0035
+_PRISM = 0.97  # of a cylinder's radius, from the axis to the faces of what stands in for it; to its corners 1.05
 _FLOOR_HALF, _FLOOR_HEIGHT = 0.003, 0.006
 
 Adder = Callable[[mujoco.MjsBody, Category], None]
@@ -108,7 +109,8 @@ def _bottle(body: mujoco.MjsBody, category: Category) -> None:
 
 def _can(body: mujoco.MjsBody, category: Category) -> None:
     measures = category.body.measures
-    _cylinder(body, category, measures["radius"], 0.001, measures["height"], category.mass)
+    shape = _prism if category.seasons else _cylinder
+    shape(body, category, measures["radius"], 0.001, measures["height"], category.mass)
     _feet(body, measures["radius"] - _FOOT_RADIUS, _FOOT_HEIGHT, count=4)
 
 
@@ -165,6 +167,23 @@ def _turned_and_leaning(turn: float, lean: float) -> list[float]:
 def _cylinder(body: mujoco.MjsBody, category: Category, radius: float, bottom: float, top: float, mass: float) -> None:
     ends, kind = [0, 0, bottom, 0, 0, top], mujoco.mjtGeom.mjGEOM_CYLINDER
     _add(body, category, kind, fromto=ends, size=[radius, 0, 0], mass=mass, **_WHOLE, **_STIFF)
+
+
+def _prism(body: mujoco.MjsBody, category: Category, radius: float, bottom: float, top: float, mass: float) -> None:
+    """What stands in for a cylinder that is shaken in a hand: eight faces, made of four boxes.
+
+    Between flat pads a cylinder is met at few points, at one end of this pad and at the other end of that one: it walks
+    along them, and once it is off their middle they squeeze it out. A face lies flat on a pad; hands come square to an
+    object's axes or just between them, which is square to a face.
+    """
+    face, high = _PRISM * radius, (top - bottom) / 2
+    half = [face, face * tan(pi / 8), high]
+    for number in range(4):
+        turn = number * pi / 8
+        _add(
+            body, category, mujoco.mjtGeom.mjGEOM_BOX, pos=[0, 0, bottom + high], size=half,
+            quat=[cos(turn), 0, 0, sin(turn)], mass=mass / 4, **_WHOLE, **_STIFF,
+        )  # fmt: skip
 
 
 def _feet(body: mujoco.MjsBody, radius: float, height: float, *, count: int) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from itertools import product
 
-import numpy as np
-
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.reach import go_to_grasp, plan_reach
@@ -19,8 +17,7 @@ _HEIGHT = (0.22, 0.28, 0.34)  # m of the shaker's frame over the food
 _TIPS = (2.0, 1.8, 2.3)  # rad from upright
 _AHEAD = (0.20, 0.16, 0.23)  # m that the shaker's top stays before food behind an opening
 _SHAKES, _SHAKE, _SHAKING = 4, 0.04, 0.5  # times, m up and down, m/s
-_SPEED, _GENTLY = 0.7, 0.3  # of the arm's usual speed, to the food
-_CREPT = 0.002  # m off the middle of the pads from which a shaker has moved in the hand
+_GENTLY = 0.3  # of the arm's usual speed, to the food and back: a shaker creeps the further the faster its hand turns
 _FIRM = 30.0  # N a finger with which a shaker is held that is to be shaken
 _TURNS = (0.0, 0.5, -0.5, 1.0, -1.0, 1.6, -1.6, 2.4, -2.4, math.pi)
 
@@ -47,14 +44,12 @@ def season(here: Workspace, food: str, *, inside: str | None = None) -> Steps:
     found = plan_reach(here, stances(here, over, (0.6, 0.7, 0.5, 0.8), (0.0, -0.12, 0.12, 0.24, -0.24)), grasps,
                        after, carry=robot.q.copy())
     yield from here.mover.fingers(here.mover.squeezed(_FIRM), 3)
-    # Every quick way makes the shaker creep along the pads; one that has moved there is carried gently.
-    crept = float(np.abs(_held(here)[0][:2]).max()) > _CREPT
-    yield from go_to_grasp(here, found, speed=_GENTLY if crept else _SPEED)
+    yield from go_to_grasp(here, found, speed=_GENTLY)
     yield from here.mover.play(found.after)
     yield from here.mover.play([*found.approach[::-1]])
     check_held(here)
     here.begin()
-    yield from go_home(here)
+    yield from go_home(here, laden=_GENTLY)
 
 
 def _held(here: Workspace) -> tuple[Array, Array]:

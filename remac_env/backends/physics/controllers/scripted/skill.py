@@ -23,10 +23,12 @@ FRONT_LIMIT = -0.20  # y of the arm axis nearest to the counters (their fronts a
 EMPTY = 0.002  # m between fingers that hold nothing; the thinnest wall that they hold is 5 mm
 _SLIPPED = 0.06  # m by which an object may move in the hand and still be held
 _TIGHT, _LOOKS = 0.5, 0.12  # share of its speed with which an arm goes that has little room; rad between looks for that
-_LADEN = 0.6  # share of the usual speeds at which a full hand is drawn in
 _RISES = (0.08, 0.16, 0.24)  # m by which a hand is raised that cannot be folded where it is
 _SLANTS = ((0.0, 0.0), (0.0, -0.1), (0.1, -0.05), (-0.1, -0.05))  # m by which it may go aside and back on the way
 _HARDLY = 0.001  # m around the arm meanwhile
+
+LADEN = 0.6
+"""Share of the usual speeds at which a full hand is drawn in."""
 
 
 class SkillFailure(Exception):
@@ -115,8 +117,11 @@ def shown(angles: Iterable[float]) -> str:
     return " and ".join(f"{angle:.2f}" for angle in angles) + " rad"
 
 
-def tuck(here: Workspace) -> Steps:
-    """Fold the arm where the robot stands, else after backing off. Fails with ``blocked``."""
+def tuck(here: Workspace, laden: float = LADEN) -> Steps:
+    """Fold the arm where the robot stands, else after backing off. Fails with ``blocked``.
+
+    ``laden``: the share of the usual speeds with which it goes where it holds something.
+    """
     planner, robot = here.clear.planner, here.robot
     if np.abs(robot.q[4:] - robot.body.folded).max() < 0.02 and abs(robot.q[3] - robot.body.lift_tucked) < 0.01:
         return
@@ -132,14 +137,14 @@ def tuck(here: Workspace) -> Steps:
             continue
         way = planner.path(stand, robot.body.tuck(*stand[:3]), tree=back == 0.3)
         if not isinstance(way, Hit):
-            yield from go_carefully(here, ([stand] if back else []) + way, 1.0 if here.hand.body is None else _LADEN)
+            yield from go_carefully(here, ([stand] if back else []) + way, 1.0 if here.hand.body is None else laden)
             return
         met = way
     for up in _ways_up(here):
         folded = planner.path(up[-1], robot.body.tuck(*up[-1][:3])) if here.clear.checker.free(up[-1]) else None
         if folded:
             yield from here.mover.play(up)
-            yield from go_carefully(here, folded, 1.0 if here.hand.body is None else _LADEN)
+            yield from go_carefully(here, folded, 1.0 if here.hand.body is None else laden)
             return
     raise SkillFailure("blocked", f"no way to fold the arm: {met}")
 
@@ -175,13 +180,13 @@ def drive_to(here: Workspace, base: Array) -> Steps:
     yield from here.mover.go(way)
 
 
-def go_home(here: Workspace) -> Steps:
-    """Back to the station's home pose: arm folded, or as it is when the hand carries something level."""
+def go_home(here: Workspace, *, laden: float = LADEN) -> Steps:
+    """Back to the station's home pose: arm folded (`tuck`), or as it is when the hand carries something level."""
     here.begin()
     held = here.hand.body
     if not here.clear.checker.free(here.robot.q):
         here.begin(held_meets=False)
     if held is None or not here.kitchen.objects[held].vessel:
-        yield from tuck(here)
+        yield from tuck(here, laden)
     if np.abs(here.robot.q[:3] - here.home).max() > 1e-6:
         yield from drive_to(here, here.home)
