@@ -93,11 +93,11 @@ $(DOCS)/.installed: pyproject.toml
 docs: $(DOCS)/.installed
 	$(DOCS)/bin/python docs/make_site.py
 
-# The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. Some 45 minutes of a core.
+# The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. Some 50 minutes of a core.
 # What is rare among demonstrations is recorded more often: docs/learning.md. Smaller: make learned EPISODES=8 RARE=2 TRIALS=2
 # EPOCHS=5 DEMOS=build/demos SHIPPED=build/weights
 LEARNED := OpenDoor,CloseDoor,TurnOn,TurnOff
-HANDLED := PickUp,PlaceTo
+HANDLED := PickUp,PlaceTo,NavigateTo
 SHIPPED := remac_env/backends/physics/controllers/learned/shipped
 DEMOS := demos
 EPISODES := 160
@@ -123,9 +123,11 @@ learned: $(RL)/.installed-learn
 	$(FOOD) --first-seed 20000 --episodes $$(($(EPISODES) * 9 / 4))
 	$(PUT) --first-seed 10000 --case "food in vessel on surface" --episodes $$(($(EPISODES) * 5 / 4))
 	$(PUT) --first-seed 12000 --case "food on surface" --episodes $$(($(EPISODES) / 4))
+	$(RECORD) --first-seed 10000 --skills NavigateTo --episodes $$(($(EPISODES) * 5 / 2))
 	$(RL)/bin/remac learn train --skills $(LEARNED) --demos $(DEMOS) --weights $(SHIPPED) --epochs $(EPOCHS)
 	$(RL)/bin/remac learn train --skills PickUp --hand --demos $(DEMOS) --weights $(SHIPPED) --epochs $$(($(EPOCHS) * 2 / 5))
 	$(RL)/bin/remac learn train --skills PlaceTo --hand --demos $(DEMOS) --weights $(SHIPPED) --epochs $$(($(EPOCHS) * 2 / 3))
+	$(RL)/bin/remac learn train --skills NavigateTo --width 256 --demos $(DEMOS) --weights $(SHIPPED) --epochs $$(($(EPOCHS) / 3))
 	$(RL)/bin/remac learn evaluate --skills $(LEARNED),$(HANDLED) --weights $(SHIPPED) --trials $(TRIALS) --note --processes 2
 
 # Without what lerobot needs for robots and policies, and with the build of torch for the CPU; 1.8 GB.

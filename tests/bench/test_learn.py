@@ -20,7 +20,7 @@ from remac_bench.learning.demos import Demo, file_digest, read_demos, shards, wr
 from remac_bench.learning.evaluate import evaluate, score
 from remac_bench.learning.record import Recorder
 from remac_bench.learning.sessions import shown_cases, train_together
-from remac_bench.learning.train import Recipe, frames, train
+from remac_bench.learning.train import Frames, Recipe, frames, train
 from remac_bench.records import ExchangeEntry, OutcomeEntry
 from typer.testing import CliRunner
 
@@ -87,6 +87,27 @@ def test_frames_tell_what_comes_next_from_where_the_robot_is(demo: Demo) -> None
     assert len(data.seen) < len(demo.actions), "frames in which nothing moves are left out"
     first = demo.commands[0] - np.append(demo.measured[0], 0.0)
     assert np.allclose(data.wanted[0, 0], first, atol=1e-6)
+
+
+def test_headings_are_told_within_half_a_turn(demo: Demo) -> None:
+    turned = replace(demo, commands=demo.commands.copy(), measured=demo.measured.copy())
+    turned.commands[:, 2], turned.measured[:, 2] = -np.pi + 0.01, np.pi - 0.02  # on both sides of where they are cut
+    data = frames([turned], 5)
+    assert np.allclose(data.wanted[..., 2], 0.03, atol=1e-5)
+    assert np.array_equal(np.delete(data.wanted, 2, axis=2), np.delete(frames([demo], 5).wanted, 2, axis=2))
+
+
+def test_what_is_overlooked_has_no_weight() -> None:
+    pytest.importorskip("torch")
+    chance, inputs = np.random.default_rng(0), 6
+    seen = chance.normal(size=(64, inputs)).astype(np.float32)
+    wanted = np.repeat(seen[:, None, :1], 12, axis=2)
+    network = train(Frames(seen, wanted, [0, 3]), Recipe(epochs=1, width=8, depth=1, batch=16))
+    other = seen[0].copy()
+    other[[0, 3]] += 100.0
+    assert np.allclose(network.commands(other), network.commands(seen[0]), atol=1e-5)
+    other[1] += 1.0
+    assert not np.allclose(network.commands(other), network.commands(seen[0]), atol=1e-5)
 
 
 def test_cells_that_are_held_out_are_never_recorded() -> None:

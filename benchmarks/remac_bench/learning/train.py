@@ -18,15 +18,17 @@ from remac_bench.errors import UsageError
 from remac_bench.learning.demos import Demo, Numbers
 from remac_env.backends.physics.controllers.learned.hand import hands
 from remac_env.backends.physics.controllers.learned.network import Network
-from remac_env.backends.physics.controllers.learned.seen import entries, taught
+from remac_env.backends.physics.controllers.learned.seen import entries, overlooked, taught
 from remac_env.backends.physics.controllers.learned.weights import bag
 from remac_env.rules.skills import SKILLS
 from remac_env.seeding import digest
 
 _HAND = [number for number, entry in enumerate(entries(taught()[0])) if entry.name in ("hand_x", "hand_y", "hand_z")]
+_TURN, _ROUND = 2, 2.0 * np.pi  # the heading among a command's numbers, and a whole turn, rad
 _AFTER = 24  # frames that are shown after an object was taken or put, while the hand goes clear
 _MOVED = 2e-4  # rad or m by which a command differs from the one before it where it counts as motion
 _LITTLE = 1e-3  # added to deviations: of numbers that hardly vary
+_BLIND = 1e9  # the deviation by which numbers are divided that are not to be looked at: nothing is left of them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,10 +58,14 @@ class Recipe:
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """What a network learns from: observations (N, n) and commands that follow (N, chunk, COMMANDED or WITH_HAND)."""
+    """What a network learns from: observations (N, n) and commands that follow (N, chunk, COMMANDED or WITH_HAND).
+
+    ``overlooked``: numbers of an observation that it is not to look at.
+    """
 
     seen: Numbers
     wanted: Numbers
+    overlooked: Sequence[int] = ()
 
 
 def torch() -> Any:
@@ -78,7 +84,7 @@ def code_digest() -> str:
     """A name for the code that decides what is learnt: recording, training, and what is seen."""
     here = Path(__file__).parent
     learned = Path(entries.__code__.co_filename).parent
-    seen = (learned / f"{name}.py" for name in ("aim", "aims", "hand", "seen", "stand"))
+    seen = (learned / f"{name}.py" for name in ("aim", "aims", "drive", "hand", "seen", "stand"))
     files = [here / "record.py", here / "train.py", *seen]
     return digest([path.read_text("utf-8") for path in files])
 
@@ -93,8 +99,9 @@ def frames(demos: Iterable[Demo], chunk: int, words: Sequence[str] = (), *, hand
 
     ``words``: of commands, shown behind observations. ``hand``: say where the hand is to be, too.
     """
-    seen, wanted = [], []
+    seen, wanted, blind = [], [], set[int]()
     for demo in demos:
+        blind.update(overlooked(SKILLS[demo.skill]))
         moved = np.abs(np.diff(demo.commands, axis=0)).max(axis=1) > _MOVED
         moves = np.flatnonzero(np.concatenate([[True], moved]))
         moves = np.append(moves, len(demo.commands) - 1)
@@ -107,8 +114,10 @@ def frames(demos: Iterable[Demo], chunk: int, words: Sequence[str] = (), *, hand
         following = np.minimum(np.arange(len(shown))[:, None] + np.arange(chunk), len(moves) - 1)
         said = np.tile(bag(words, demo.command), (len(shown), 1))
         seen.append(np.concatenate([demo.observations[shown], said], axis=1))
-        wanted.append(commands[following] - start[:, None])
-    return Frames(np.concatenate(seen), np.concatenate(wanted).astype(np.float32))
+        change = commands[following] - start[:, None]
+        change[..., _TURN] -= _ROUND * np.rint(change[..., _TURN] / _ROUND)  # headings are told within half a turn
+        wanted.append(change)
+    return Frames(np.concatenate(seen), np.concatenate(wanted).astype(np.float32), sorted(blind))
 
 
 def _ends(demo: Demo) -> int:
@@ -122,6 +131,7 @@ def train(data: Frames, recipe: Recipe, *, report: Any = lambda epoch, loss: Non
     library = torch()
     library.manual_seed(recipe.seed)
     mean, std = data.seen.mean(axis=0), data.seen.std(axis=0) + _LITTLE
+    std[list(data.overlooked)] = _BLIND
     out_mean, out_std = data.wanted.mean(axis=0), data.wanted.std(axis=0) + _LITTLE
     inputs = library.from_numpy(((data.seen - mean) / std).astype(np.float32))
     outputs = library.from_numpy(((data.wanted - out_mean) / out_std).astype(np.float32)).flatten(1)

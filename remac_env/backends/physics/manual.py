@@ -42,7 +42,7 @@ class Manual:
         place = None if (goes := subtask.row.goes) is None else goes(self._scene, self.world, robot, subtask.target)
         stations = self._pilot.here.kitchen.layout.stations
         self.sensing = self._pilot.briefed(0, subtask, self.world, stations.get(str(place)))
-        self.aim: Aim = aim_of(subtask, self.sensing)
+        self.aim: Aim = aim_of(subtask, self.sensing, self.body)
         self._conditions = subtask.achieves(robot, self.world.robots[robot].holding)
         self._true_for = 0
 

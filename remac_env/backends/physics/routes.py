@@ -206,11 +206,11 @@ class Outline:
         """Corners (t, 4 n, 2) of the boxes, in the world, for base poses (t, 3)."""
         both = np.stack([self.low, self.high])
         points = np.concatenate([np.column_stack([both[i, :, 0], both[j, :, 1]]) for i in (0, 1) for j in (0, 1)])
-        return _placed(points, bases)
+        return placed(points, bases)
 
     def circles(self, bases: Array) -> tuple[Array, Array]:
         """Middles (t, n, 2), in the world, and radii (n,) of circles around the boxes, for base poses (t, 3)."""
-        return _placed(0.5 * (self.low + self.high), bases), 0.5 * np.linalg.norm(self.high - self.low, axis=1)
+        return placed(0.5 * (self.low + self.high), bases), 0.5 * np.linalg.norm(self.high - self.low, axis=1)
 
     def meets(self, bases: Array, block: Block) -> bool:
         """Whether a part reaches over a block, seen from above, at any of these base poses (t, 3)."""
@@ -220,7 +220,7 @@ class Outline:
         return bool(over.all(axis=2).any())
 
 
-def _placed(points: Array, bases: Array) -> Array:
+def placed(points: Array, bases: Array) -> Array:
     """Points (n, 2) of a base, in the world, for base poses (t, 3): (t, n, 2)."""
     c, s = np.cos(bases[:, 2]), np.sin(bases[:, 2])
     turn = np.stack([np.stack([c, -s], axis=1), np.stack([s, c], axis=1)], axis=1)

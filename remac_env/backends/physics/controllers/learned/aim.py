@@ -46,6 +46,9 @@ class Aim(ABC):
     by_hand = True
     """Whether the hand has to come to `target().at`."""
 
+    patience = 3
+    """Chunks of commands on end in which a robot stands still before it counts as at rest."""
+
     def __init__(self, sensing: Sensing, stand: Stand) -> None:
         self._sensing, self.stand = sensing, stand
 
@@ -64,6 +67,10 @@ class Aim(ABC):
     def achieved(self) -> bool:
         """Whether it is seen that what was to be done is done."""
         return self.done() >= 1.0
+
+    def ahead(self) -> Array:
+        """What is seen of a drive's way; nothing of other skills, which go nowhere."""
+        return np.zeros(0)
 
     def missed(self) -> bool:
         """Whether a robot at rest sees that it is not done, and that it can be tried once more."""

@@ -8,11 +8,14 @@ import numpy as np
 
 from remac_env.backends.physics.controllers.base import Sensing
 from remac_env.backends.physics.controllers.learned.aim import Aim, Target, feels
+from remac_env.backends.physics.controllers.learned.drive import Drive
 from remac_env.backends.physics.controllers.learned.stand import Stand
 from remac_env.kitchen.fixtures.actuator import Actuator
 from remac_env.kitchen.fixtures.door import OPEN_TO, Door
 from remac_env.kitchen.fixtures.level import Level
 from remac_env.kitchen.scene import build_scene
+from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
 from remac_env.robots.rotation import Array, rotation_vector
 from remac_env.rules.places import landing, switch_for
 from remac_env.rules.subtasks import Subtask
@@ -23,16 +26,15 @@ _ROLLED = 0.05  # m by which an object that was missed lies higher or lower at m
 _HELD_PART = 0.5  # of picking up that is done once the hand holds the object
 _IN_HAND = 0.15  # m between the hand and the frame of what it holds, at most
 _THERE = 0.08  # m from its spot at which an object has been put there
-_A_TURN = 0.3  # m that count as much as a turn of the base by 1 rad
 
 
-def aim_of(subtask: Subtask, sensing: Sensing) -> Aim:
-    """The aim of a subtask that begins now and that the skill table does not refuse."""
+def aim_of(subtask: Subtask, sensing: Sensing, body: str = STANDARD) -> Aim:
+    """The aim of a subtask that begins now and that the skill table does not refuse. ``body``: of the robot."""
     name, row, layout, world = subtask.target, subtask.row, sensing.layout, sensing.told
     stand = Stand.at(layout, sensing.goal or sensing.station)
     wanted = [condition.predicate for condition in subtask.achieves(sensing.name, None)]
     if row.goes is not None:
-        return _Standing(sensing, stand)
+        return Drive(sensing, stand, bodies.get(body))
     if row.target == "door":
         return _Panels(sensing, stand, name, OPEN_TO if "door_open" in wanted else 0.0)
     rules = build_scene(layout, sensing.objects, (sensing.name,))
@@ -46,28 +48,6 @@ def aim_of(subtask: Subtask, sensing: Sensing) -> Aim:
     place = landing(rules, world, sensing.name, name) if row.puts else None
     held = world.robots[sensing.name].holding
     return _Object(sensing, stand, name) if place is None or held is None else _Put(sensing, stand, held, place)
-
-
-class _Standing(Aim):
-    """The station at which the robot is to stand."""
-
-    by_hand = False
-
-    def __init__(self, sensing: Sensing, stand: Stand) -> None:
-        super().__init__(sensing, stand)
-        self._first = max(1e-6, self._away())
-
-    def target(self) -> Target:
-        """The station itself, on the floor."""
-        return Target(np.zeros(3))
-
-    def done(self) -> float:
-        """The share of the way that is behind the robot."""
-        return max(0.0, 1.0 - self._away() / self._first)
-
-    def _away(self) -> float:
-        x, y, turn = self.stand.joints(self._sensing.body.q)[:3]
-        return math.hypot(x, y) + _A_TURN * abs(turn)
 
 
 class _Panels(Aim):

@@ -22,7 +22,6 @@ _STANDARD = bodies.get()
 LONGEST = 700  # control periods, 35 s: three times as long as scripted skills take
 _FINGERS = COMMANDED - 1  # where their travel stands in a command
 _STILL = 0.02  # rad or m that commands change at most while the robot stands still
-_RESTS = 3  # chunks on end in which it stands still and then has ended
 
 
 class Learned:
@@ -70,6 +69,6 @@ class Learned:
                 return Outcome("success")
             still = float(np.abs(sensing.body.commanded - before).max()) < _STILL
             rests = rests + 1 if still else 0
-            if rests >= _RESTS:
+            if rests >= aim.patience:
                 return failure("slipped", "it came to rest with nothing done") if aim.missed() else Outcome("success")
         return failure("timeout", f"the policy did not come to rest within {LONGEST} control periods")

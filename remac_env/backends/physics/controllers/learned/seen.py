@@ -1,7 +1,8 @@
 """What a policy sees of a skill, as one flat vector with names, units and ranges.
 
-Recording, training and playing share this file; VERSION is raised whenever a vector changes, and policies that were
-trained on another version are refused. Everything is expressed in the frame of the stand.
+Recording, training and playing share this file; VERSION is raised whenever numbers of the same names change, and
+policies that were trained on another version, or on other names, are refused. Everything is expressed in the frame of
+the stand.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from remac_env.backends.physics.controllers.base import Sensing
 from remac_env.backends.physics.controllers.learned.aim import Aim, Target, feels
+from remac_env.backends.physics.controllers.learned.drive import CORNERS, FINE
 from remac_env.robots import bodies
 from remac_env.robots.bodies import STANDARD
 from remac_env.robots.body import Body
@@ -77,11 +79,29 @@ _TARGET = (
     *(Entry(f"skill_{skill.name.replace(' ', '_')}", "", 0.0, 1.0) for skill in taught()),
 )  # fmt: skip
 _AROUND = tuple(Entry(f"range_{360 * number // RANGES}", "m", 0.0, FARTHEST) for number in range(RANGES))
+_FAR = math.asinh(_ROOM / FINE)
+_WAY = tuple(
+    Entry(f"corner{number}_{name}", "", -far, far)
+    for number in range(CORNERS)
+    for name, far in (("right", 1.0), ("to_wall", 1.0), ("far", _FAR), ("turn", _FAR))
+)
+_OF_THE_ROBOT = ("torso", "joint", "finger_command", "opening", "hand_feels", "corner")
 
 
 def entries(skill: Skill, body: str = STANDARD) -> tuple[Entry, ...]:
-    """What the numbers of a skill's observation are, of robots with this body. Skills that move it also look around."""
-    return (*_of_body(bodies.get(body)), *_TARGET, *(_AROUND if skill.moves else ()))
+    """What the numbers of a skill's observation are, of robots with this body. Skills that move it also look around,
+    and see the corners of their way.
+    """
+    return (*_of_body(bodies.get(body)), *_TARGET, *((*_AROUND, *_WAY) if skill.moves else ()))
+
+
+def overlooked(skill: Skill) -> list[int]:
+    """Which numbers of its observation a network does not look at, so that what it learns in one kitchen holds in all.
+
+    Of a drive they are where in the kitchen it is and what is around, as that is different in each: its way is enough.
+    """
+    names = [entry.name for entry in entries(skill)]
+    return [number for number, name in enumerate(names) if skill.moves and not name.startswith(_OF_THE_ROBOT)]
 
 
 def observe(sensing: Sensing, aim: Aim, skill: Skill, kind: str = STANDARD) -> NDArray[np.float32]:
@@ -94,7 +114,7 @@ def observe(sensing: Sensing, aim: Aim, skill: Skill, kind: str = STANDARD) -> N
         q[:2], [math.cos(q[2]), math.sin(q[2])], q[3:], [body.commanded_opening, body.opening, float(feels(body))],
         hand, turn[:, 0], turn[:, 2], target.at, way, way @ turn, _facts(target),
         [float(other.name == skill.name) for other in taught()],
-        *([sensing.scan(_WAYS, height=_LEVEL, farthest=FARTHEST)] if skill.moves else []),
+        *([sensing.scan(_WAYS, height=_LEVEL, farthest=FARTHEST), aim.ahead()] if skill.moves else []),
     ]  # fmt: skip
     low, high = _ranges(skill, kind)
     return np.clip(np.concatenate(parts), low, high).astype(np.float32)
