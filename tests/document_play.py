@@ -149,7 +149,10 @@ class Play:
 
 
 def smaller(made: list[str]) -> list[str]:
-    """A command that does the same with one seed of one task, five rounds, symbolic where it does not say physics."""
+    """A command that does the same with one seed of one task, five rounds and two iterations.
+
+    It is symbolic where it does not say physics.
+    """
     made = list(made)
     if made[0] == "bench" and made[1] == "run":
         if "--suite" in made:
@@ -163,6 +166,7 @@ def smaller(made: list[str]) -> list[str]:
         methods = (_take(made, "--methods") or "BASE").split(",")
         _set(made, "--methods", ",".join(dict.fromkeys([methods[0], methods[-1]])))
         _set(made, "--max-rounds", "5")
+        _set(made, "--iterations", "1")
         _set(made, "--image-size", "32")
         _set(made, "--jobs", "0")
         _set(made, "--backend", _take(made, "--backend") or "symbolic")

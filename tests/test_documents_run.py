@@ -136,5 +136,6 @@ def test_commands_are_made_smaller_and_stay_what_they_are() -> None:
     made = smaller(["bench", "run", "--suite", "paper", "--model", "openai:o3"])
     assert made == [
         *("bench", "run", "--model", "openai:o3", "--out", "results/paper", "--seeds", "0", "--tasks", "HeatOnStove"),
-        *("--methods", "BASE", "--max-rounds", "5", "--image-size", "32", "--jobs", "0", "--backend", "symbolic"),
+        *("--methods", "BASE", "--max-rounds", "5", "--iterations", "1", "--image-size", "32", "--jobs", "0"),
+        *("--backend", "symbolic"),
     ]

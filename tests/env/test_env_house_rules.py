@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
@@ -39,7 +39,20 @@ def trees() -> dict[Path, ast.Module]:
 def nodes() -> list[tuple[Path, ast.AST]]:
     """All that rules look at: neither names nor marks, which are half of a tree."""
     dull = ast.expr_context | ast.operator | ast.cmpop | ast.Name | ast.Constant | ast.keyword | ast.arg
-    return [(path, node) for path, tree in trees().items() for node in ast.walk(tree) if not isinstance(node, dull)]
+    return [(path, node) for path, tree in trees().items() for node in inside(tree) if not isinstance(node, dull)]
+
+
+def inside(tree: ast.AST) -> Iterator[ast.AST]:
+    """All nodes of a tree, in no order; `ast.walk` takes three times as long."""
+    left: list[ast.AST] = [tree]
+    while left:
+        node = left.pop()
+        yield node
+        for value in vars(node).values():
+            if isinstance(value, ast.AST):
+                left.append(value)
+            elif isinstance(value, list):
+                left += [each for each in value if isinstance(each, ast.AST)]
 
 
 def found(wrong: Callable[[Path, ast.AST], str | None]) -> list[str]:

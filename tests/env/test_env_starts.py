@@ -200,7 +200,7 @@ def looks_inwards(env: Any, noun: str) -> bool:
 def test_all_kinds_of_mixed_starts_occur(task: str) -> None:
     env = make(task, starts="mixed")
     counts: Counter[str] = Counter()
-    for seed in range(300):
+    for seed in range(150):
         env.reset(seed=seed)
         scene, world = env.start.scene, env.world
         check_world(scene, world, where=f"seed {seed}")
@@ -224,7 +224,7 @@ def test_all_kinds_of_mixed_starts_occur(task: str) -> None:
         wanted += ["vessel behind a door"]
     if len(slots_of_the_goal(env)) == 1:
         wanted += ["place taken"]
-    rare = {kind: counts[kind] for kind in wanted if counts[kind] < 4}
+    rare = {kind: counts[kind] for kind in wanted if counts[kind] < 2}
     assert not rare, counts
 
 

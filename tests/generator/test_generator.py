@@ -20,7 +20,7 @@ from remac_env.vocabulary import built_in
 
 ROWS = templates.load()
 LEAST = [
-    pytest.param(name, min(row.sizes), marks=[pytest.mark.long] if at % 4 else [])
+    pytest.param(name, min(row.sizes), marks=[pytest.mark.long] if at % 8 else [])
     for at, (name, row) in enumerate(ROWS.items())
     if not row.team
 ]
