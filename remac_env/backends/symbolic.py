@@ -199,7 +199,7 @@ class SymbolicBackend:
         world after all of them and those under way.
         """
         running = self._running
-        claims = {r: Claim.of(run.before, r, run.subtask, run.station) for r, run in running.items()} if running else {}
+        claims = {r: Claim.of(scene, run.before, r, run.subtask, run.station) for r, run in running.items()}
         refused, stations = settle_claims(scene, world, subtasks, claims)
         accepted, slipped = subtasks, self._slips(subtasks, refused)
         if slipped:

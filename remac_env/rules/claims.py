@@ -1,7 +1,8 @@
 """Who may do what in a round: claims are settled before anything moves, the same for every robot.
 
-A robot whose subtask is refused stays where it is. Two robots that claim one station (or two that conflict), or one
-object, both get `station_occupied`; arriving where another stands is allowed if that one leaves in the same round.
+A robot whose subtask is refused stays where it is. Two robots that claim one station (or two that conflict), one
+object, or one place to put something down, both get `station_occupied`; arriving where another stands is allowed if
+that one leaves in the same round.
 What robots claim that began earlier stays theirs until they have ended.
 """
 
@@ -13,25 +14,28 @@ from functools import lru_cache
 
 from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome, failure
+from remac_env.rules.places import landing
 from remac_env.rules.predicates import PREDICATES, Test
 from remac_env.rules.skill_row import Mark, Requirement
 from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import Subtask
-from remac_env.state import WorldState
+from remac_env.state import Place, WorldState, contents
 
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """What a busy robot keeps to itself until it has ended: where it began, where it ends, and the object it takes."""
+    """What a busy robot keeps to itself until it has ended: where it began and ends, what it takes, where it puts."""
 
     start: str
     end: str
     takes: str | None = None
+    puts: Place | None = None
 
     @staticmethod
-    def of(world: WorldState, robot: str, subtask: Subtask, end: str) -> Claim:
+    def of(rules: Rules, world: WorldState, robot: str, subtask: Subtask, end: str) -> Claim:
         """What a robot claims that begins an accepted subtask in this world and ends it at a station."""
-        return Claim(world.robots[robot].station, end, subtask.target if subtask.row.takes else None)
+        takes = subtask.target if subtask.row.takes else None
+        return Claim(world.robots[robot].station, end, takes, _puts(rules, world, robot, subtask))
 
 
 NO_CLAIMS: Mapping[str, Claim] = {}
@@ -86,7 +90,7 @@ def settle_claims(
         that it keeps or goes to.
     """
     refused: dict[str, Outcome] = {}
-    picks: list[tuple[str, str]] = []
+    hands: list[_Hand] = []
     goals: dict[str, str | None] = {}
     for robot, subtask in subtasks.items():
         false = first_false(rules, world, robot, subtask, "refuse", alone=False)
@@ -96,11 +100,11 @@ def settle_claims(
         row = SKILLS[subtask.skill]
         if row.goes is not None:
             goals[robot] = row.goes(rules, world, robot, subtask.target)
-        if row.takes:
-            picks.append((robot, subtask.target))
-    taken = [(r, claim.takes) for r, claim in claims.items() if claim.takes is not None] if claims else []
-    if len(picks) + len(taken) > 1:
-        _settle_objects(picks, taken, refused)
+        if row.takes or (row.puts and rules.two_sided):
+            hands.append((robot, subtask.target if row.takes else None, _puts(rules, world, robot, subtask)))
+    busy = [(robot, claim.takes, claim.puts) for robot, claim in claims.items() if claim.takes or claim.puts]
+    if len(hands) + len(busy) > 1:
+        _settle_hands(rules, world, hands, busy, refused)
         goals = {robot: goal for robot, goal in goals.items() if robot not in refused}
     stations = {robot: state.station for robot, state in world.robots.items()}
     left: list[tuple[str, str]] = []
@@ -116,13 +120,42 @@ def settle_claims(
     return refused, stations
 
 
-def _settle_objects(
-    picks: Sequence[tuple[str, str]], taken: Sequence[tuple[str, str]], refused: dict[str, Outcome]
+_Hand = tuple[str, str | None, Place | None]
+"""A robot, the object that it takes, and where it puts down what it holds."""
+
+
+def _puts(rules: Rules, world: WorldState, robot: str, subtask: Subtask) -> Place | None:
+    """Where a subtask puts down what its robot holds; it matters where another robot can put something there too."""
+    return landing(rules, world, robot, subtask.target) if subtask.row.puts and rules.two_sided else None
+
+
+def _settle_hands(
+    rules: Rules, world: WorldState, hands: Sequence[_Hand], busy: Sequence[_Hand], refused: dict[str, Outcome]
 ) -> None:
-    """Two robots that reach for one object both stop; one that reaches for what a busy one takes stops."""
-    for robot, target in picks:
-        if any(other != robot and target == wanted for other, wanted in (*picks, *taken)):
-            refused[robot] = failure("station_occupied", f"another robot reaches for the {target}", refused=True)
+    """Two robots that reach for one object or one place both stop; one that reaches for a busy one's stops."""
+    for hand in hands:
+        for other in (*hands, *busy):
+            if other[0] != hand[0] and (name := _both(rules, world, hand, other)) is not None:
+                told = f"another robot reaches for the {name}"
+                refused[hand[0]] = failure("station_occupied", told, refused=True)
+                break
+
+
+def _both(rules: Rules, world: WorldState, hand: _Hand, other: _Hand) -> str | None:
+    """What two robots reach for that only one of them can have; a vessel may have room for what both hold."""
+    (_, takes, puts), (_, other_takes, other_puts) = hand, other
+    if takes is not None and other_takes is not None:
+        return takes if takes == other_takes else None
+    place, name = puts or other_puts, takes or other_takes
+    if place is None:
+        return None
+    if name is not None:
+        return name if place.where == name else None
+    if puts != other_puts:
+        return None
+    if place.relation == "slot":
+        return rules.slots[place.where].fixture
+    return place.where if rules.objects[place.where].holds - len(contents(world, place.where)) < 2 else None
 
 
 def _clashes(

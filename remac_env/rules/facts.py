@@ -151,6 +151,11 @@ class Rules:
         return tuple(dict.fromkeys(names))
 
     @cached_property
+    def two_sided(self) -> bool:
+        """Whether two robots can reach one slot at the same time, from two sides of it."""
+        return any(slot.across for slot in self.slots.values())
+
+    @cached_property
     def taps(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
         """The fixtures that give water, each with those into which it runs."""
         return tuple((name, facts.wets) for name, facts in self.fixtures.items() if facts.wets)

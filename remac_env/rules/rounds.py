@@ -73,17 +73,9 @@ def merge(world: WorldState, results: Mapping[str, WorldState]) -> WorldState | 
                 if name in changed and changed[name] != value:
                     return None
                 changed[name] = value
-        if part == "objects" and len(changed) > 1 and _in_one_slot(changed):
-            return None
         for name, value in changed.items():
             merged = _set(merged, part, name, value)
     return merged
-
-
-def _in_one_slot(changed: Mapping[str, Any]) -> bool:
-    """Whether two objects were put into one slot, from two sides of it."""
-    slots = [item.place.where for item in changed.values() if item.place.relation == "slot"]
-    return len(slots) != len(set(slots))
 
 
 def _set(world: WorldState, part: str, name: str, value: object) -> WorldState:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from random import Random
 
 import pytest
@@ -23,6 +24,8 @@ from remac_env.rules.skills import SKILLS
 from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 from remac_env.start import Offset, Start
 from remac_env.state import FrozenMap, ObjectState, Place, RobotState, WorldState
+from remac_env.testing import ContractError
+from remac_env.testing.world import check_world
 
 A, B = "robot_0", "robot_1"
 BACKENDS: tuple[Callable[[], Backend], ...] = (SymbolicBackend, PhysicsBackend)
@@ -179,6 +182,74 @@ def test_what_a_busy_robot_takes_is_taken() -> None:
     refused, _ = settle_claims(start.scene, world, {B: Subtask("pick up", "vegetable")}, claims)
     assert refused[B].reason == "station_occupied" and refused[B].refused
     assert settle_claims(start.scene, world, {B: Subtask("pick up", "vegetable")})[0] == {}
+
+
+def two_sided() -> Start:
+    """The first place on the counter can be used from the sink too; something lies on it, and something in the sink."""
+    start, category = make_start(), catalogue.get("carrot")
+    names = {"vegetable": "counter.0", "fruit": "sink.0"}
+    scene = build_scene(layouts.load("one_wall_large"), dict.fromkeys(names, category), (A, B))
+    slots = scene.slots.with_("counter.0", replace(scene.slots["counter.0"], across="sink"))
+    lying = FrozenMap({name: ObjectState(Place("slot", slot)) for name, slot in names.items()})
+    return replace(
+        start, scene=replace(scene, slots=slots), world=replace(start.world, objects=lying),
+        categories=dict.fromkeys(names, "carrot"), offsets=dict.fromkeys(names, Offset()),
+    )  # fmt: skip
+
+
+def both_put_down(backend: Backend) -> tuple[Outcome, Outcome]:
+    """Who sets something down second in the place where another one does: while that goes on, and afterwards."""
+    start, put = two_sided(), Subtask("place to", "counter")
+    backend.reset(start)
+    backend.run_round({A: to("counter"), B: to("sink")})
+    picked = backend.run_round({A: Subtask("pick up", "vegetable"), B: Subtask("pick up", "fruit")})
+    assert all(outcome.success for outcome in picked.outcomes.values())
+    assert backend.begin({A: put}) == {}
+    refused = backend.begin({B: put}).get(B)
+    while backend.busy:
+        ended = backend.advance()
+        check_world(start.scene, backend.world)
+    assert ended[A].success and backend.world.objects["vegetable"].place == Place("slot", "counter.0")
+    backend.begin({B: put})
+    (later,) = backend.advance().values()
+    assert refused is not None
+    return refused, later
+
+
+@pytest.mark.parametrize("make", [SymbolicBackend, pytest.param(PhysicsBackend, marks=pytest.mark.long)])
+def test_a_place_is_taken_from_when_one_begins_to_put_something_there(make: Callable[[], Backend]) -> None:
+    refused, later = both_put_down(make())
+    assert (refused.reason, refused.refused) == ("station_occupied", True)
+    assert (later.reason, later.refused) == ("blocked", False), "it is free again, and full"
+
+
+def test_places_that_nobody_claims_hold_two_things(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("remac_env.rules.claims._puts", lambda *told: None)
+    with pytest.raises(ContractError, match="in one slot 'counter.0'"):
+        both_put_down(SymbolicBackend())
+
+
+@pytest.mark.parametrize(
+    ("mine", "theirs", "reason"),
+    [
+        ("place to plate", Claim("sink", "sink", "plate"), "station_occupied"),
+        ("pick up plate", Claim("sink", "sink", None, Place("vessel", "plate")), "station_occupied"),
+        ("place to plate", Claim("sink", "sink", None, Place("vessel", "plate")), "station_occupied"),
+        ("place to plate", Claim("sink", "sink", None, Place("slot", "counter.1")), None),
+        ("place to plate", Claim("sink", "sink", "fruit"), None),
+    ],
+)
+def test_a_vessel_is_not_taken_away_or_filled_twice(mine: str, theirs: Claim, reason: str | None) -> None:
+    kinds = {"plate": catalogue.get("plate"), "vegetable": catalogue.get("carrot")}
+    start, scene = two_sided(), build_scene(layouts.load("one_wall_large"), kinds, (A, B))
+    scene = replace(scene, slots=start.scene.slots)
+    objects = {"plate": ObjectState(Place("slot", "counter.0")), "vegetable": ObjectState(Place("slot", "counter.1"))}
+    world = replace(start.world, objects=FrozenMap(objects)).with_robot(A, station="counter_mid")
+    if mine.startswith("place"):
+        world = world.with_object("vegetable", place=Place("held", A)).with_robot(A, holding="vegetable")
+    (skill, target) = mine.rsplit(" ", 1)
+    refused, _ = settle_claims(scene, world, {A: Subtask(skill, target)}, {B: theirs})
+    assert refused == {} if reason is None else (refused[A].reason, refused[A].refused) == (reason, True)
 
 
 def crossing(backend: PhysicsBackend) -> dict[str, Outcome]:

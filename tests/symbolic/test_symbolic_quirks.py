@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from plain_kitchens import kitchen, play
 
@@ -10,8 +12,9 @@ from remac_env.oracle import certify
 from remac_env.rules.conditions import condition
 from remac_env.rules.facts import Quirk
 from remac_env.rules.quirks import QUIRKS, QuirkKind, laid_out, sentence_of
-from remac_env.rules.rounds import merge, transition
-from remac_env.state import Place, occupant
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import Subtask
+from remac_env.state import FrozenMap, Place, occupant
 from remac_env.tasks.goals import All, DoorIs, Inside, Marked, Released, SwitchedOn
 
 FETCH = "navigate to {0}, pick up {0}, navigate to {1}, place to {1}"
@@ -126,10 +129,18 @@ def test_both_sides_put_something_down_at_once() -> None:
 
 
 def test_two_robots_on_two_sides_do_not_put_two_things_into_one_slot() -> None:
-    scene, world = kitchen(robots=2)
-    slot = next(name for name in scene.fixtures["counter"].slots if occupant(world, name) is None)
-    changed = {name: world.with_object(name, place=Place("slot", slot)) for name in ("carrot", "apple")}
-    assert merge(world, {f"robot_{number}": after for number, after in enumerate(changed.values())}) is None
+    scene, world = kitchen(Quirk("narrow galley", "cabinet", "counter"), robots=2)
+    scene = laid_out(scene)
+    counter = scene.fixtures["counter"]
+    free, *others = (name for name in counter.slots if occupant(world, name) is None)
+    scene = replace(scene, slots=FrozenMap({n: s for n, s in scene.slots.items() if n not in others}))
+    scene = replace(scene, fixtures=scene.fixtures.with_("counter", replace(counter, slots=(free,))))
+    sides = zip(scene.robots, ("carrot", "apple"), scene.slots[free].stations, strict=True)
+    for robot, name, station in sides:
+        world = world.with_object(name, place=Place("held", robot)).with_robot(robot, station=station, holding=name)
+    both = dict.fromkeys(scene.robots, Subtask("place to", "counter"))
+    after, outcomes = transition(scene, world, both)
+    assert after == world and {outcome.reason for outcome in outcomes.values()} == {"station_occupied"}
 
 
 @pytest.mark.parametrize("kind", ["cold burner", "enabling switch", "hot vessel", "jammed door", "spring switch"])

@@ -120,7 +120,7 @@ class Timeline:
         refused, stations = settle_claims(self.start.scene, world, subtasks, claims)
         accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
         for robot, subtask in accepted.items():
-            claim = Claim.of(world, robot, subtask, stations[robot])
+            claim = Claim.of(self.start.scene, world, robot, subtask, stations[robot])
             self._tasks[robot] = _Task(subtask, now, world, claim, self._foretold(robot, subtask, stations[robot]))
         if self._oddities is not None:
             self._oddities.began(accepted.values())
