@@ -31,7 +31,7 @@ from remac_agents.planners.child import CommandError, Printed, run_command
 from remac_env.errors import OptionError
 from remac_env.events.makespan import Makespan, makespan
 from remac_env.pddl import Played, Step, play_plan, printed_plan, read_plan, state_plan, write_domain, write_problem
-from remac_env.pddl.playing import NEAR
+from remac_env.pddl.plans import NEAR
 from remac_env.rules.places import destination
 from remac_env.rules.subtasks import WAIT
 

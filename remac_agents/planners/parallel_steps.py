@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
+from remac_agents.plan import MAX_STEPS
+from remac_env.events.rehearsal import rehearse
 from remac_env.pddl import Step
 from remac_env.rules.facts import Rules
 from remac_env.rules.rounds import transition
@@ -17,40 +19,64 @@ class StepError(Exception):
     """A step that this kitchen's rules do not carry out, and why."""
 
 
-def in_rounds(rules: Rules, world: WorldState, steps: Sequence[Step]) -> list[Joint]:
+def in_rounds(rules: Rules, world: WorldState, steps: Sequence[Step]) -> list[Mapping[str, Subtask]]:
     """Rounds that come to the same as the steps in their order, by the skill table; a joint command each.
 
     A robot's own steps keep their order. One goes before steps of others that come earlier where that makes no
-    difference.
+    difference. Who waits for something that takes its time waits as many rounds as that takes by the table's seconds.
 
     Raises:
-        StepError: for a step that does not succeed.
+        StepError: for a step that does not succeed, or waits for what does not come about.
     """
-    left, rounds = list(steps), list[Joint]()
-    while left:
-        joint, left, world = _round(rules, world, left)
-        rounds.append(dict.fromkeys(rules.robots, WAIT) | joint)
+    left = list(steps)
+
+    def choose(now: WorldState, going_on: Mapping[str, float]) -> Joint | None:
+        if not left:
+            return None
+        waiting = {step for step in left if not all(each.over(now, going_on) for each in step.awaits)}
+        joint, left[:] = _round(rules, now, left, waiting)
+        if not joint:
+            _check_goes_on(left[0], now, going_on)
+        return dict.fromkeys(rules.robots, WAIT) | joint
+
+    rounds = rehearse(rules, world, choose, rounds=MAX_STEPS)
+    if left:
+        raise StepError(f"{len(left)} of its steps do not begin within {MAX_STEPS} rounds")
     return rounds
 
 
-def _round(rules: Rules, world: WorldState, left: list[Step]) -> tuple[Joint, list[Step], WorldState]:
-    """As many of the steps that are left as go side by side, those that stay, and the world after the round."""
-    first = left[0]
-    joint = {first.robot: _command(rules, world, first)}
-    after, problem = _played(rules, world, joint)
-    if after is None:
-        raise StepError(f"its step {first.skill} {first.target} of {first.robot} does not succeed: {problem}")
-    busy, stay = {first.robot}, list[Step]()
-    for step in left[1:]:
+def _check_goes_on(step: Step, now: WorldState, going_on: Mapping[str, float]) -> None:
+    """Look whether what a step waits for is under way."""
+    for each in step.awaits:
+        if not each.over(now, going_on) and f"{each.process.name} {each.name}" not in going_on:
+            told = f"waits for {each.process.name} of the {each.name}, which does not go on"
+            raise StepError(f"its step {step.skill} {step.target} of {step.robot} {told}")
+
+
+def _round(
+    rules: Rules, world: WorldState, left: Sequence[Step], waiting: Collection[Step]
+) -> tuple[Joint, list[Step]]:
+    """As many of the steps that are left as go side by side, and those that stay; nothing where all robots wait."""
+    joint, after, busy, stay = Joint(), world, set[str](), list[Step]()
+    for step in left:
         found = None
-        if step.robot not in busy:
-            busy.add(step.robot)
-            found = _beside(rules, world, after, joint, step, stay)
+        if step.robot not in busy and step not in waiting:
+            found = _beside(rules, world, after, joint, step, stay) if joint or stay else _first(rules, world, step)
+        busy.add(step.robot)
         if found is None:
             stay.append(step)
         else:
             joint[step.robot], after = found
-    return joint, stay, after
+    return joint, stay
+
+
+def _first(rules: Rules, world: WorldState, step: Step) -> tuple[Subtask, WorldState]:
+    """The command of the step that comes next, and the world after it."""
+    command = _command(rules, world, step)
+    after, problem = _played(rules, world, {step.robot: command})
+    if after is None:
+        raise StepError(f"its step {step.skill} {step.target} of {step.robot} does not succeed: {problem}")
+    return command, after
 
 
 def _beside(

@@ -143,7 +143,7 @@ def _may(rules: Rules, world: WorldState, robot: str, step: Subtask, mates: Mapp
 def _rows(rules: Rules, world: WorldState, goal: Goal) -> dict[str, list[Subtask]]:
     """The rows of a plan in rounds, with as many waits as it takes by the table's seconds."""
 
-    def choose(now: WorldState) -> dict[str, Subtask] | None:
+    def choose(now: WorldState, going_on: Mapping[str, float]) -> dict[str, Subtask] | None:
         if goal.holds(rules, now):
             return None
         joint: dict[str, Subtask] = {}

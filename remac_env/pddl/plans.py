@@ -2,28 +2,47 @@
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from remac_env.errors import OptionError
 from remac_env.pddl.actions import INSTANT, Action, actions
 from remac_env.pddl.names import name_of, nouns, stations
-from remac_env.rules.facts import Rules
+from remac_env.rules.facts import Process, Rules
 from remac_env.rules.places import destination
+from remac_env.rules.processes import came_true
 from remac_env.rules.subtasks import STEP_ASIDE, Subtask
 from remac_env.state import WorldState
 
 _LINE = re.compile(r"(?:(?P<at>\d+(?:\.\d+)?)\s*:)?\s*\((?P<what>[^()]+)\)\s*(?:\[(?P<seconds>\d+(?:\.\d+)?)\])?")
 
 
+NEAR = 0.05
+"""s by which a planner's times may be apart that mean the same: planners part what follows by a thousandth."""
+
+
+@dataclass(frozen=True)
+class Await:
+    """What a step waits for: that something has gone on by itself for so many `seconds`, or has come to its end."""
+
+    process: Process
+    name: str
+    seconds: float
+
+    def over(self, world: WorldState, going_on: Mapping[str, float]) -> bool:
+        """Whether it has. going_on: "process name" -> for how long, s, as `infos` say it."""
+        gone = going_on.get(f"{self.process.name} {self.name}", 0.0)
+        return came_true(world, self.process, self.name) or gone + NEAR >= self.seconds
+
+
 @dataclass(frozen=True)
 class Step:
     """An action of a plan. `at`, `seconds`: when it begins and how long it takes, s; in classical plans one by one.
 
-    `robot`: "" for what happens by itself. `target`: what the command is about, or the station of a drive.
-    `not_before`: s before which it must not begin, as something that takes its time goes on meanwhile by the plan.
+    `robot`: "" for what happens by itself, with the mark that comes of it as its `skill`. `target`: what it is about,
+    or the station of a drive.
+    `awaits`: what has begun before it by the plan, and takes its time by itself.
     """
 
     at: float
@@ -31,7 +50,7 @@ class Step:
     skill: str
     target: str
     seconds: float
-    not_before: float = 0.0
+    awaits: tuple[Await, ...] = ()
 
     def command(self, rules: Rules, world: WorldState) -> Subtask | None:
         """The command, in the world in which it is to begin; None where none leads to the drive's station."""
@@ -66,10 +85,19 @@ def read_plan(text: str, rules: Rules) -> list[Step]:
     for number, line in enumerate(lines):
         before = found[-1].at + found[-1].seconds if found else 0.0
         found.append(_step(line, number, before, known, rules))
-    slow = [step.at for step in found if not step.robot and step.seconds > INSTANT]
-    first = min(slow, default=math.inf)
-    steps = [replace(step, not_before=step.at) if step.at > first else step for step in found if step.robot]
+    slow = [step for step in found if not step.robot and step.seconds > INSTANT]
+    steps = [replace(step, awaits=_awaits(step, slow, rules)) for step in found if step.robot]
     return sorted(steps, key=lambda step: step.at)
+
+
+def _awaits(step: Step, slow: Sequence[Step], rules: Rules) -> tuple[Await, ...]:
+    """For how long each of what is slow has gone on by the plan when a step begins."""
+    marks = {process.mark: process for process in rules.processes}
+    return tuple(
+        Await(marks[each.skill], each.target, min(step.at - each.at, each.seconds))
+        for each in slow
+        if step.at > each.at + NEAR
+    )
 
 
 def printed_plan(text: str, rules: Rules) -> str:
@@ -100,6 +128,9 @@ def _step(line: str, number: int, before: float, known: Mapping[str, Action], ru
     robots = {name_of(robot): robot for robot in rules.robots}
     at = float(match["at"]) if match["at"] else before
     seconds = float(match["seconds"] or action.seconds)
+    if not action.skill:
+        (fact,) = action.after
+        return Step(at, "", fact.split()[0], nouns(rules)[given["o"]], seconds)
     return Step(at, robots.get(given.get("r", ""), ""), action.skill, target_of(action, given, rules), seconds)
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from remac_env.pddl.plans import Step
+from remac_env.pddl.plans import NEAR, Step
 from remac_env.rules.subtasks import WAIT
-
-NEAR = 0.05
-"""s by which a planner's times may be apart that mean the same: planners part what follows by a thousandth."""
+from remac_env.state import WorldState
 
 
 @dataclass(frozen=True)
@@ -41,8 +39,7 @@ def play_plan(env: Any, plan: Sequence[Step], *, seed: int) -> Played:
                 failed += [f"{text}: {info['outcome']['reason']}"] if info["outcome"]["reason"] else []
         if not left and not at and not any(info["processes"] for info in infos.values()):
             break
-        now = next(iter(infos.values()))["seconds"]
-        due = _due(plan, left, over, [robot for robot, info in infos.items() if info["ready"]], now)
+        due = _due(plan, left, over, infos, env.world)
         rules = env.start.scene
         orders = {plan[n].robot: (n, plan[n].command(rules, env.world)) for n in due}
         goes_on = bool(at) or any(info["processes"] for info in infos.values())
@@ -63,13 +60,16 @@ def play_plan(env: Any, plan: Sequence[Step], *, seed: int) -> Played:
     return Played(bool(info["success"]), float(info["seconds"]), tuple(failed))
 
 
-def _due(plan: Sequence[Step], left: set[int], over: set[int], robots: Sequence[str], now: float) -> list[int]:
-    """The steps that may begin now: each such robot's next one, where all has ended that ends before it."""
-    nexts = (next((n for n in sorted(left) if plan[n].robot == robot), None) for robot in robots)
+def _due(
+    plan: Sequence[Step], left: set[int], over: set[int], infos: Mapping[str, Any], world: WorldState
+) -> list[int]:
+    """The steps that may begin now: each ready robot's next one, where all has ended that ends before it."""
+    ready = [robot for robot, info in infos.items() if info["ready"]]
+    nexts = (next((n for n in sorted(left) if plan[n].robot == robot), None) for robot in ready)
     return [
         n
         for n in nexts
         if n is not None
-        and plan[n].not_before <= now + NEAR
+        and all(each.over(world, infos[plan[n].robot]["processes"]) for each in plan[n].awaits)
         and all(m in over for m, s in enumerate(plan) if s.at + s.seconds <= plan[n].at + NEAR)
     ]

@@ -146,10 +146,12 @@ def test_what_takes_its_time_is_waited_for_when_a_plan_is_played() -> None:
     env = remac_env.parallel_env("RinseAndStow", robots=1, backend="symbolic", clock="events", layout="one_wall_large")
     env.reset(seed=0)
     plan = read_plan(RINSING, env.start.scene)
-    assert plan[-1].not_before == 99.012 and plan[-2].not_before == 0.0
+    (rinsing,) = plan[-1].awaits
+    assert (rinsing.process.name, rinsing.name) == ("rinsing", "vegetable") and rinsing.seconds == pytest.approx(13.0)
+    assert plan[-2].awaits == ()
     played = play_plan(env, plan, seed=0)
     assert (played.success, played.seconds, played.failed) == (True, 108.0, ())  # a wait of 5 s may be too long by 2
-    assert not play_plan(env, [replace(step, not_before=0.0) for step in plan], seed=0).success
+    assert not play_plan(env, [replace(step, awaits=()) for step in plan], seed=0).success
 
 
 def test_steps_of_a_classical_plan_follow_each_other() -> None:

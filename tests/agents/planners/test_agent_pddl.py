@@ -6,6 +6,7 @@ import os
 import shutil
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -184,6 +185,43 @@ def test_tasks_that_pddl_cannot_say_get_no_plan(tmp_path: Path) -> None:
     env = suite_kitchen("HeatAndShelve", robots=1, clock="events")
     report = play(env, remac_agents.make("BASE", planner="pddl:" + script(tmp_path, "echo")), seed=SEED)
     assert "cannot say what nobody wants to happen: burning" in report.errors[0]
+
+
+RINSING = """0.000: (drive-by-aside-to-by-counter_island_left robot_0) [6.000]
+6.001: (pick-up robot_0 by-counter_island_left vegetable slot-island_2 counter) [8.000]
+14.002: (drive-by-counter_island_left-to-by-sink robot_0) [6.000]
+20.003: (place robot_0 by-sink vegetable slot-sink_0 sink) [9.000]
+29.004: (turn-on-faucet robot_0 by-sink) [7.000]
+36.005: (faucet-washed vegetable slot-sink_0) [20.000]
+49.006: (turn-off-faucet robot_0 by-sink) [7.000]
+49.006: (drive-by-aside-to-by-microwave robot_1) [6.000]
+56.007: (open-microwave robot_1 by-microwave) [9.000]
+65.008: (drive-by-microwave-to-by-counter_right robot_1) [6.000]
+71.009: (pick-up robot_1 by-counter_right fish slot-counter_4 counter) [8.000]
+79.010: (drive-by-counter_right-to-by-microwave robot_1) [6.000]
+85.011: (place robot_1 by-microwave fish slot-microwave_0 microwave) [9.000]
+"""
+
+
+@pytest.mark.parametrize("method", ["BASE", "CC"])
+def test_what_takes_its_time_is_waited_for(tmp_path: Path, method: str) -> None:
+    planner = "pddl:" + script(tmp_path, f"cat <<E\n{RINSING}\nE") + ",level=durative"
+    env = suite_kitchen("RinseAndStow", robots=2, layout="one_wall_large", clock="events")
+    report = play(env, remac_agents.make(method, planner=planner), seed=0, most=200)
+    assert report.success and report.errors == (), report
+    row = report.final_plan["robot_0"]
+    assert row.index("turn off faucet") - row.index("turn on faucet") > 1, "it waits while water runs"
+
+
+def test_what_is_waited_for_in_vain_is_no_plan() -> None:
+    env = suite_kitchen("RinseAndStow", robots=2, layout="one_wall_large", clock="events")
+    env.reset(seed=0)
+    rules, world = env.start.scene, env.world
+    with pytest.raises(StepError, match="waits for rinsing of the vegetable, which does not go on"):
+        in_rounds(rules, world, [step for step in read_plan(RINSING, rules) if step.skill != "turn on"])
+    impatient = in_rounds(rules, world, [replace(step, awaits=()) for step in read_plan(RINSING, rules)])
+    patient = in_rounds(rules, world, read_plan(RINSING, rules))
+    assert len(patient) > len(impatient)
 
 
 def test_the_last_plan_is_found_among_what_is_printed() -> None:
