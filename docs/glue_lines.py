@@ -22,8 +22,8 @@ LIBRARIES = (
     ("SuperSuit", "`flatten_v0`, `frame_stack_v1` and `agent_indicator_v0` on the flat form", "", ()),
     ("torch alone", "PPO in one file, in the manner of CleanRL", "rl/ppo_in_torch.py", ()),
     ("RLlib", "its new API stack with two robots, one shared network and masks; observations are renamed to what its "
-     "module for masks wants", "rl/rllib_two_robots.py", ("Team",)),
-    ("Tianshou", "double DQN with masks, one robot", "rl/tianshou_dqn.py", ("Masked", "Inner")),
+     "module for masks wants, and say which robot it is", "rl/rllib_two_robots.py", ("Team",)),
+    ("Tianshou", "PPO with masks, one robot", "rl/tianshou_ppo.py", ("Masked", "Network")),
     ("LeRobot", "`lerobot-eval` finds the skills by EnvHub's `make_env`", "lerobot/env.py", ("*",)),
     ("Inspect AI", "a model plays by a tool, and its plans become records: tool, solver, scorer and task",
      "inspect/kitchen.py", ("*",)),

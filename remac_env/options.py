@@ -30,7 +30,7 @@ CAMERAS = ("front", "wrist", "side", "station")
 USUAL_CAMERAS = CAMERAS[:3]
 """Those that observations have unless others are asked for, and that controllers look at."""
 
-REWARDS = ("sparse", "progress", "distance")
+REWARDS = ("sparse", "progress", "distance", "nearest")
 MASKS = ("grammar", "feasible")
 OBS_FORMATS = ("dict", "flat")
 CLOCKS = ("rounds", "events")
@@ -93,8 +93,9 @@ class Options:
     render_mode: str | None = option(None, "human (watch), rgb_array or work (from near by).", Choice(RENDER_MODES))
     max_rounds: int = option(30, "Rounds after which an episode is truncated.", Whole(1, 100_000))
     reward: str = option(
-        "sparse", "sparse (1 on success), progress (newly reached parts of the goal; 1 in all) or "
-        "distance (1 on success, plus the rounds by which the goal has come closer, by search).", Choice(REWARDS),
+        "sparse", "sparse (1 on success), progress (newly reached parts of the goal; 1 in all), "
+        "distance (1 on success, plus the rounds by which the goal has come closer, by search) or nearest (the same "
+        "for the robot that would reach it first alone; for teams that learn).", Choice(REWARDS),
     )  # fmt: skip
     masks: str = option(
         "grammar", "grammar (what names something in this kitchen) or feasible (also only what the skill table "

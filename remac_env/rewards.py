@@ -1,4 +1,4 @@
-"""What a round is worth: three rewards, each the same for all robots of the team."""
+"""What a round is worth: four rewards, each the same for all robots of the team."""
 
 from __future__ import annotations
 
@@ -66,16 +66,32 @@ class Distance:
     def begin(self, scene: Rules, goal: Goal, world: WorldState) -> None:
         """Search for the distance of the start."""
         self._scene, self._goal = scene, goal
-        self._left = self._distances.of(scene, world, goal)
+        self._left = self._rounds_left(world)
 
     def pay(self, world: WorldState, *, success: bool) -> float:
         """Rounds gained, and 1 for success."""
-        left = 0 if success else self._distances.of(self._scene, world, self._goal)
+        left = 0 if success else self._rounds_left(world)
         gained, self._left = self._left - left, left
         return float(gained + success)
+
+    def _rounds_left(self, world: WorldState) -> int:
+        return self._distances.of(self._scene, world, self._goal)
+
+
+class Nearest(Distance):
+    """1 for success, and the rounds by which whoever is nearest to the goal, were it alone, has come nearer to it.
+
+    For a team, whose distance falls only in rounds in which all robots that matter do the right thing at once: here
+    each right step is paid when it is made. For one robot it is the same as `Distance`.
+    """
+
+    def _rounds_left(self, world: WorldState) -> int:
+        return self._distances.nearest(self._scene, world, self._goal)
 
 
 def make_reward(name: str) -> Reward:
     """The reward of this name, one of `remac_env.options.REWARDS`."""
-    kinds: dict[str, type[Reward]] = {"sparse": Sparse, "progress": Progress, "distance": Distance}
+    kinds: dict[str, type[Reward]] = {
+        "sparse": Sparse, "progress": Progress, "distance": Distance, "nearest": Nearest,
+    }  # fmt: skip
     return kinds[name]()

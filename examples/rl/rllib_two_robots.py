@@ -1,13 +1,14 @@
 """RLlib's new stack: PPO with one network for two robots, and masks; PettingZoo's environment as it is.
 
-    python examples/rl/rllib_two_robots.py --steps 20000
+    python examples/rl/rllib_two_robots.py --steps 24000
 
-The network chooses each robot's token from that robot's own observation; both get the same reward. How far a
-team is from its goal is searched for in every new world, which takes some 70 ms; --reward progress costs nothing, and
-pays nothing until a part of the goal is reached.
+One network chooses each robot's token from that robot's own observation; both get the same reward. It is `nearest`,
+which pays a right step of either robot when it is made. `distance` pays a team only for rounds in which both do the
+right thing at once, which hardly ever happens to robots that have learnt nothing, and takes seven times as long.
 """
 
 import argparse
+import time
 
 import numpy as np
 import torch
@@ -15,6 +16,7 @@ from gymnasium import spaces
 from kitchens import SEEN, UNSEEN
 from pettingzoo.utils import BaseParallelWrapper
 from ray.rllib.algorithms.ppo import PPOConfig
+from ray.rllib.callbacks.callbacks import RLlibCallback
 from ray.rllib.core.rl_module.multi_rl_module import MultiRLModuleSpec
 from ray.rllib.core.rl_module.rl_module import RLModuleSpec
 from ray.rllib.env.wrappers.pettingzoo_env import ParallelPettingZooEnv
@@ -25,12 +27,16 @@ import remac_env
 
 
 class Team(BaseParallelWrapper):
-    """Two robots, with observations in the words of RLlib's module for masks: `observations`, and a float mask."""
+    """Two robots, with observations in the words of RLlib's module for masks: `observations`, and a float mask.
 
-    def __init__(self, task, reward="distance"):
+    Behind the facts stands which robot it is, a 1 among zeros: at the start both see the same, and with one network
+    and no such sign both would want the same place for ever.
+    """
+
+    def __init__(self, task, reward="nearest"):
         super().__init__(
             remac_env.parallel_env(
-                task, robots=2, backend="symbolic", masks="feasible", reward=reward, max_rounds=20
+                task, robots=2, backend="symbolic", masks="feasible", reward=reward, max_rounds=16
             )
         )
         self.random = np.random.default_rng(0)
@@ -38,7 +44,8 @@ class Team(BaseParallelWrapper):
     def observation_space(self, agent):
         space = self.env.observation_space(agent)
         mask = spaces.Box(0.0, 1.0, space["action_mask"].shape, np.float32)
-        return spaces.Dict({"action_mask": mask, "observations": space["observation"]})
+        facts = spaces.Box(0.0, 1.0, (space["observation"].shape[0] + len(self.possible_agents),), np.float32)
+        return spaces.Dict({"action_mask": mask, "observations": facts})
 
     def reset(self, seed=None, options=None):
         observations, infos = self.env.reset(seed=int(self.random.choice(SEEN)) if seed is None else int(seed))
@@ -49,8 +56,12 @@ class Team(BaseParallelWrapper):
         return self.renamed(observations), *others, self.shortened(infos)
 
     def renamed(self, observations):
+        which = dict(zip(self.possible_agents, np.eye(len(self.possible_agents), dtype=np.float32), strict=True))
         return {
-            name: {"action_mask": seen["action_mask"].astype(np.float32), "observations": seen["observation"]}
+            name: {
+                "action_mask": seen["action_mask"].astype(np.float32),
+                "observations": np.concatenate([seen["observation"], which[name]]),
+            }
             for name, seen in observations.items()
         }
 
@@ -58,21 +69,32 @@ class Team(BaseParallelWrapper):
         return {name: {"success": info["success"]} for name, info in infos.items()}
 
 
-def learner(task, batch=1024, reward="distance"):
+class Success(RLlibCallback):
+    """Has RLlib count how many of the last hundred episodes reached the goal."""
+
+    def on_episode_end(self, *, episode, metrics_logger, **more):
+        won = any(info["success"] for info in episode.get_infos(-1).values())
+        metrics_logger.log_value("success", float(won), reduce="mean", window=100)
+
+
+def learner(task, batch=512, reward="nearest"):
     """The algorithm, which plays in this process."""
     torch.set_num_threads(1)
     register_env("kitchen", lambda config: ParallelPettingZooEnv(Team(task, reward)))
-    module = RLModuleSpec(
-        module_class=ActionMaskingTorchRLModule, model_config={"head_fcnet_hiddens": [64, 64], "fcnet_hiddens": [64]}
-    )
+    layers = {"fcnet_hiddens": [64], "head_fcnet_hiddens": [64], "head_fcnet_activation": "tanh"}
+    module = RLModuleSpec(module_class=ActionMaskingTorchRLModule, model_config=layers)
     return (
         PPOConfig()
         .environment("kitchen")
         .env_runners(num_env_runners=0)
+        .callbacks(Success)
         .multi_agent(policies={"robot"}, policy_mapping_fn=lambda *given, **more: "robot")
         .rl_module(rl_module_spec=MultiRLModuleSpec(rl_module_specs={"robot": module}))
-        .training(train_batch_size_per_learner=batch, minibatch_size=min(batch, 256), num_epochs=5)
-        .training(lr=1e-3, gamma=0.95, entropy_coeff=0.01)
+        # A round is two rows of a batch, one for each robot.
+        .training(train_batch_size_per_learner=batch, minibatch_size=min(batch, 128), num_epochs=8, lr=1e-3)
+        .training(gamma=0.95, lambda_=0.95, entropy_coeff=0.01, grad_clip=0.5)
+        .training(clip_param=0.2, use_kl_loss=False, vf_loss_coeff=0.5, vf_clip_param=1e6)
+        .debugging(seed=0)
         .build_algo()
     )
 
@@ -81,10 +103,11 @@ def successes(algorithm, task, seeds=UNSEEN):
     """In how many episodes the team reaches the goal, each robot with the best token each time."""
     env, module, reached = Team(task, "sparse"), algorithm.get_module("robot"), 0
     for seed in seeds:
-        seen, infos = env.reset(seed=seed)
+        seen, _ = env.reset(seed=seed)
         while env.agents:
             batch = {
-                key: torch.from_numpy(np.stack([seen[name][key] for name in env.agents])) for key in seen["robot_0"]
+                key: torch.from_numpy(np.stack([seen[name][key] for name in env.agents]))
+                for key in ("action_mask", "observations")
             }
             with torch.no_grad():
                 tokens = module.forward_inference({"obs": batch})["action_dist_inputs"].argmax(-1).tolist()
@@ -96,18 +119,22 @@ def successes(algorithm, task, seeds=UNSEEN):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--task", default="OpenCabinetPnP")
-    parser.add_argument("--steps", type=int, default=20_000, help="rounds")
-    parser.add_argument("--reward", default="distance")
+    parser.add_argument("--steps", type=int, default=24_000, help="rounds")
+    parser.add_argument("--reward", default="nearest")
+    parser.add_argument("--unseen", type=int, default=UNSEEN.start, help="first of the 100 seeds of the test")
     args = parser.parse_args()
-    algorithm, rounds, turn = learner(args.task, reward=args.reward), 0, 0
+    began, rounds, turn = time.process_time(), 0, 0
+    algorithm = learner(args.task, reward=args.reward)
     while rounds < args.steps:
         told = algorithm.train()["env_runners"]
         rounds, turn = rounds + told["num_env_steps_sampled"], turn + 1
-        if turn % 2 == 0 or rounds >= args.steps:
+        if turn % 3 == 0 or rounds >= args.steps:
+            spent = f"{rounds:7.0f} rounds, {time.process_time() - began:4.0f} s of a core"
             gain, length = told["episode_return_mean"] / 2, told["episode_len_mean"]
-            print(f"{rounds:7.0f} rounds: return {gain:5.2f} a robot, {length:4.1f} rounds an episode", flush=True)
-    reached = successes(algorithm, args.task)
-    print(f"{args.task}, two robots: {reached} of {len(UNSEEN)} unseen episodes reached the goal")
+            won = f"{told['success']:4.0%} of the last episodes reached the goal"
+            print(f"{spent}: {won}, return {gain:5.2f}, {length:4.1f} rounds", flush=True)
+    reached = successes(algorithm, args.task, range(args.unseen, args.unseen + 100))
+    print(f"{args.task}, two robots: {reached} of 100 unseen episodes reached the goal")
     algorithm.stop()
 
 

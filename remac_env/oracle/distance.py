@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 from remac_env.oracle.certificate import certify
+from remac_env.oracle.goal_search import among
 from remac_env.rules.facts import Rules
 from remac_env.rules.rounds import transition
 from remac_env.state import WorldState
@@ -35,6 +36,14 @@ class Distances:
         if (kitchen, world) not in self._known:
             self._search(scene, world, goal)
         return self._known[kitchen, world]
+
+    def nearest(self, scene: Rules, world: WorldState, goal: Goal) -> int:
+        """Rounds that the robot needs which would reach the goal first if it were alone in the kitchen, 0..FARTHEST.
+
+        Where none could, because each holds what another one needs: rounds of all of them together.
+        """
+        left = min(self.of(*among(scene, world, (robot,)), goal) for robot in scene.robots)
+        return left if left < FARTHEST else self.of(scene, world, goal)
 
     def _search(self, scene: Rules, world: WorldState, goal: Goal) -> None:
         self.searched += 1

@@ -25,9 +25,7 @@ def search_goal(
         max_rounds, max_states, greed: see `search`.
     """
     if robots is not None:
-        scene = replace(scene, robots=robots)
-        there = FrozenMap({name: world.robots[name] for name in robots})
-        world = WorldState(there, world.objects, world.fixtures)
+        scene, world = among(scene, world, robots)
     part = goal if about is None else about
     return search(
         scene,
@@ -39,3 +37,9 @@ def search_goal(
         max_states=max_states,
         greed=greed,
     )
+
+
+def among(scene: Rules, world: WorldState, robots: tuple[str, ...]) -> tuple[Rules, WorldState]:
+    """The same kitchen with only these robots in it; what others hold is out of everybody's reach."""
+    there = FrozenMap({name: world.robots[name] for name in robots})
+    return replace(scene, robots=robots), WorldState(there, world.objects, world.fixtures)

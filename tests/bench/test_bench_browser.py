@@ -315,6 +315,18 @@ def test_phones_scroll_down_only(driver: Any, run: Path, evil: Path, scheme: str
     assert too_wide(driver) > 0
 
 
+def test_filters_do_not_fill_a_phones_first_screen(driver: Any, run: Path) -> None:
+    shown = "return [...document.querySelectorAll('[data-filter]')].filter((field) => field.offsetParent).length"
+    visit(driver, run / "leaderboard.html", width=375)
+    assert driver.execute_script(shown) == 0
+    driver.find_element("css selector", ".fold").click()
+    assert driver.execute_script(shown) > 5
+    visit(driver, run / "leaderboard.html", "#task=heat", width=375)
+    assert driver.execute_script(shown) > 5  # one is in use
+    visit(driver, run / "leaderboard.html", width=1240)
+    assert driver.execute_script(shown) > 5 and not driver.find_element("css selector", ".fold").is_displayed()
+
+
 def test_the_scheme_is_the_readers(driver: Any, run: Path) -> None:
     seen = []
     for scheme in SCHEMES:

@@ -78,6 +78,44 @@ def test_every_round_of_a_shortest_plan_comes_nearer_and_all_ways_are_worth_the_
         assert sum(played(env, seed, detour=3)) == pytest.approx(sum(rewards))
 
 
+def team(task: str, reward: str) -> KitchenParallelEnv:
+    env = kitchen(task, robots=2, reward=reward)
+    env.reset(seed=0)
+    return env
+
+
+def paid(env: KitchenParallelEnv, *rounds: tuple[str, str]) -> list[float]:
+    """What these rounds are worth, each said as the commands of both robots."""
+    worth = []
+    for commands in rounds:
+        tokens = [env.vocabulary.encode(command) for command in commands]
+        worth.append(env.step(dict(zip(env.agents, tokens, strict=True)))[1]["robot_0"])
+    return worth
+
+
+def test_the_nearest_robot_is_paid_for_a_right_step_that_the_teams_distance_does_not_pay() -> None:
+    right = ("wait", "navigate to cabinet"), ("wait", "open cabinet door")
+    assert paid(team("OpenCabinetPnP", "nearest"), *right) == [1.0, 1.0]
+    assert paid(team("OpenCabinetPnP", "distance"), *right)[0] == 0.0
+
+
+def test_all_ways_to_the_goal_are_worth_the_same_to_the_nearest_and_for_one_robot_it_is_the_distance() -> None:
+    for seed in range(2):
+        short, long = (played(kitchen("OpenCabinetPnP", reward="nearest"), seed, detour=n) for n in (0, 4))
+        assert sum(short) == sum(long) == pytest.approx(7.0)  # one robot's shortest plan takes six rounds
+    both = [played(kitchen("HeatOnStove", robots=1, reward=name), 0, detour=3) for name in ("nearest", "distance")]
+    assert both[0] == both[1]
+
+
+@pytest.mark.long
+def test_where_each_holds_what_the_other_needs_the_teams_distance_counts() -> None:
+    env, names = team("DefrostInBowl", "nearest"), ("meat", "bowl")
+    paid(env, *(tuple(f"{step} {name}" for name in names) for step in ("navigate to", "pick up")))  # type: ignore[arg-type]
+    assert {state.holding for state in env.world.robots.values()} == set(names)
+    scene, world, distances = env.start.scene, env.world, Distances()
+    assert distances.nearest(scene, world, env.goal) == distances.of(scene, world, env.goal) < FARTHEST
+
+
 def test_distances_are_searched_once_and_bounded() -> None:
     env = kitchen("DefrostInBowl", robots=1)
     env.reset(seed=0)

@@ -44,7 +44,7 @@ COLUMNS: tuple[Column, ...] = (
 )
 
 CAPTION = (
-    "Columns with `all` count a failure at the cap: max_rounds rounds, each as long as the longest skill takes by the "
+    'Columns with "all" count a failure at the cap: max_rounds rounds, each as long as the longest skill takes by the '
     "skill table; the others are means over successes. Calls, tokens, money and wall time are of a job with all its "
     "iterations. Crashed episodes are failures; jobs under Infra are not scored and are run again. SCR counts rounds "
     "of plans and TSR episodes: SCR is above TSR where failed episodes had done part, or all, of their plans, and "

@@ -5,6 +5,7 @@
   const form = document.querySelector(".filters");
   const fields = all("[data-filter]", form);
   const told = form.querySelector("output");
+  const fold = form.querySelector(".fold");
   // What an episode came to is what is counted; the others say which episodes there are.
   const OUTCOMES = ["result", "blame"];
   // The agents that are compared stand in the address, too.
@@ -69,11 +70,16 @@
   remac.listeners = [];
   remac.readers = [];
 
+  // On a phone the fields would fill the first screen: they are shown where one is in use, or asked for.
+  const unfold = (open) => { form.classList.toggle("folded", !open); fold.setAttribute("aria-expanded", String(open)); };
+  fold.addEventListener("click", () => unfold(form.classList.contains("folded")));
+
   const write = () => remac.address.write(Object.fromEntries(fields.map((field) => [field.dataset.filter, field.value.trim()])));
   const read = () => {
     const now = remac.address.read([...Object.keys(choices), ...SIDES]);
     for (const field of fields) field.value = now[field.dataset.filter] ?? "";
     for (const reader of remac.readers) reader(now);
+    if (Object.keys(chosen()).length) unfold(true);
     apply();
   };
 
