@@ -25,7 +25,7 @@ def test_rllib_plays_two_robots_with_masks(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_rllib_masks_what_it_learns_from_and_not_only_what_it_plays(monkeypatch: pytest.MonkeyPatch) -> None:
-    """All three passes of the module give a token that the mask forbids no probability: exploring, playing, training."""
+    """No pass of the module gives a forbidden token any probability: exploring, playing, training."""
     pytest.importorskip("ray.rllib", reason="make ray installs it")
     torch = pytest.importorskip("torch")
     monkeypatch.syspath_prepend(str(EXAMPLES))
