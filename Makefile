@@ -147,11 +147,11 @@ loaders: $(LOADERS)/.installed
 PICTURES := pictures
 EYES := remac_agents/vision/shipped/vision.npz
 vision: $(RL)/.installed-learn
-	$(RL)/bin/remac learn record-checker --backend symbolic --first-seed 1000 --episodes 140 --out $(PICTURES)/train
-	$(RL)/bin/remac learn record-checker --first-seed 110000 --episodes 6 --out $(PICTURES)/train
-	$(RL)/bin/remac learn record-checker --held-out --backend symbolic --first-seed 122000 --episodes 48 --out $(PICTURES)/calibrate
-	$(RL)/bin/remac learn record-checker --held-out --first-seed 120000 --episodes 4 --out $(PICTURES)/calibrate
-	$(RL)/bin/remac learn record-checker --held-out --first-seed 130000 --episodes 8 --out $(PICTURES)/test
+	$(RL)/bin/remac learn record-checker --backend symbolic --first-seed 1000 --episodes 96 --out $(PICTURES)/train
+	$(RL)/bin/remac learn record-checker --first-seed 110000 --episodes 4 --out $(PICTURES)/train
+	$(RL)/bin/remac learn record-checker --held-out --backend symbolic --first-seed 122000 --episodes 24 --out $(PICTURES)/calibrate
+	$(RL)/bin/remac learn record-checker --held-out --first-seed 120000 --episodes 2 --out $(PICTURES)/calibrate
+	$(RL)/bin/remac learn record-checker --held-out --first-seed 130000 --episodes 4 --out $(PICTURES)/test
 	$(RL)/bin/remac learn record-checker --held-out --backend symbolic --first-seed 132000 --episodes 8 --out $(PICTURES)/test
 	$(RL)/bin/remac learn train-checker --pictures $(PICTURES) --weights $(EYES)
 	$(RL)/bin/remac learn evaluate-checker --pictures $(PICTURES)/test

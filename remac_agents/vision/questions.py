@@ -53,6 +53,12 @@ def predicates() -> tuple[str, ...]:
     return (*seen, *(_marked(mark) for mark in _DRAWN_MARKS))
 
 
+@lru_cache(maxsize=1)
+def opposed() -> frozenset[str]:
+    """What is asked for its opposite, too: a condition may be false by either answer."""
+    return frozenset(row.denies for row in PREDICATES.values() if row.denies is not None)
+
+
 @lru_cache(maxsize=4096)
 def question_of(condition: Condition) -> Question | None:
     """The question that a condition, or what it denies, puts; None where no picture answers it. See `turned`."""

@@ -51,14 +51,17 @@ class Stage:
     The pose comes either from physics (`show_positions`) or from a WorldState (`show_world`).
     """
 
-    def __init__(self, start: Start, layout: Layout, categories: Mapping[str, Category]) -> None:
+    def __init__(
+        self, start: Start, layout: Layout, categories: Mapping[str, Category], *, style: styles.Style | None = None
+    ) -> None:
+        """style: how it looks, instead of as the start says."""
         self.key = stage_key(start)
         self._layout, self._categories, self._robots = layout, categories, start.scene.robots
         spec = build_spec(
             layout,
             robots=start.scene.robots,
             objects={noun: categories[name] for noun, name in start.categories.items()},
-            style=styles.load(start.style),
+            style=styles.load(start.style) if style is None else style,
             visual=True,
             body=bodies.get(start.body),
             quirks=start.scene.quirks,

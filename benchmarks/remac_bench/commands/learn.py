@@ -135,7 +135,9 @@ def record_checker(
 
     chosen = choose(cells, _names(held_out, "--hold-out"))[held_kitchens]
     seeds = range(first_seed, first_seed + episodes)
-    for line in record_pictures(seeds, chosen, pictures_out, backend=pictures_backend, processes=processes):
+    for line in record_pictures(
+        seeds, chosen, pictures_out, backend=pictures_backend, processes=processes, paints=not held_kitchens
+    ):
         console().print(line)
 
 

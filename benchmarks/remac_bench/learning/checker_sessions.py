@@ -33,20 +33,23 @@ _SAMPLED = 24  # questions about them
 
 
 def record_pictures(
-    seeds: Sequence[int], cells: Cells, out: Path, *, backend: str, processes: int
+    seeds: Sequence[int], cells: Cells, out: Path, *, backend: str, processes: int, paints: bool = False
 ) -> Iterator[str]:
-    """Record these episodes, a file for each SHARD of them; a line for each that is done."""
+    """Record these episodes, a file for each SHARD of them; a line for each that is done.
+
+    paints: whether kitchens may be painted as no style has them.
+    """
     check_choice("backend", backend, BACKENDS)
     parts = [seeds[index : index + SHARD] for index in range(0, len(seeds), SHARD)]
     jobs = [(part, out / f"{backend}_{part[0]:06d}.npz") for part in parts]
     yield from (f"{path.name}: there already" for _, path in jobs if path.exists())
     fresh = [job for job in jobs if not job[1].exists()]
-    yield from side_by_side(partial(_record_part, cells=cells, backend=backend), fresh, processes)
+    yield from side_by_side(partial(_record_part, cells=cells, backend=backend, paints=paints), fresh, processes)
 
 
-def _record_part(job: tuple[Sequence[int], Path], *, cells: Cells, backend: str) -> str:
+def _record_part(job: tuple[Sequence[int], Path], *, cells: Cells, backend: str, paints: bool) -> str:
     seeds, path = job
-    views = list(record(seeds, cells, backend=backend))
+    views = list(record(seeds, cells, backend=backend, paints=paints))
     if not views:
         raise UsageError(f"none of the seeds {seeds[0]}..{seeds[-1]} has a kitchen; valid: other layouts or seeds")
     write_album(path, views)
@@ -144,5 +147,5 @@ def _questions(album: Album, words: player.Words) -> tuple[tuple[str, ...], ...]
 def code_digest() -> str:
     """A name for the code that decides what is learnt: recording, labels, training and the network's player."""
     here, played = Path(__file__).parent, Path(player.__file__).parent
-    files = [here / f"checker_{name}.py" for name in ("record", "scenes", "poses", "train", "measure")]
+    files = [here / f"checker_{name}.py" for name in ("record", "scenes", "poses", "paint", "train", "measure")]
     return digest([path.read_text("utf-8") for path in (*files, played / "network.py", played / "questions.py")])

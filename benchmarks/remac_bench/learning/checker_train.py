@@ -23,7 +23,7 @@ Codes = NDArray[np.int64]
 
 _LONGEST_NAME = 3  # words of a name that are told
 _OFTEN = 0.15  # of the episodes: in as many a name was met often
-_ASKED = 3.0  # times as often as others, questions are put that methods put
+_ASKED = 8.0  # times as often as others, questions are put that methods put
 _MOVED = 4  # pixels, at most
 _LEFT_OUT = 0.2  # of the features of the whole, by chance, while it learns
 _EPSILON = 1e-5  # of batch normalisation, as in torch
@@ -46,7 +46,7 @@ class Recipe:
     whole: int = 160
     epochs: int = 16
     batch: int = 32
-    questions: int = 56
+    questions: int = 40
     rate: float = 3e-3
     seed: int = 0
 
