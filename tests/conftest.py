@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import sys
 from collections import Counter
@@ -25,6 +26,16 @@ typer.main.get_command = typer.testing._get_command = lru_cache(maxsize=16)(type
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so do shells start what runs in the background
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish() -> None:
+    """From here on the garbage collector leaves out some thousand tests and all that they have imported.
+
+    Searches and kitchens allocate much; otherwise each of its rounds would look at all of that again.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(5000, 20, 10)
 
 
 @pytest.hookimpl(tryfirst=True)

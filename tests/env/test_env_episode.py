@@ -35,9 +35,8 @@ def carry_out(env: Any, seed: int) -> list[Any]:
     return list(play(env, seed, scripted(script, otherwise=0), rounds=30))
 
 
-@pytest.mark.parametrize(
-    "task", [pytest.param(t, marks=pytest.mark.long) if t == "SeasonedMicrowave" else t for t in remac_env.tasks()]
-)
+@pytest.mark.few(3)
+@pytest.mark.parametrize("task", remac_env.tasks())
 def test_success_ends_the_episode_and_pays_every_robot(task: str) -> None:
     turns = carry_out(make(task), 2)
     assert [turn.ended for turn in turns[1:]] == [False] * (len(turns) - 2) + [True]

@@ -57,7 +57,13 @@ def test_unknown_station_lists_the_stations() -> None:
         cameras.side_camera(layouts.load("galley"), "cellar")
 
 
-@pytest.fixture(scope="module", params=["one_wall_large", "u_shaped_small", "g_shaped_small", "l_shaped_large"])
+@pytest.fixture(
+    scope="module",
+    params=[
+        "one_wall_large", "u_shaped_small",
+        *(pytest.param(name, marks=pytest.mark.long) for name in ("g_shaped_small", "l_shaped_large")),
+    ],
+)
 def layout(request) -> layouts.Layout:
     """A layout; in one of them the cabinet opens to the right, in one in the middle."""
     side = {"u_shaped_small": "right", "l_shaped_large": "both"}.get(request.param, "left")

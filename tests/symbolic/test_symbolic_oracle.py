@@ -130,16 +130,16 @@ def test_the_bound_never_cuts_off_a_shorter_plan(task: str, robots: int) -> None
         assert all(bound <= plan.length - number for number, bound in enumerate(bounds)), bounds
 
 
-def test_two_robots_never_need_more_rounds_than_one() -> None:
-    for task in TASKS:
-        for seed in (1,):
-            lengths = []
-            for robots in (1, 2):
-                _, scene, world, goal = problem(task, seed, robots=robots, starts="mixed")
-                plan = solve(scene, world, goal)
-                assert plan is not None
-                lengths.append(plan.length)
-            assert lengths[1] <= lengths[0], (task, seed)
+@pytest.mark.few(5)
+@pytest.mark.parametrize("task", sorted(TASKS, key=lambda task: task == "DefrostInBowl"))  # which takes as long as all
+def test_two_robots_never_need_more_rounds_than_one(task: str) -> None:
+    lengths = []
+    for robots in (1, 2):
+        _, scene, world, goal = problem(task, 1, robots=robots, starts="mixed")
+        plan = solve(scene, world, goal)
+        assert plan is not None
+        lengths.append(plan.length)
+    assert lengths[1] <= lengths[0]
 
 
 def test_what_is_lost_has_no_plan() -> None:

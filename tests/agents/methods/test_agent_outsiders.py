@@ -45,7 +45,7 @@ def optimum(task: str, starts: str, seed: int) -> int:
 @pytest.mark.parametrize("starts", ["paper", pytest.param("mixed", marks=pytest.mark.long)])
 @pytest.mark.parametrize("task", [spec.name for spec in outsiders.TASKS])
 def test_the_staircase(task: str, starts: str) -> None:
-    seeds = SEEDS if starts == "mixed" else SEEDS[:3]
+    seeds = SEEDS if starts == "mixed" else SEEDS[:2]
     best = [optimum(task, starts, seed) for seed in seeds]
     base = [job(task, "BASE", starts, seed) for seed in seeds]
     checked = [job(task, "CC", starts, seed) for seed in seeds]
