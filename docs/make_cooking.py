@@ -7,16 +7,15 @@ The task's plan of `benchmarks/timed_plans.toml` is played in physics, and drawn
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from make_animation import make
+from timed_physics import plan_of
 
 from remac_env.rendering.renderer import VIDEO
 
 FILE = Path(__file__).parent / "pictures" / "cooking.webp"
-PLANS = Path(__file__).parent.parent / "benchmarks" / "timed_plans.toml"
 SIZE = (480, 270)
 """Width and height, pixels."""
 
@@ -29,20 +28,16 @@ def main() -> None:
 
 def cooked(env: Any, task: str, seed: int) -> None:
     """The plan of a timed task, each robot's commands as soon as what they wait for is over."""
-    plan = {robot: [" ".join(part.split()) for part in text.split(";")]
-            for robot, text in tomllib.loads(PLANS.read_text("utf-8"))[task].items()}
     _, infos = env.reset(seed=seed)
+    steps = plan_of(task, env.start, env.vocabulary)
+    left = {robot: [step for step in steps if step.robot == robot] for robot in env.agents}
     while env.agents:
         over = {s.what if s.kind == "subtask" else f"{s.what} {s.who}" for s in env.timeline if s.status == "success"}
         tokens = {}
-        for robot, left in plan.items():
-            while left and left[0].startswith("until ") and left[0].removeprefix("until ") in over:
-                del left[0]
-            command = "wait" if not left or left[0].startswith("until ") else left[0]
-            if not infos[robot]["ready"]:
-                command = "continue"
-            elif command != "wait":
-                del left[0]
+        for robot, plan in left.items():
+            command = "wait" if infos[robot]["ready"] else "continue"
+            if command == "wait" and plan and plan[0].after <= over:
+                command = plan.pop(0).subtask.text
             tokens[robot] = env.vocabulary.encode(command)
         _, _, _, _, infos = env.step(tokens)
     if not all(info["success"] for info in infos.values()):
