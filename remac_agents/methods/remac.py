@@ -1,5 +1,6 @@
 """REMAC: RE by one robot until it has mastered the task; then the others take over what can be shared.
 
+So they do where one robot is too slow: nothing was wrong with its plan but that the time was up before its end.
 By the event clock what a helper has prepared is an event: whoever needs it goes on then, and nobody waits for a round.
 """
 
@@ -7,7 +8,7 @@ from __future__ import annotations
 
 from remac_agents.methods.cc import checked
 from remac_agents.plan import PlanError, read_plan
-from remac_agents.planning.mastery import proven_plan
+from remac_agents.planning.mastery import late_plan, proven_plan
 from remac_agents.roles import HandoverRequest
 from remac_agents.running.method_run import MethodRun, Turns
 from remac_agents.running.unfolding import unfolded
@@ -19,6 +20,8 @@ def remac(run: MethodRun) -> Turns:
     run.recall()
     told, runs = run.briefing, run.memory.runs(run.briefing.task)
     single = proven_plan(runs, run.commands, run.book.rules, last=told.last)
+    if single is None and run.by_events:
+        single = late_plan(runs, run.commands)
     if told.helper is None or single is None or not hand_over(run, single, told.helper):
         run.make_plan()
     yield from unfolded(run) if run.by_events else checked(run)

@@ -52,6 +52,31 @@ def proven_plan(runs: Sequence[Run], commands: Commands, facts: Rules, *, last: 
     return mastered or (best if last else None)
 
 
+def late_plan(runs: Sequence[Run], commands: Commands) -> Steps | None:
+    """A single-robot plan with which nothing is wrong but that it takes too long, or None.
+
+    In the last run by one robot all that it did by its plan succeeded, and the rest was still to be done when the
+    episode ended. A run by several robots that failed takes it away again.
+    """
+    late: Steps | None = None
+    for run in runs:
+        if len(run.initial_plan) == 1:
+            late = _read(_cut_short(run), commands)
+        elif not run.success:
+            late = None
+    return late or None
+
+
+def _cut_short(run: Run) -> Sequence[str]:
+    """The one row of a run that the end of its episode cut short; nothing where it went otherwise."""
+    ((robot, row),) = run.initial_plan.items()
+    entries = [ran for line in run.action_list if (ran := Ran.read(line)) is not None and ran.robot == robot]
+    done = [ran.command for ran in entries if ran.succeeded]
+    cut = [ran.command for ran in entries if not ran.succeeded]
+    as_planned = not run.success and not run.adjusted and done == list(row[: len(done)])
+    return row if as_planned and len(done) < len(row) and cut in ([], [row[len(done)]]) else ()
+
+
 def carried_out(run: Run, commands: Commands, facts: Rules, planned: Steps) -> Steps | None:
     """What one robot did, without steps that failed and detours; None for what this kitchen has no command for."""
     entries = (Ran.read(line) for line in run.action_list)

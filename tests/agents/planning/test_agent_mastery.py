@@ -11,7 +11,7 @@ from made_up_tasks import towels
 import remac_agents
 from remac_agents.memory import Run
 from remac_agents.plan import Commands
-from remac_agents.planning.mastery import proven_plan, without_detours
+from remac_agents.planning.mastery import late_plan, proven_plan, without_detours
 from remac_env.errors import OptionError
 
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
@@ -66,6 +66,35 @@ def test_a_plan_that_needed_more_than_was_planned_is_no_mastery_yet() -> None:
     assert proven(short, short) == PLAN, "nothing is learnt any more"
     assert proven(short, run(PLAN, PLAN, success=False), last=True) == PLAN
     assert proven(run(FETCHED, mended, success=False), last=True) is None
+
+
+def late(*runs: Run) -> tuple[str, ...] | None:
+    found = late_plan(runs, COMMANDS)
+    return None if found is None else tuple(step.text for step in found)
+
+
+def cut(*played: str, **changes: Any) -> Run:
+    """A run of the plan at whose end the time was up."""
+    return run(PLAN, played, success=False, **{"pre_check_results": [], **changes})
+
+
+def test_a_plan_that_is_cut_short_by_the_time_alone_is_late() -> None:
+    team = {"initial_plan": {"a": list(OPENED), "b": list(FETCHED)}, "pre_check_results": []}
+    assert late(cut(*PLAN[:4])) == late(cut(*PLAN[:4], f"{PLAN[4]}!")) == PLAN
+    assert late(cut(*PLAN[:4]), run(OPENED, OPENED, **team)) == PLAN
+    assert late(cut(*PLAN[:4]), run(OPENED, OPENED, success=False, **team)) is None
+    assert late() is None and late(run(PLAN, PLAN)) is None
+    assert late(cut(*PLAN)) is None, "it was carried out, and is wrong"
+    assert late(cut(*PLAN[:2], f"{PLAN[2]}!", *PLAN[2:4])) is None, "a step failed"
+    assert late(cut(*PLAN[:2], PLAN[3])) is None, "it is another plan"
+    assert late(cut(*PLAN[:4], pre_check_results=[{"verdict": False}])) is None
+
+
+@pytest.mark.long
+def test_what_one_robot_is_too_slow_for_is_shared() -> None:
+    env = suite_kitchen("SupperInTime", robots=2, layout="one_wall_large", clock="events")
+    agent = remac_agents.make("REMAC", planner="timely")
+    assert [play(env, agent, seed=1).success for _ in range(3)] == [False, True, True]
 
 
 def test_what_made_other_work_possible_stays() -> None:
