@@ -80,7 +80,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         return f"<{' '.join([self.worlds.spec.name, *self.options.chosen])}, {state}>"
 
     def _repr_png_(self) -> bytes | None:
-        """The kitchen now, for notebooks; None where no episode has begun."""
+        """The kitchen now, for notebooks; None where no episode has begun, or it cannot be drawn."""
         return None if self._closed or self._episode is None else self._pictures.png(self._moment())
 
     # -- the PettingZoo interface ------------------------------------------------------------------------------------

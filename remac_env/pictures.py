@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.errors import LifecycleError
+from remac_env.errors import LifecycleError, RenderingError
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.rendering.video import MAX_FRAMES, Sampler, prepare, spread
 from remac_env.rules.facts import Process
@@ -64,11 +64,14 @@ class Pictures:
         stage.show_in(self._window)
         return None
 
-    def png(self, moment: Moment) -> bytes:
-        """The overview as a PNG file."""
-        cv2 = load_opencv()
-        _, data = cv2.imencode(".png", self._stage(moment).picture()[..., ::-1])
-        return data.tobytes()
+    def png(self, moment: Moment) -> bytes | None:
+        """The overview as a PNG file; None where it cannot be drawn."""
+        try:
+            cv2 = load_opencv()
+            _, data = cv2.imencode(".png", self._stage(moment).picture()[..., ::-1])
+        except RenderingError:
+            return None
+        return bytes(data.tobytes())
 
     def observe(self, moment: Moment, robot: str, *, size: int, cameras: Collection[str]) -> dict[str, Picture]:
         """The pictures of these cameras (`options.CAMERAS`) of one robot, uint8 (size, size, 3)."""
@@ -134,10 +137,16 @@ class Pictures:
         from remac_env.rendering.stage import Stage, stage_key
 
         start = moment.start
+        layout = self._worlds.layout_of(start)
+        if undrawn := [name for name in start.scene.fixtures if name not in layout.fixtures]:
+            raise RenderingError(
+                f"{', '.join(undrawn)}: annexes have no shape, so that a kitchen with any cannot be drawn; valid: a "
+                f"task without, as those of template='physics'"
+            )
         if self._shown is None or self._shown.key != stage_key(start):
             if self._shown is not None:
                 self._shown.close()
-            self._shown = Stage(start, self._worlds.layout_of(start), self._worlds.categories)
+            self._shown = Stage(start, layout, self._worlds.categories)
             self._posed = None
         if self._posed is not None and _looks_alike(self._posed, moment):
             return self._shown

@@ -84,8 +84,10 @@ def _checked(worlds: TaskWorlds, options: Options) -> TaskWorlds:
 def check_backend(spec: TaskSpec, options: Options) -> None:
     """Raise OptionError for a kitchen with something in it that only the skill table knows, or that has no room."""
     if spec.symbolic_only and options.backend != "symbolic":
-        known = "which only the skill table knows; valid: backend='symbolic', or template='physics'"
-        raise OptionError(f"task {spec.name} has {spec.symbolic_only}, {known}")
+        pool = "physics teams" if any(QUIRKS[quirk.kind].team for quirk in spec.quirks) else "physics"
+        lacks = "for which physics has no shape and no place in a floor plan; only the skill table knows them"
+        valid = f"backend='symbolic', or template={pool!r} for a task without"
+        raise OptionError(f"task {spec.name} has {spec.symbolic_only}, {lacks}; valid: {valid}")
     if spec.setup is not None and options.backend != "symbolic":
         slots = {place.where: noun for noun, place in spec.setup.places.items() if place.relation == "slot"}
         for quirk in (quirk for quirk in spec.quirks if QUIRKS[quirk.kind].fills):

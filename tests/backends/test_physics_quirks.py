@@ -127,3 +127,18 @@ def test_what_runs_only_shut_goes_off_when_its_door_opens_whatever_turns_it_on()
     assert told["physics"][1:] == [
         ("", "closed", {"oven"}), ("", "open", set()), ("blocked", "open", set()), ("", "closed", set())
     ]
+
+
+@pytest.mark.long
+def test_who_has_to_stand_elsewhere_may_leave_in_the_round_in_which_a_switch_is_turned_on() -> None:
+    """A round is judged by the world that it begins in: by the table, and in physics too."""
+    env = remac_env.parallel_env(make(grade=2, seed=194100, template="water for two robots", robots=2).spec, robots=2)
+    told = []
+    env.reset(seed=194100)
+    for pair in (("navigate to faucet", "navigate to oven"), ("turn on faucet", "navigate aside")):
+        infos = env.step({name: env.vocabulary.encode(text) for name, text in zip(env.agents, pair, strict=True)})[4]
+        told += [info["outcome"]["reason"] for info in infos.values()]
+    assert told == ["", "", "", ""] and env.world.fixtures["faucet"].on
+    for text in ("turn off faucet", "turn on faucet"):
+        env.step({"robot_0": env.vocabulary.encode(text), "robot_1": env.vocabulary.encode("wait")})
+    assert not env.world.fixtures["faucet"].on

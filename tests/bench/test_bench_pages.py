@@ -13,6 +13,7 @@ from remac_bench.blame.labels import Blame
 from remac_bench.blame.sheet import blame_sheets, write_blames
 from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.cli import app
+from remac_bench.judging.grades import made_from
 from remac_bench.pages import write_pages
 from remac_bench.pages.episode_page import PAGE_MAX, page, page_name
 from remac_bench.pages.pictures import lay_out, paint
@@ -372,3 +373,12 @@ def test_headings_sort_by_button(run: Path) -> None:
     root = parse(leaderboard(run))
     heads = root.all("th")
     assert heads and all(_names(head) == ["button"] for head in heads)
+
+
+def test_a_page_says_what_a_generated_task_was_made_from(tmp_path: Path) -> None:
+    kitchen = {"grade": 3, "quirks": 2, "knowledge": "seen"}
+    one = record(task="Generated", template="some plates", known_rounds=17, options={"kitchen": kitchen})
+    told = "Grade 3, template “some plates”, 2 quirks, what is behind doors has to be found, a plan of 17 rounds is"
+    assert made_from(one) == f"{told} known" and told in parse(page(one, folder=tmp_path)).text
+    plain = record(task="Generated", options={"kitchen": {"grade": 1, "quirks": 1}})
+    assert made_from(plain) == "Grade 1, 1 quirk, everything is known" and made_from(record()) == ""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
+from remac_bench.recording import Recorder
 
 import remac_env
-from remac_env.errors import OptionError
+from remac_env.errors import OptionError, RenderingError
 from remac_env.generator import make, templates
 from remac_env.generator.making import candidates
 from remac_env.kitchen import layout as layouts
@@ -61,3 +65,23 @@ def test_a_plan_that_is_known_to_work_works_in_physics(robots: int) -> None:
     for joint in task.plan.rounds:
         env.step({name: env.vocabulary.encode(subtask.text) for name, subtask in joint.items()})
     assert env.goal.holds(env.start.scene, env.world)
+
+
+@pytest.mark.parametrize("options", [{"obs": "state+images"}, {"render_mode": "rgb_array"}])
+def test_a_kitchen_with_annexes_says_that_it_cannot_be_drawn(options: dict[str, Any]) -> None:
+    spec = remac_env.generate(1, 0, template="fruit into the pantry")
+    env = remac_env.parallel_env(spec, robots=1, backend="symbolic", **options)
+    with pytest.raises(RenderingError, match=r"pantry, trolley: annexes have no shape.*template='physics'"):
+        env.reset(seed=0)
+        env.render()
+
+
+def test_a_video_of_annexes_is_refused_and_the_episode_goes_on(tmp_path: Path) -> None:
+    spec = remac_env.generate(1, 0, template="fruit into the pantry")
+    env = remac_env.parallel_env(spec, robots=1, backend="symbolic")
+    recorder = Recorder(env, tmp_path, "annexes", "all", last=True)
+    recorder.start()
+    env.reset(seed=0)
+    video = recorder.finish(success=True)
+    assert video is not None and video.path is None and "pantry, trolley" in str(video.error)
+    assert env._repr_png_() is None

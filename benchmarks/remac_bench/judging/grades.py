@@ -37,6 +37,22 @@ def grade_of(record: Record) -> str:
     return str(record.options.get("kitchen", {}).get("grade") or 1) if record.task == SPEC.name else ""
 
 
+def made_from(record: Record) -> str:
+    """What a generated task was made from, in words; "" of any other."""
+    grade, kitchen = grade_of(record), record.options.get("kitchen", {})
+    if not grade:
+        return ""
+    quirks = int(kitchen.get("quirks", 0))
+    parts = [
+        f"Grade {grade}",
+        f"template “{record.template}”" if record.template else "",
+        f"{quirks or 'no'} quirk{'s' * (quirks != 1)}",
+        "what is behind doors has to be found" if kitchen.get("knowledge") == "seen" else "everything is known",
+        f"a plan of {record.known_rounds} rounds is known" if record.known_rounds else "",
+    ]
+    return ", ".join(part for part in parts if part)
+
+
 def chosen(records: Iterable[Record], *, grades: Sequence[str] = (), templates: Sequence[str] = ()) -> list[Record]:
     """The records of these grades, and of templates whose names hold one of these words; all where none is given."""
     words = [text.strip().lower() for text in templates]

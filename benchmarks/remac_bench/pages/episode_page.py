@@ -10,6 +10,7 @@ from pathlib import Path
 from remac_bench.asked import Asked
 from remac_bench.blame.labels import Blame
 from remac_bench.judging.endings import ending
+from remac_bench.judging.grades import made_from
 from remac_bench.pages.gantt import Gantt, draw
 from remac_bench.pages.gantt_events import draw_events
 from remac_bench.pages.rendering import TEXT_MAX, render
@@ -72,6 +73,11 @@ class EpisodePage:
     def result(self) -> str:
         """How it ended, in words."""
         return ending(self.record)
+
+    @property
+    def made_from(self) -> str:
+        """What a generated task was made from; "" of any other."""
+        return made_from(self.record)
 
     @property
     def checker(self) -> str:

@@ -60,7 +60,8 @@ class Oddities:
     @property
     def pending(self) -> bool:
         """Whether one of them waits to act, so that the kitchen is not at rest yet."""
-        return any(isinstance(mechanism, doors.Falls) and mechanism.pending for mechanism in self._all)
+        waiting = (each for each in self._all if isinstance(each, doors.Falls | switches.Attended))
+        return any(each.pending for each in waiting)
 
     def began(self, subtasks: Collection[Subtask]) -> None:
         """Note that subtasks begin."""

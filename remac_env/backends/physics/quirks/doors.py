@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from remac_env.backends.physics.quirks.mechanisms import LET_GO, JointDrive, Surroundings
+from remac_env.backends.physics.quirks.mechanisms import LET_GO, TURN, JointDrive, Surroundings
 from remac_env.backends.physics.truth import Truth
 from remac_env.rules.facts import Quirk
 
@@ -12,7 +12,6 @@ AJAR = 0.28
 _STRAINED = 0.25  # rad at which a catch has been pulled at: it gives by a little, and a hand may stop before it does
 _SWUNG = 0.25  # rad at which a door that comes open is left to itself
 _SWING = 0.8  # rad/s with which doors fall shut and come open
-_HELD = 400  # control periods (20 s) for which a closer holds a door that was left: as long as taking turns takes
 
 
 class _OfDoor:
@@ -44,12 +43,12 @@ class Falls(_OfDoor):
     @property
     def pending(self) -> bool:
         """Whether it will fall unless somebody comes."""
-        return 0 < self._alone <= _HELD
+        return 0 < self._alone <= TURN
 
     def watch(self) -> None:
         left = not self.around.shut(self.fixture) and not self.around.attended(self.fixture)
         self._alone = self._alone + 1 if left else 0
-        falls = self._alone > _HELD
+        falls = self._alone > TURN
         if self.at_work and not falls:
             self.rest()
         self.at_work = falls

@@ -23,6 +23,10 @@ nearer to the next one then, 0.84 m away."""
 LET_GO = 10
 """Control periods without a hand after which a catch or glue gives way."""
 
+TURN = 400
+"""Control periods (20 s) for which what somebody has to stand at stays as it is once it was left: as long as robots
+need to take turns within a round, in which what holds when it begins holds to its end."""
+
 _OPEN = 30  # control periods for which a hand stays open that was made to open
 _SHARE = 0.3  # of the change of speed still wanted that a drive brings about in one step
 _STRENGTH = 4.0  # dry frictions of its joint that a drive gives at most: a hand is stronger

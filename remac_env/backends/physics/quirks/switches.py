@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from remac_env.backends.physics.quirks.mechanisms import Surroundings, Switch
+from remac_env.backends.physics.quirks.mechanisms import TURN, Surroundings, Switch
 from remac_env.backends.physics.truth import Truth
 from remac_env.kitchen.fixtures.base import Fixture
 from remac_env.rules.facts import Quirk
@@ -66,10 +66,23 @@ class Guarded(Refuses):
 
 
 class Attended(Refuses):
-    """Comes on only while somebody stands at another station."""
+    """Comes on only while somebody stands at another station, or has not left it for long."""
+
+    def __init__(self, around: Surroundings, quirk: Quirk, truth: Truth) -> None:
+        super().__init__(around, quirk, truth)
+        self._left = TURN
+
+    def watch(self) -> None:
+        self._left = 0 if self.around.attended(self.quirk.other) else self._left + 1
+        super().watch()
+
+    @property
+    def pending(self) -> bool:
+        """Whether it may still come on though nobody stands there any more."""
+        return 0 < self._left < TURN
 
     def allowed(self) -> bool:
-        return self.around.attended(self.quirk.other)
+        return self._left < TURN
 
 
 class Fuse(_OfSwitches):
