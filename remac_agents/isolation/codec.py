@@ -30,6 +30,9 @@ MOST_PARTS = 2_000
 DEEPEST = 40
 """Levels of an answer."""
 
+WIDEST = 4096
+"""Pixels of a side of a picture."""
+
 _MODULES = (
     *(f"remac_agents.{name}" for name in ("plan", "roles")),
     *(f"remac_env.rules.{name}" for name in ("conditions", "facts", "outcomes", "scene", "subtasks")),
@@ -163,6 +166,12 @@ def _caller(name: str, call: Call | None) -> Callable[..., Any]:
 def _picture(data: bytes) -> NDArray[np.uint8]:
     """A picture that `png` wrote: one block of rows, none of them filtered."""
     width, height = int.from_bytes(data[16:20]), int.from_bytes(data[20:24])
+    if width > WIDEST or height > WIDEST:
+        raise ValueError(f"a picture of {width} x {height}")
     size = int.from_bytes(data[33:37])
-    rows = np.frombuffer(zlib.decompress(data[41 : 41 + size]), np.uint8).reshape(height, 1 + 3 * width)
+    try:  # no more than it says of itself: a few bytes may stand for many gigabytes
+        told = zlib.decompressobj().decompress(data[41 : 41 + size], height * (1 + 3 * width))
+    except zlib.error as error:
+        raise ValueError("a picture that is none") from error
+    rows = np.frombuffer(told, np.uint8).reshape(height, 1 + 3 * width)
     return np.ascontiguousarray(rows[:, 1:]).reshape(height, width, 3)

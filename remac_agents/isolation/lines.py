@@ -9,16 +9,19 @@ from collections.abc import Callable
 LONGEST = 64_000_000
 """Bytes of a line: a request with pictures has a few million."""
 
+LONGEST_ANSWER = 4_000_000
+"""The same of an answer, which holds none."""
+
 
 class Ended(Exception):
     """The other side is gone, or sends what is not a line."""
 
 
 class Lines:
-    """One end of a socket."""
+    """One end of a socket; `longest`: bytes of a line that comes in."""
 
-    def __init__(self, end: socket.socket) -> None:
-        self.socket, self._rest = end, bytearray()
+    def __init__(self, end: socket.socket, longest: int = LONGEST) -> None:
+        self.socket, self._rest, self._longest = end, bytearray(), longest
 
     def send(self, line: bytes) -> None:
         """Send a line; Ended where nobody listens."""
@@ -42,7 +45,7 @@ class Lines:
             if end:
                 self._rest = rest
                 return bytes(line)
-            if len(self._rest) > LONGEST:
+            if len(self._rest) > self._longest:
                 raise Ended
             seconds = left()
             if seconds is not None and not select.select([self.socket], [], [], max(0.0, seconds))[0]:

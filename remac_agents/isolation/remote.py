@@ -15,7 +15,7 @@ from typing import Any
 
 from remac_agents.isolation.codec import dumps, loads
 from remac_agents.isolation.host import OPTIONAL
-from remac_agents.isolation.lines import Ended, Lines
+from remac_agents.isolation.lines import LONGEST_ANSWER, Ended, Lines
 from remac_agents.roles import StopEpisode
 from remac_agents.wiring.catalogue import VERBS
 from remac_env import errors
@@ -69,7 +69,7 @@ class ForkServer:
         with self._lock, theirs:
             try:
                 socket.send_fds(self._control.socket, [b"fork"], [theirs.fileno()])
-                return int(self._control.receive()), Lines(ours)
+                return int(self._control.receive()), Lines(ours, LONGEST_ANSWER)
             except (OSError, Ended) as error:
                 raise RoleDiedError("the process that imported the roles has ended") from error
 
@@ -130,9 +130,13 @@ class Host:
         if self._lines is not None:
             self._lines.socket.close()
             self._lines = None
-            with suppress(ProcessLookupError):
-                os.kill(self._number, signal.SIGKILL)
+            self._kill()
             self._server.status(self._number)
+
+    def _kill(self) -> None:
+        """End the process with what it started: none of it is there in the next job."""
+        with suppress(ProcessLookupError, PermissionError):  # macOS says the latter where none is left
+            os.killpg(self._number, signal.SIGKILL)
 
     def _exchange(self, line: bytes | None, callbacks: Mapping[str, Callable[..., Any]]) -> dict[str, Any]:
         """Send a line, and answer questions until the answer comes."""
@@ -150,8 +154,7 @@ class Host:
         except Ended:
             self._lines = None
             lines.socket.close()
-            with suppress(ProcessLookupError):
-                os.kill(self._number, signal.SIGKILL)  # it may be there still, and send what is not a line
+            self._kill()  # it may be there still, and send what is not a line
             status = self._server.status(self._number)
             raise RoleDiedError(f"the process of the roles ended with status {status}") from None
         except TimeoutError:

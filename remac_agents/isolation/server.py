@@ -58,7 +58,10 @@ def _fork(control: socket.socket, roles: dict[str, Any]) -> None:
         child = os.fork()
         if child == 0:
             control.close()
+            os.setpgid(0, 0)  # here and below: whoever comes first
             _play(socket.socket(fileno=descriptors[0]), roles)
+        with suppress(OSError):  # it may have ended
+            os.setpgid(child, child)
         os.close(descriptors[0])
         control.sendall(f"{child}\n".encode())
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import subprocess
 import sys
 import time
 from typing import Any
@@ -97,6 +98,18 @@ class Misbehaves(LiteralPlanner):
             return super().plan(request)
         self.done = True
         return DEEDS[self.deed]()
+
+
+class LeavesBehind(LiteralPlanner):
+    """Starts something that goes on when its job is over."""
+
+    def __init__(self) -> None:
+        """Nothing of its own."""
+
+    def plan(self, request: Any) -> Any:
+        """A literal plan."""
+        subprocess.Popen(["sleep", "1000"])
+        return super().plan(request)
 
 
 class Reviews:

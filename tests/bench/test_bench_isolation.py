@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import re
 import signal
+import struct
+import tracemalloc
+import zlib
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from bench_helpers import jobs, odd_scene, read, start, timeless, wait_for
 from remac_bench.errors import UsageError
 from remac_bench.report import read_rows
 from remac_bench.runner import RunSummary, Settings, run_jobs
+
+from remac_agents.isolation.codec import loads
+from remac_agents.roles.request_json import png
 
 HERE = Settings(workers=0)
 
@@ -122,6 +131,25 @@ def test_a_role_that_died_lives_again_in_the_next_iteration(folder: Path) -> Non
     planner = "odd_planners:Misbehaves,deed=leaves"
     run_jobs(jobs("RE", seeds=range(1, 2), planner=planner, isolated=True), folder, HERE)
     assert [entry.error.type for entry in read(folder) if entry.error] == ["RoleDiedError"] * 3
+
+
+def test_what_a_role_started_ends_with_its_job(folder: Path) -> None:
+    """Else it could tell the next job what happened in this one."""
+    run_jobs(jobs(seeds=range(1), planner="odd_planners:LeavesBehind", isolated=True), folder / "out", HERE)
+    wait_for(lambda: not processes_of(folder))
+
+
+@pytest.mark.parametrize("size", [(4, 4), (60_000, 60_000)])
+def test_a_picture_is_no_larger_than_it_says(size: tuple[int, int]) -> None:
+    """An answer that bursts the worker's memory would count as nobody's fault."""
+    honest = png(np.zeros((4, 4, 3), np.uint8))
+    bomb = zlib.compress(bytes(50_000_000))
+    data = honest[:16] + struct.pack(">II", *size) + honest[24:33] + struct.pack(">I", len(bomb)) + b"IDAT" + bomb
+    tracemalloc.start()
+    with suppress(ValueError):
+        loads(json.dumps({"$": "png", "data": base64.b64encode(data).decode()}).encode())
+    assert tracemalloc.get_traced_memory()[1] < 5_000_000
+    tracemalloc.stop()
 
 
 @pytest.mark.long
