@@ -8,8 +8,9 @@ from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from remac_env.actions import check_token
-from remac_env.errors import ActionError, LifecycleError, RemacError
+from remac_env.errors import ActionError, LifecycleError, RemacError, check_choice
 from remac_env.parallel import KitchenParallelEnv
+from remac_env.quoting import quoted
 from remac_env.vocabulary import Vocabulary
 
 
@@ -37,6 +38,11 @@ class KitchenAECEnv(OrderEnforcingWrapper[str, Any, Any]):
             raise LifecycleError("last() needs an episode under way: call reset() first")
         return super().last(observe)
 
+    def observe(self, agent: str) -> Any:
+        """What a robot saw last; UnknownNameError for no robot."""
+        check_choice("robot", agent, self.possible_agents)
+        return super().observe(agent)
+
     def step(self, action: Any) -> None:
         """Give the token of the robot whose turn it is (None for one whose episode has ended).
 
@@ -48,7 +54,8 @@ class KitchenAECEnv(OrderEnforcingWrapper[str, Any, Any]):
             raise LifecycleError("step() needs an episode under way: call reset() first")
         over = bool(self.agents) and (self.terminations[self.agent_selection] or self.truncations[self.agent_selection])
         if over and action is not None:
-            raise ActionError(f"action of {self.agent_selection} is {action!r}; valid: None, as its episode has ended")
+            given = f"action of {self.agent_selection} is {quoted(action)}"
+            raise ActionError(f"{given}; valid: None, as its episode has ended")
         if self.agents and not over:
             action = check_token(action, self.agent_selection)
         super().step(action)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from remac_env.quoting import quoted
 from remac_env.values import python_value
 
 
@@ -68,7 +69,7 @@ def check_choice(kind: str, given: object, valid: Iterable[object]) -> None:
     given, choices = python_value(given), list(valid)
     if not any(type(given) is type(choice) and given == choice for choice in choices):
         listed = ", ".join(str(choice) for choice in choices)
-        raise UnknownNameError(f"unknown {kind} {given!r}; valid: {listed}")
+        raise UnknownNameError(f"unknown {kind} {quoted(given)}; valid: {listed}")
 
 
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
@@ -80,7 +81,7 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
     number = python_value(value)
     whole = isinstance(number, int) and not isinstance(number, bool)
     if not whole or number < least or (most is not None and number > most):
-        raise OptionError(f"{name} {number!r} is not valid; valid: {_span(least, most)}")
+        raise OptionError(f"{name} {quoted(number)} is not valid; valid: {_span(least, most)}")
     return number
 
 
@@ -94,7 +95,7 @@ def real_number(name: str, value: Any, least: float, most: float = math.inf) -> 
     numeric = isinstance(number, int | float) and not isinstance(number, bool)
     if not numeric or not least <= number <= most or not math.isfinite(number):
         span = f"a number from {least:g} to {most:g}" if most < math.inf else f"a number, {least:g} or more"
-        raise OptionError(f"{name} {number!r} is not valid; valid: {span}")
+        raise OptionError(f"{name} {quoted(number)} is not valid; valid: {span}")
     return float(number) if isinstance(number, float) else number
 
 

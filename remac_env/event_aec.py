@@ -10,8 +10,9 @@ from pettingzoo import AECEnv
 from pettingzoo.utils.agent_selector import AgentSelector
 
 from remac_env.actions import check_token
-from remac_env.errors import ActionError, LifecycleError, UnknownNameError
+from remac_env.errors import ActionError, LifecycleError, UnknownNameError, check_choice
 from remac_env.event_parallel import STOP, KitchenEventEnv
+from remac_env.quoting import quoted
 from remac_env.thinking import Thought
 from remac_env.vocabulary import Vocabulary
 
@@ -61,6 +62,7 @@ class KitchenEventAEC(AECEnv[str, Any, Any]):
         """What a robot saw at the last decision point."""
         if not self._begun:
             raise LifecycleError("observe() needs an episode under way: call reset() first")
+        check_choice("robot", agent, self.possible_agents)
         return self._seen[agent]
 
     def last(self, observe: bool = True) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -81,7 +83,7 @@ class KitchenEventAEC(AECEnv[str, Any, Any]):
         robot = self.agent_selection
         if self.terminations[robot] or self.truncations[robot]:
             if action is not None:
-                raise ActionError(f"action of {robot} is {action!r}; valid: None, as its episode has ended")
+                raise ActionError(f"action of {robot} is {quoted(action)}; valid: None, as its episode has ended")
             self._was_dead_step(action)
             return
         self._tokens[robot] = check_token(action, robot)
@@ -103,7 +105,7 @@ class KitchenEventAEC(AECEnv[str, Any, Any]):
             raise LifecycleError("stop() needs an episode under way with interrupts=True")
         busy = [name for name in self.kitchen.agents if not self.infos[name]["ready"]]
         if robot not in busy:
-            raise UnknownNameError(f"{robot!r} is not busy; valid: {', '.join(busy) or 'none'}")
+            raise UnknownNameError(f"{quoted(robot)} is not busy; valid: {', '.join(busy) or 'none'}")
         self._tokens[robot] = self.vocabulary.encode(STOP)
 
     def note_thought(self, robot: str, thought: Thought) -> None:

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from remac_env.actions import check_actions, decode
 from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms, max_seconds
-from remac_env.errors import LifecycleError, UnknownNameError
+from remac_env.errors import LifecycleError, OptionError, UnknownNameError, check_choice
 from remac_env.event_episode import EventEpisode
 from remac_env.events.clock import EventClock, Order, Span
 from remac_env.events.observation import TimeFacts
 from remac_env.parallel import KitchenParallelEnv, Seen, Told
 from remac_env.pictures import Moment
+from remac_env.quoting import quoted
 from remac_env.rules.knowledge import held_back
 from remac_env.rules.subtasks import Subtask
 from remac_env.thinking import NO_THOUGHT, Thought, thinking_seconds
@@ -95,12 +96,15 @@ class KitchenEventEnv(KitchenParallelEnv):
         """
         self._playing()
         ready = self._timed().clock.ready
-        if robot not in ready:
-            raise UnknownNameError(f"{robot!r} is not asked now; valid: {', '.join(ready) or 'none'}")
+        if not isinstance(robot, str) or robot not in ready:
+            raise UnknownNameError(f"{quoted(robot)} is not asked now; valid: {', '.join(ready) or 'none'}")
+        if not isinstance(thought, Thought):
+            raise OptionError(f"thought {quoted(thought)} is not valid; valid: a remac_env.thinking.Thought")
         self._thoughts[robot] = thought
 
     def action_mask(self, agent: str) -> NDArray[np.int8]:
         """The tokens that this robot may choose now; 1 or 0, shape (N,). Never without a 1."""
+        check_choice("robot", agent, self.possible_agents)
         if self._timed().clock.doing(agent) is None:
             return super().action_mask(agent)
         return self._busy.copy()

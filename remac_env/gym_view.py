@@ -16,7 +16,9 @@ from remac_env.errors import ActionError
 from remac_env.making import make_kitchen
 from remac_env.options import Options
 from remac_env.parallel import KitchenParallelEnv
+from remac_env.quoting import quoted
 from remac_env.tasks import get as get_task
+from remac_env.values import python_value
 
 
 class KitchenEnv(gymnasium.Env[Any, Any]):
@@ -54,7 +56,7 @@ class KitchenEnv(gymnasium.Env[Any, Any]):
     ) -> tuple[dict[str, Any], dict[str, Any]]:
         """Begin the episode of this seed; see KitchenParallelEnv.reset."""
         observations, infos = self.parallel.reset(seed=seed, options=options)
-        super().reset(seed=None if seed is None else int(seed))  # second: the kitchen's own error for a bad seed
+        super().reset(seed=python_value(seed))  # second: the kitchen's own error for a bad seed
         self._begun = self._running = True
         return self._flat(observations), self._info(infos)
 
@@ -97,7 +99,7 @@ class KitchenEnv(gymnasium.Env[Any, Any]):
         if not several:
             check_token(action, " and ".join(names))
         if len(values) != len(names):
-            raise ActionError(f"action {action!r} has {len(values)} tokens for the robots {names}")
+            raise ActionError(f"action {quoted(action)} has {len(values)} tokens; valid: {len(names)}, of {names}")
         return {name: check_token(value, name) for name, value in zip(names, values, strict=True)}
 
     def _joint_space(self) -> spaces.Space[Any]:

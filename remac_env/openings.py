@@ -10,6 +10,7 @@ from gymnasium import spaces
 
 from remac_env.errors import OptionError
 from remac_env.options import Options
+from remac_env.quoting import quoted
 from remac_env.values import python_values
 
 
@@ -37,5 +38,5 @@ def reset_options(options: Mapping[str, Any] | None) -> dict[str, Any]:
         OptionError: unless it is a mapping or None.
     """
     if options is not None and not isinstance(options, Mapping):
-        raise OptionError(f"options {options!r} is not valid; valid: a mapping, such as {{'style': 'modern_1'}}")
+        raise OptionError(f"options {quoted(options)} is not valid; valid: a mapping, such as {{'style': 'modern_1'}}")
     return python_values(dict(options or {}))

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from remac_env.errors import OptionError, UnknownKeywordError, check_choice, real_number, whole_number
+from remac_env.quoting import quoted
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -77,7 +78,7 @@ class Switch(Values):
     def check(self, name: str, value: Any) -> Any:
         """True or False as such: 1 is a number, and "no" would be taken for yes."""
         if not isinstance(value, bool):
-            raise OptionError(f"{name} {str(value)[:LONGEST]!r} is not valid; valid: True or False")
+            raise OptionError(f"{name} {quoted(value)} is not valid; valid: True or False")
         return value
 
 
@@ -243,7 +244,7 @@ def takes_options(
             for name in given:
                 if name not in signature.parameters:
                     valid = ", ".join(signature.parameters)
-                    raise UnknownKeywordError(f"unknown keyword of {told} {name!r}; valid: {valid}")
+                    raise UnknownKeywordError(f"unknown keyword of {told} {quoted(name)}; valid: {valid}")
             return function(**signature.bind(*args, **given).arguments)  # type: ignore[call-arg]
 
         called.__signature__ = signature  # type: ignore[attr-defined]

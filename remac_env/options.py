@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 
 from remac_env.errors import OptionError
 from remac_env.option_rows import Choice, Names, Real, Switch, Whole, check_rows, option
+from remac_env.quoting import quoted
 from remac_env.skill_sources import SCRIPTED, SkillValues
 from remac_env.thinking import ThinkValues
 from remac_env.values import python_fields
@@ -138,11 +139,13 @@ class Options:
         if self.failure_rate and self.backend != "symbolic":
             raise OptionError("failure_rate is for backend='symbolic'; in physics use perception_noise")
         if self.skills != SCRIPTED and self.backend != "physics":
-            raise OptionError(f"skills={self.skills!r} is for backend='physics'; the skill table moves nothing")
+            given = f"skills={quoted(self.skills)} is for backend='physics'"
+            raise OptionError(f"{given}; valid: {SCRIPTED!r}, as the skill table moves nothing")
         if self.think != "off" and self.clock != "events":
-            raise OptionError(f"think={self.think!r} is for clock='events'; with clock='rounds' thinking costs nothing")
+            given = f"think={self.think!r} is for clock='events'"
+            raise OptionError(f"{given}; valid: 'off', as with clock='rounds' thinking costs nothing")
         if self.interrupts and self.clock != "events":
-            raise OptionError("interrupts=True is for clock='events'; in a round nobody is told anything")
+            raise OptionError("interrupts=True is for clock='events'; valid: False; in a round nobody is told anything")
         if self.obs_format == "flat" and self.obs != "state":
             raise OptionError(f"obs_format='flat' has no room for the pictures of obs={self.obs!r}; valid: obs='state'")
 

@@ -10,7 +10,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from remac_env.actions import check_actions, decode
+from remac_env.actions import check_actions, check_robot, decode
 from remac_env.backends import make_backend, told_cases, told_skills
 from remac_env.backends.base import Backend
 from remac_env.episode import Episode, Terms
@@ -165,11 +165,11 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
         """The space of this robot's observations; always the same object."""
-        return self.observation_spaces[agent]
+        return self.observation_spaces[check_robot(agent, self.possible_agents)]
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
         """The space of this robot's tokens; always the same object."""
-        return self.action_spaces[agent]
+        return self.action_spaces[check_robot(agent, self.possible_agents)]
 
     def render(self) -> NDArray[np.uint8] | None:
         """The kitchen now, uint8 (432, 768, 3), or as `render_work` with render_mode="work"; None without a mode.
@@ -204,6 +204,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             LifecycleError: before reset or after close.
         """
         episode = self._running()
+        check_robot(agent, self.possible_agents)
         mask = self._mask.copy()
         if self.options.masks == "feasible":
             for token, subtask in self._legal.items():

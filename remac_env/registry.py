@@ -97,8 +97,12 @@ def parallel_env(task: str | TaskSpec, **options: Any) -> KitchenParallelEnv:
         OptionError: for a number outside its range.
     """
     from remac_env.making import make_kitchen
+    from remac_env.validate import check_playable
 
-    return make_kitchen(task if isinstance(task, TaskSpec) else get(task), Options(**options))
+    chosen = Options(**options)
+    if isinstance(task, TaskSpec):
+        check_playable(task)
+    return make_kitchen(task if isinstance(task, TaskSpec) else get(task), chosen)
 
 
 def env(task: str | TaskSpec, robots: int = 2, **options: Any) -> KitchenAECEnv | KitchenEventAEC:

@@ -8,6 +8,7 @@ import json
 import numpy as np
 
 from remac_env.errors import OptionError
+from remac_env.quoting import quoted
 from remac_env.values import python_value
 
 SEED_MAX = 2**63 - 1
@@ -25,7 +26,7 @@ def generator(seed: int, *names: object) -> np.random.Generator:
     """
     seed = python_value(seed)
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= SEED_MAX:
-        raise OptionError(f"seed {seed!r} is not valid; valid: a whole number in 0..2**63-1")
+        raise OptionError(f"seed {quoted(seed)} is not valid; valid: a whole number in 0..2**63-1")
     label = json.dumps([str(name) for name in names]).encode()
     words = np.frombuffer(hashlib.sha256(label).digest(), dtype=np.uint32)
     return np.random.default_rng(np.random.SeedSequence([seed, *words.tolist()]))

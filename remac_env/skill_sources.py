@@ -8,7 +8,8 @@ from pathlib import PurePath
 from typing import Any
 
 from remac_env.errors import OptionError, check_choice
-from remac_env.option_rows import LONGEST, Values
+from remac_env.option_rows import Values
+from remac_env.quoting import quoted
 from remac_env.rules.skills import SKILLS
 
 SCRIPTED, LEARNED = "scripted", "learned"
@@ -53,7 +54,7 @@ class SkillValues(Values):
             check_choice(f"skill of {name}", skill, [row.name for row in SKILLS.values() if not row.still])
         sources = [part.rpartition("=")[2].strip() for part in parts]
         if not all(sources) or len(parts) - len(skills) > 1 or len(set(skills)) < len(skills):
-            raise OptionError(f"{name} {str(value)[:LONGEST]!r} is not valid; valid: {VALID}")
+            raise OptionError(f"{name} {quoted(value)} is not valid; valid: {VALID}")
         return ",".join("=".join(end.strip() for end in part.split("=", 1)) for part in parts)
 
     def read(self, text: Any) -> str:
@@ -63,5 +64,5 @@ class SkillValues(Values):
 
 def _text(name: str, value: Any) -> str:
     if not isinstance(value, str | PurePath):
-        raise OptionError(f"{name} {str(value)[:LONGEST]!r} is not valid; valid: {VALID}")
+        raise OptionError(f"{name} {quoted(value)} is not valid; valid: {VALID}")
     return str(value)

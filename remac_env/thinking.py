@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from remac_env.errors import OptionError
-from remac_env.option_rows import LONGEST, Values
+from remac_env.option_rows import Values
+from remac_env.quoting import quoted
 
 LONGEST_THOUGHT = 86_400.0
 """s that one command may cost at most: a day."""
@@ -33,11 +34,11 @@ class Thought:
         """Refuse what no thought can have cost."""
         whole = isinstance(self.tokens, int) and not isinstance(self.tokens, bool)
         if not whole or self.tokens < 0:
-            raise OptionError(f"tokens {self.tokens!r} is not valid; valid: a whole number from 0")
+            raise OptionError(f"tokens {quoted(self.tokens)} is not valid; valid: a whole number from 0")
         for name in ("seconds", "declared"):
             value = getattr(self, name)
             if not isinstance(value, int | float) or not 0.0 <= value <= LONGEST_THOUGHT:
-                raise OptionError(f"{name} {value!r} is not valid; valid: 0..{LONGEST_THOUGHT:.0f}")
+                raise OptionError(f"{name} {quoted(value)} is not valid; valid: 0..{LONGEST_THOUGHT:.0f}")
 
 
 NO_THOUGHT = Thought()
@@ -55,7 +56,7 @@ class ThinkValues(Values):
                 return value
             if kind in ("fixed", "tokens") and 0.0 <= _number(figure) <= LONGEST_THOUGHT:
                 return value
-        raise OptionError(f"{name} {str(value)[:LONGEST]!r} is not valid; valid: {_VALID}")
+        raise OptionError(f"{name} {quoted(value)} is not valid; valid: {_VALID}")
 
     def read(self, text: Any) -> str:
         """See Values."""

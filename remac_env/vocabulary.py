@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.errors import KitchenFileError, OptionError, UnknownNameError
+from remac_env.quoting import quoted
 from remac_env.rules.facts import Rules
 from remac_env.rules.scene import PublicScene, public_scene
 from remac_env.rules.skill_row import TargetKind
@@ -114,7 +115,7 @@ class Vocabulary:
         known = isinstance(text, str)
         token = self._tokens.get(normalise(text), self._word_tokens.get(text)) if known else None
         if token is None:
-            raise UnknownNameError(f"unknown subtask {text!r}; {self._nearest(text)}")
+            raise UnknownNameError(f"unknown subtask {quoted(text)}; {self._nearest(text)}")
         return token
 
     def decode(self, token: int) -> str:
@@ -136,7 +137,7 @@ class Vocabulary:
         token = python_value(token)
         whole = isinstance(token, int) and not isinstance(token, bool)
         if not whole or not 0 <= token < len(self._subtasks):
-            raise UnknownNameError(f"unknown token {token!r}; valid: 0..{len(self._subtasks) - 1}")
+            raise UnknownNameError(f"unknown token {quoted(token)}; valid: 0..{len(self._subtasks) - 1}")
         return self._subtasks[token]
 
     def parse(self, text: str) -> Subtask | None:

@@ -17,7 +17,7 @@ from remac_env.generator.quirking import with_quirks
 from remac_env.generator.templates import Template
 from remac_env.options import KNOWLEDGE, MAX_ROBOTS, MOST_QUIRKS
 from remac_env.oracle.witness import witness
-from remac_env.seeding import generator
+from remac_env.seeding import SEED_MAX, generator
 from remac_env.values import python_values
 
 GRADES = {1: 6, 2: 12, 3: 20, 4: 40, 5: 80}
@@ -63,6 +63,9 @@ def make(
     """
     grade, seed, template, quirks, robots = python_values([grade, seed, template, quirks, robots])
     _check(grade, quirks, knowledge, robots)
+    whole_number("seed", seed, 0, SEED_MAX)
+    if template is not None and not isinstance(template, str):
+        check_choice("template", template, templates.load())
     return _made(grade, seed, template, quirks, knowledge, robots)
 
 

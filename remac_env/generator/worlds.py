@@ -10,6 +10,8 @@ from remac_env.generator.making import candidates, make
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import Options
+from remac_env.quoting import quoted
+from remac_env.robots import bodies
 from remac_env.rules.marks import COOLED, DRIED, HEATED
 from remac_env.rules.quirks import QUIRKS
 from remac_env.tasks.generated import SPEC
@@ -71,13 +73,15 @@ def worlds_for(spec: TaskSpec, options: Options) -> TaskWorlds:
         return _checked(GeneratedWorlds(options), options)
     for name in ("grade", "template", "quirks"):
         if value := getattr(options, name):
-            raise OptionError(f"{name}={value!r} is for task {SPEC.name!r}; {spec.name} states its own (`TaskSpec`)")
+            given = f"{name}={quoted(value)} is for task {SPEC.name!r}"
+            raise OptionError(f"{given}; {spec.name} states its own (`TaskSpec`)")
     check_backend(spec, options)
     return _checked(TaskWorlds(spec, options.layout), options)
 
 
 def _checked(worlds: TaskWorlds, options: Options) -> TaskWorlds:
     worlds.check_cell(options.style, options.layout)
+    bodies.get(options.body)
     return worlds
 
 

@@ -22,6 +22,7 @@ from remac_env.errors import OptionError
 from remac_env.making import make_kitchen
 from remac_env.options import Options
 from remac_env.parallel import KitchenParallelEnv
+from remac_env.quoting import quoted
 from remac_env.tasks import get
 
 START = "start"
@@ -48,7 +49,7 @@ def vec_env(task: str, *, robots: int = 2, copies: int = 1, seed: int | None = N
         UnknownNameError, OptionError: as `parallel_env`; for `copies` below 1.
     """
     if isinstance(copies, bool) or not isinstance(copies, int) or copies < 1:
-        raise OptionError(f"copies {copies!r} is not valid; valid: a whole number from 1")
+        raise OptionError(f"copies {quoted(copies)} is not valid; valid: a whole number from 1")
     chosen = Options(robots=robots, **{"obs_format": "flat", **options})
     if chosen.clock != "rounds":
         raise OptionError(f"clock {chosen.clock!r} is not valid: all robots decide at once here; valid: 'rounds'")

@@ -69,8 +69,8 @@ def read(path: Path, models: Models = NO_MODELS) -> Layout:
     """Read a layout file from anywhere; the layout is named like the file. Raises KitchenFileError."""
     try:
         text = read_text(path)
-    except (OSError, UnicodeDecodeError) as error:
-        raise KitchenFileError(path.name, "file", f"cannot be read ({error})") from error
+    except (OSError, ValueError) as error:
+        raise KitchenFileError(path.name, "file", f"cannot be read ({error})", "a path of a layout file") from error
     return parse(text, name=path.stem, file=path.name, models=models)
 
 

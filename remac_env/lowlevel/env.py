@@ -18,6 +18,7 @@ from remac_env.lowlevel.drawing import CAMERAS, Drawing, moment
 from remac_env.lowlevel.names import skill_named
 from remac_env.lowlevel.options import SkillOptions, targets
 from remac_env.lowlevel.starts import ROBOT, Ready, get_ready
+from remac_env.quoting import quoted
 from remac_env.robots import bodies
 from remac_env.seeding import SEED_MAX
 
@@ -142,7 +143,8 @@ class SkillEnv(gymnasium.Env[Any, Any]):
         try:
             values = np.asarray(action, np.float32)
         except (TypeError, ValueError) as error:
-            raise ActionError(f"action {action!r} is not valid; valid: {len(self.action_names)} numbers") from error
+            valid = f"valid: {len(self.action_names)} numbers"
+            raise ActionError(f"action {quoted(action)} is not valid; {valid}") from error
         if values.shape != self.action_space.shape:
             raise ActionError(f"action of shape {values.shape} is not valid; valid: ({len(self.action_names)},)")
         if not np.isfinite(values).all():

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from remac_env.errors import OptionError, RenderingError, check_choice
 from remac_env.kitchen.canvas import COARSE_GROUP, DRAWN_GROUP, FINE_GROUP
+from remac_env.quoting import quoted
 from remac_env.rendering import contexts, gl
 from remac_env.rendering.rays import RayPainter
 from remac_env.rendering.sight import out_of_view
@@ -106,7 +107,7 @@ class Renderer:
         check_choice("rendering backend", backend, BACKENDS)
         for side, pixels in (("width", width), ("height", height)):
             if not 1 <= pixels <= _LARGEST:
-                raise OptionError(f"{side} {pixels!r} is not valid; valid: 1 to {_LARGEST} pixels")
+                raise OptionError(f"{side} {quoted(pixels)} is not valid; valid: 1 to {_LARGEST} pixels")
         self.model, self.width, self.height = model, width, height
         self._asked: tuple[Quality, Backend] = quality, backend
         self._painter: Painter | None = self._choose(quality, backend)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from remac_env.errors import OptionError, RenderingError
 from remac_env.files import prepare_file
+from remac_env.quoting import quoted
 from remac_env.simulator import load_opencv
 
 Picture = NDArray[np.uint8]
@@ -33,7 +34,7 @@ class Sampler(Generic[Moment]):
     def __init__(self, limit: int = MAX_FRAMES) -> None:
         """Raises OptionError unless limit is 2 or more."""
         if limit < 2:
-            raise OptionError(f"limit {limit!r} is not valid; valid: 2 or more")
+            raise OptionError(f"limit {quoted(limit)} is not valid; valid: 2 or more")
         self._limit, self._stride, self._seen = limit, 1, 0
         self._kept: list[Moment] = []
 

@@ -46,9 +46,9 @@ def get(name: str) -> TaskSpec:
         UnknownNameError: for another name; it lists the tasks, and the installed packages whose tasks cannot be had.
     """
     name = python_value(name)
-    if name == generated.SPEC.name:
+    if isinstance(name, str) and name == generated.SPEC.name:
         return generated.SPEC
-    missing = load_tasks() if name not in (*known(), *timed()) else ()
+    missing = load_tasks() if not isinstance(name, str) or name not in (*known(), *timed()) else ()
     every = _SPECS | _TIMED
     try:
         check_choice("task", name, every)

@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from remac_env.rules.facts import Rules
 from remac_env.rules.marks import too_early
 from remac_env.state import WorldState
-from remac_env.tasks.goals import VERBS, Goal
+from remac_env.tasks.goals import GOAL, VERBS, Goal
+from remac_env.tasks.shape import NAME, TEXT, WHOLE, check_fields, several
+from remac_env.values import python_value
 
 EACH = "each"
 """The field of a goal about a kind that stands for one object of it: `Inside("{each}", "cabinet")`."""
@@ -24,6 +26,7 @@ class AnyOf(Goal):
 
     def __init__(self, *goals: Goal) -> None:
         object.__setattr__(self, "goals", tuple(goals))
+        check_fields(self, {"goals": several(GOAL, least=1)}, "AnyOf")
 
     @property
     def text(self) -> str:
@@ -71,6 +74,10 @@ class Not(Goal):
 
     goal: Goal
 
+    def __post_init__(self) -> None:
+        """Refuse what is no goal: OptionError."""
+        check_fields(self, {"goal": GOAL}, "Not")
+
     @property
     def text(self) -> str:
         """The goal in plain English."""
@@ -108,6 +115,10 @@ class _OfKind(Goal):
     kind: str
     each: Goal
     among: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse what is no kind, goal or list of names: OptionError."""
+        check_fields(self, {"kind": NAME, "each": GOAL, "among": several(TEXT)}, type(self).__name__)
 
     @property
     def parts(self) -> tuple[Goal, ...]:
@@ -171,6 +182,12 @@ class Count(_OfKind):
 
     least: int = field(kw_only=True)
 
+    def __post_init__(self) -> None:
+        """Refuse what is no number, too: OptionError."""
+        super().__post_init__()
+        object.__setattr__(self, "least", python_value(self.least))
+        check_fields(self, {"least": WHOLE}, "Count")
+
     @property
     def text(self) -> str:
         """The goal in plain English."""
@@ -212,6 +229,10 @@ class Before(Goal):
     name: str
     first: str
     then: str
+
+    def __post_init__(self) -> None:
+        """Refuse what is no name or mark: OptionError."""
+        check_fields(self, dict.fromkeys(("name", "first", "then"), NAME), "Before")
 
     @property
     def text(self) -> str:

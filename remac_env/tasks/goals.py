@@ -6,11 +6,21 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import get_args
 
 from remac_env.rules.facts import Rules
 from remac_env.state import FLOOR, Door, WorldState, base_place, inside, supports
+from remac_env.tasks.shape import NAME, TEXT, Shape, check_fields, one_of, optional, several
 
 _NAME_FIELDS = ("name", "container", "fixture", "under")
+
+_DOORS: tuple[str, ...] = get_args(Door)
+_NAMES = {
+    "only_on": optional(several(TEXT)),
+    "under": optional(TEXT),
+    "door": Shape(", ".join(_DOORS), lambda value: isinstance(value, str) and value in _DOORS),
+}
+"""Fields that take something else than a name."""
 
 VERBS = {"washed": "wash", "seasoned": "season", "heated": "heat", "cooled": "cool", "dried": "dry", "filled": "fill"}
 """What is asked for where a mark is wanted."""
@@ -62,9 +72,17 @@ class Goal(ABC):
         return any(base_place(world, name).relation == FLOOR.relation for name in self.names() if name in objects)
 
 
+GOAL = one_of(Goal, "a value of remac_env.tasks.goals")
+"""What the fields of goals made of goals take."""
+
+
 @dataclass(frozen=True)
 class _Atom(Goal):
     """A goal with no parts; its fields are names."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is no name: OptionError."""
+        check_fields(self, {name: _NAMES.get(name, NAME) for name in self._fields()}, type(self).__name__)
 
     def _fields(self) -> dict[str, object]:
         return {field.name: getattr(self, field.name) for field in fields(self)}
@@ -215,6 +233,7 @@ class All(Goal):
 
     def __init__(self, *goals: Goal) -> None:
         object.__setattr__(self, "goals", tuple(goals))
+        check_fields(self, {"goals": several(GOAL)}, "All")
 
     def atoms(self) -> Iterator[Goal]:
         """The parts of all parts."""

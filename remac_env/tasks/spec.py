@@ -4,18 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from remac_env.errors import OptionError
 from remac_env.options import WORDINGS
+from remac_env.quoting import quoted
 from remac_env.rules.facts import Quirk
 from remac_env.rules.quirks import QUIRKS
-from remac_env.tasks.goals import Goal
+from remac_env.tasks.goals import GOAL, Goal
 from remac_env.tasks.setup import Setup
+from remac_env.tasks.shape import (
+    ANY,
+    NAME,
+    SECONDS,
+    SWITCH,
+    TEXT,
+    WHOLE,
+    Shape,
+    check_fields,
+    one_of,
+    optional,
+    pair,
+    several,
+    table,
+)
 from remac_env.values import python_fields
 
 if TYPE_CHECKING:
     from remac_env.vocabulary import Noun
+
+
+def _is_noun(value: object) -> bool:
+    from remac_env.vocabulary import Noun
+
+    return isinstance(value, Noun)
+
+
+_TEXTS = several(TEXT)
+_ROLE = {"name": NAME, "nouns": several(NAME, least=1), "at": NAME, "needs": _TEXTS}
+"""Field -> what it has to be."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +60,34 @@ class Role:
     needs: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Take values of NumPy as Python's."""
+        """Take values of NumPy as Python's, and refuse fields of another shape: OptionError."""
         python_fields(self)
+        check_fields(self, _ROLE, "role")
+
+
+_TASK = {
+    "name": TEXT,
+    "wordings": several(TEXT, least=3, most=3),
+    "goal": GOAL,
+    "roles": several(one_of(Role, "a Role")),
+    **dict.fromkeys(("fixtures", "styles", "layouts", "annexes", "gives"), _TEXTS),
+    "verbs": table(_TEXTS),
+    "in_table": SWITCH,
+    "phases": several(pair(TEXT, GOAL)),
+    "processes": several(pair(TEXT, _TEXTS)),
+    "deadline": optional(SECONDS),
+    "distractors": pair(WHOLE, WHOLE),
+    "nouns": several(Shape("a remac_env.vocabulary.Noun", _is_noun)),
+    "categories": table(one_of(Mapping, "tables")),
+    "layout_files": table(one_of((str, PurePath), "paths")),
+    "quirks": several(one_of(Quirk, "a remac_env.rules.quirks.Quirk")),
+    "orders": several(pair(TEXT, TEXT)),
+    "setup": optional(one_of(Setup, "a Setup")),
+    "rounds": optional(WHOLE),
+    "knowledge": optional(TEXT),
+    "generated": table(ANY),
+}
+"""Field -> what it has to be."""
 
 
 @dataclass(frozen=True)
@@ -102,8 +156,12 @@ class TaskSpec:
         return f"annexes ({', '.join(self.annexes)})" if self.annexes else ", ".join(plans)
 
     def __post_init__(self) -> None:
-        """Take values of NumPy as Python's."""
+        """Take values of NumPy as Python's, and refuse fields of another shape: OptionError."""
         python_fields(self)
+        check_fields(self, _TASK, f"task {quoted(self.name)}")
+        for name in _TASK:
+            if isinstance(value := getattr(self, name), list):
+                object.__setattr__(self, name, tuple(value))
 
     @property
     def timed(self) -> bool:

@@ -46,7 +46,7 @@ def check_task(
     Raises:
         ContractError: naming the check, the seed and the round at fault.
     """
-    spec = get(task) if isinstance(task, str) else task
+    spec = task if isinstance(task, TaskSpec) else get(task)
     for count in robots:
         for kind in starts:
             make = _maker(spec, robots=count, starts=kind)

@@ -63,6 +63,7 @@ RANKS = {
     "remac_env.skill_sources": 1,
     "remac_env.thinking": 0,
     "remac_env.values": 0,
+    "remac_env.quoting": 0,
     "remac_env.words": 0,
     "remac_env.array_files": 0,
     "remac_env.files": 0,
