@@ -11,6 +11,8 @@ from statistics import median
 from time import process_time
 from typing import Any
 
+from event_turns import Infos, turns
+
 import remac_env
 from remac_env.oracle import solve
 from remac_env.rules.subtasks import WAIT, Subtask
@@ -66,12 +68,15 @@ def _by_rounds(env: Any, infos: Any, joints: Rounds) -> Iterator[Any]:
 
 def _by_events(env: Any, infos: Any, joints: Rounds) -> Iterator[Any]:
     """A robot begins its command of a round once all commands of the rounds before have ended, waits left out."""
-    wait, goes_on = env.vocabulary.encode(WAIT.text), env.vocabulary.encode("continue")
-    for joint in joints:
-        left = {robot: env.vocabulary.encode(step.text) for robot, step in joint.items() if step != WAIT}
-        tokens = {robot: left.get(robot, wait) for robot in env.agents}
-        while env.agents and left:
-            infos = env.step(tokens)[4]
-            yield infos
-            left = {robot: token for robot, token in left.items() if not infos[robot]["ready"]}
-            tokens = {robot: wait if infos[robot]["ready"] else goes_on for robot in env.agents}
+    rounds = iter(joints)
+    at: set[str] = set()
+
+    def choose(ready: Sequence[str], infos: Infos) -> dict[str, int]:
+        at.difference_update(ready)
+        if at:
+            return {}
+        begun = {r: env.vocabulary.encode(step.text) for r, step in next(rounds, {}).items() if step != WAIT}
+        at.update(begun)
+        return begun
+
+    yield from turns(env, infos, choose)

@@ -13,13 +13,14 @@ from __future__ import annotations
 import shlex
 import tempfile
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import mean
 from typing import Any
 
 import typer
+from event_turns import Infos, turns
 from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.flags import takes
@@ -33,7 +34,6 @@ from remac_env.events.makespan import Makespan, makespan
 from remac_env.pddl import Played, Step, play_plan, printed_plan, read_plan, state_plan, write_domain, write_problem
 from remac_env.pddl.plans import NEAR
 from remac_env.rules.places import destination
-from remac_env.rules.subtasks import WAIT
 
 PATIENCE = 120.0
 """s for which a planner or a validator is waited for."""
@@ -124,16 +124,19 @@ def _compare(best: Makespan, played: Played | None) -> tuple[str, float | None]:
 def _played(env: Any, infos: Mapping[str, Any], best: Makespan) -> list[Step]:
     """Our plan as it goes in the kitchen: drives with the stations to which they lead."""
     left, steps, scene = list(best.plan), list[Step](), env.start.scene
-    while env.agents and left:
-        wait = env.vocabulary.encode(WAIT.text)
-        tokens = {robot: wait if info["ready"] else info["continue"] for robot, info in infos.items()}
-        now = next(iter(infos.values()))["seconds"]
+
+    def choose(ready: Sequence[str], infos: Infos) -> dict[str, int]:
+        now, begun = next(iter(infos.values()))["seconds"], dict[str, int]()
         for at, robot, subtask in [each for each in left if each[0] <= now + NEAR]:
             goal = destination(scene, env.world, robot, subtask.target) if subtask.moves and subtask.target else None
             steps.append(Step(at, robot, subtask.skill, goal or subtask.target, subtask.row.seconds))
-            tokens[robot] = env.vocabulary.encode(subtask.text)
+            begun[robot] = env.vocabulary.encode(subtask.text)
             left.remove((at, robot, subtask))
-        _, _, _, _, infos = env.step(tokens)
+        return begun
+
+    for _ in turns(env, infos, choose):
+        if not left:
+            break
     return steps
 
 

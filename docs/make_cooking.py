@@ -7,9 +7,11 @@ The task's plan of `benchmarks/timed_plans.toml` is played in physics, and drawn
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from event_turns import Infos, turns
 from make_animation import make
 from timed_physics import plan_of
 
@@ -31,15 +33,13 @@ def cooked(env: Any, task: str, seed: int) -> None:
     _, infos = env.reset(seed=seed)
     steps = plan_of(task, env.start, env.vocabulary)
     left = {robot: [step for step in steps if step.robot == robot] for robot in env.agents}
-    while env.agents:
+
+    def choose(ready: Sequence[str], infos: Infos) -> dict[str, int]:
         over = {s.what if s.kind == "subtask" else f"{s.what} {s.who}" for s in env.timeline if s.status == "success"}
-        tokens = {}
-        for robot, plan in left.items():
-            command = "wait" if infos[robot]["ready"] else "continue"
-            if command == "wait" and plan and plan[0].after <= over:
-                command = plan.pop(0).subtask.text
-            tokens[robot] = env.vocabulary.encode(command)
-        _, _, _, _, infos = env.step(tokens)
+        able = [robot for robot in ready if left[robot] and left[robot][0].after <= over]
+        return {robot: env.vocabulary.encode(left[robot].pop(0).subtask.text) for robot in able}
+
+    *_, infos = turns(env, infos, choose)
     if not all(info["success"] for info in infos.values()):
         raise SystemExit(f"{task} with seed {seed} was not done")
 
