@@ -28,14 +28,18 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # so do shells start what
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+gc.disable()  # while tests are collected: trees of their code are no garbage, and it would look at them again and again
+
+
 def pytest_collection_finish() -> None:
-    """From here on the garbage collector leaves out some thousand tests and all that they have imported.
+    """From here on the garbage collector works, and leaves out some thousand tests and all that they have imported.
 
     Searches and kitchens allocate much; otherwise each of its rounds would look at all of that again.
     """
     gc.collect()
     gc.freeze()
     gc.set_threshold(5000, 20, 10)
+    gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)
