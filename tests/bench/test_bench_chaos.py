@@ -144,7 +144,7 @@ def test_a_model_in_every_role_but_the_checker_is_an_entry_of_a_suite_and_is_rep
 
 def test_ctrl_c_does_not_wait_for_answers(tmp_path: Path) -> None:
     with ChaosServer([hangs(120)]) as server:
-        runner = start(*command(server, tmp_path, "0:8"))
+        runner = start(*command(server, tmp_path, "0:8"), "--no-preflight")  # which waits for its own answer
         wait_for(lambda: len(server.asked) >= 4 or runner.poll() is not None)
         runner.send_signal(signal.SIGINT)
         _, told = runner.communicate(timeout=60)

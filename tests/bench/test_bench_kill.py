@@ -31,7 +31,9 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of the same jobs run without being disturbed."""
     folder = tmp_path_factory.mktemp("whole")
     listed = jobs("CC,RE", tasks="HeatOnStove,OpenCabinetPnP", seeds=range(3), planner="bench_planners:Slow")
-    run_jobs(listed, folder, Settings(workers=0))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("time.sleep", lambda seconds: None)
+        run_jobs(listed, folder, Settings(workers=0))
     return folder
 
 
