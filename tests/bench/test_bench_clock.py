@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from socket import socket
+from time import sleep
 
 import numpy as np
 import pytest
-from chaos_server import ChaosServer, says
+from chaos_server import Act, Asked, ChaosServer, says
 from remac_bench.agents import Access
 from remac_bench.errors import UsageError
 from remac_bench.jobs import Job
@@ -176,6 +178,50 @@ def test_thinking_that_was_recorded_takes_as_long_again(tmp_path: Path, monkeypa
     assert list(check_job([record], cassette=cassette)) == []
     slower = record.model_copy(update={"sim_seconds": record.sim_seconds + 0.001})
     assert any("sim_seconds" in each for each in check_job([slower], cassette=cassette))
+
+
+REPLIES = ((412, 0.03), (1875, 0.08), (96, 0.0), (2604, 0.11))
+"""Tokens and seconds of answers: short, with reasoning, one word, with much reasoning."""
+
+
+def thinks(tokens: int, seconds: float) -> Act:
+    """An answer that took its tokens and its time."""
+    usage = {"prompt_tokens": 900, "completion_tokens": tokens, "total_tokens": 900 + tokens}
+    answer = says("Thought: on.\nPlan: [navigate to counter]", usage=usage)
+
+    def act(connection: socket, asked: Asked) -> None:
+        sleep(seconds)
+        answer(connection, asked)
+
+    return act
+
+
+@pytest.mark.parametrize("think", ["tokens:10", "tokens:300", pytest.param("recorded", marks=pytest.mark.long)])
+def test_what_a_model_wrote_and_took_is_what_its_commands_cost(
+    think: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CUSTOM_API_KEY", "sk-test")
+    cassette = str(tmp_path / "asked.jsonl")
+    options = Options(backend="symbolic", clock="events", robots=1, think=think, max_seconds=150.0)
+    with ChaosServer([thinks(*reply) for reply in REPLIES]) as server:
+        access = Access(base_url=server.url, cassette=cassette)
+        job = Job(method="REACT", task="OpenMicrowavePnP", seed=1, options=options, agent={"model": "custom:m"},
+                  access=access)  # fmt: skip
+        (record,) = play_job(Work(job=job, folder="", video="none", optimum=False))
+    told = [span for span in record.timeline if span.kind == "thought" and span.status != "cut"]
+    costs = [span.ended - span.began for span in told][: len(REPLIES)]
+    if think == "recorded":
+        assert len(costs) == 4 and all(cost >= took for cost, (_, took) in zip(costs, REPLIES, strict=True))
+    else:
+        rate = float(think.partition(":")[2])
+        wanted = [tokens / 1000 * rate for tokens, _ in REPLIES][: len(costs)]
+        assert costs == pytest.approx(wanted) and len(costs) == (4 if rate == 10 else 1)
+    assert list(check_job([record], cassette=cassette)) == [], "played again without the server, it is the same"
+    dearer = {"seconds": 0.5} if think == "recorded" else {"tokens": 1}
+    first = next(iter(record.orders[0].values()))
+    changed = first.model_copy(update={name: getattr(first, name) + more for name, more in dearer.items()})
+    forged = record.model_copy(update={"orders": [{**record.orders[0], "robot_0": changed}, *record.orders[1:]]})
+    assert list(check_job([forged], cassette=cassette)) != []
 
 
 def test_a_job_read_again_has_the_roles_that_look_at_pictures() -> None:
