@@ -28,6 +28,7 @@ from remac_env.errors import OptionError, check_choice
 from remac_env.files import prepare_file
 from remac_env.option_rows import takes_options
 from remac_env.plugins import group_of, installed
+from remac_env.quoting import quoted
 from remac_env.values import python_value
 
 __all__ = [
@@ -100,7 +101,7 @@ def _memory(given: object) -> Memory:
     if isinstance(given, Memory):
         return given
     if given is not None and not isinstance(given, str | Path):
-        raise OptionError(f"memory {given!r} is not valid; valid: a Memory, a path, or None")
+        raise OptionError(f"memory {quoted(given)} is not valid; valid: a Memory, a path, or None")
     if given is not None:
         prepare_file(given, "memory")
     return Memory(given)

@@ -14,7 +14,7 @@ from remac_agents.roles import Roles, StopEpisode, View
 from remac_agents.roles.grants import declared_seconds, isolation, readers, reads_rules, reads_truth, weights
 from remac_agents.running.bookkeeper import Bookkeeper
 from remac_agents.running.briefing import Bounds, Briefing
-from remac_agents.running.looking import look
+from remac_agents.running.looking import check_told, look
 from remac_agents.running.method_run import MethodRun
 from remac_agents.running.pace import Pace, Told, goes_on, ready
 from remac_agents.running.remembering import remembered
@@ -78,7 +78,7 @@ class Agent:
             OptionError: for infos that are not those of a kitchen's reset, and where a role must see pictures and there
                 are none.
         """
-        _check_infos(infos, _NEEDED)
+        check_told(obs, infos, _NEEDED)
         if self._open:
             self.close_episode({}, {})
         briefing = self._brief(infos)
@@ -117,7 +117,7 @@ class Agent:
         run = self._running()
         if not self._open:
             raise LifecycleError("act() needs an episode under way: call reset(obs, infos) first")
-        _check_infos(infos, ())
+        check_told(obs, infos)
         self._thoughts = {}
         if not self._pace.take_in(infos):
             return self._tokens_of({}, infos, WAIT)
@@ -145,6 +145,8 @@ class Agent:
         run = self._running()
         if not self._open:
             return
+        if not isinstance(infos, Mapping) or infos:
+            check_told(obs, infos)
         self._open = False
         if infos:
             self._pace.take_in(infos)
@@ -279,16 +281,6 @@ class Agent:
             check_choice(what, wanted, robots)
             return wanted
         return min(robots, default="")
-
-
-def _check_infos(infos: object, needed: tuple[str, ...]) -> None:
-    """Refuse infos that no kitchen gives."""
-    if not isinstance(infos, Mapping) or not infos:
-        raise OptionError(f"infos {str(infos)[:80]} name no robot; valid: those of the kitchen's reset or step")
-    for robot, info in infos.items():
-        missing = [key for key in needed if key not in info]
-        if missing:
-            raise OptionError(f"infos of {robot!r} lack {', '.join(missing)}; valid: those of the kitchen's reset")
 
 
 def _public_seed(briefing: Briefing) -> int:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from remac_agents.text.options import MOST_SPENT
-from remac_env.option_rows import Real, Switch, Whole, check_rows, option, rows
+from remac_env.option_rows import Real, Switch, Whole, Word, check_rows, option, rows
 from remac_env.values import python_values
 
 if TYPE_CHECKING:
@@ -26,13 +26,14 @@ class ModelOptions:
 
     model: str | None = option(None, _MODEL, group="model")
     base_url: str | None = option(
-        None, "Address of custom:<model>, such as http://127.0.0.1:8000/v1.", group="reach"
+        None, "Address of custom:<model>, such as http://127.0.0.1:8000/v1.", Word(), group="reach"
     )
     providers: str | Path | None = option(
         None, "FILE.toml that adds to the providers that are built in, or overrides them.", group="reach"
     )
     via: str | None = option(
-        None, "Provider by which models are reached, or auto: the first route whose key is set.", group="reach"
+        None, "Provider by which models are reached, or auto: the first route whose key is set.", Word(),
+        group="reach",
     )
     cassette: Cassette | str | Path | None = option(
         None, "File of exchanges: replays what it holds, requests the rest and records it.", group="reach"
@@ -96,10 +97,11 @@ class AgentOptions(ModelOptions):
     max_adjustments: int = option(20, "Maximum number of changes to a plan.", Whole(), group="bound")
     max_rounds: int = option(60, "Rounds after which a method stops by itself.", Whole(), group="bound")
     lead: str | None = option(
-        None, "The robot that works alone or leads; by default the first by name.", group="robot"
+        None, "The robot that works alone or leads; by default the first by name.", Word(), group="robot"
     )
     helper: str | None = option(
-        None, "The second robot of a team; by default the first by name of those that do not lead.", group="robot"
+        None, "The second robot of a team; by default the first by name of those that do not lead.", Word(),
+        group="robot",
     )
     iterations: int | None = option(
         None, "Number of the last iteration: 2 plays 0, 1, 2 (methods that learn, and best-of controls).", Whole()

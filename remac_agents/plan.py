@@ -196,9 +196,18 @@ def read_plan(reply: object, commands: Commands, robots: Sequence[str], lead: st
         return PlanError(rows) if isinstance(rows, str) else _from_rows(rows, commands, names)
     if is_unordered(reply):
         return PlanError(f"a {type_name(reply)} has no order; valid: a list of commands, or a mapping to lists")
-    if isinstance(reply, Iterable):
-        return _from_rows({lead: list(itertools.islice(reply, MAX_STEPS + 1))}, commands, names)
+    if (steps := first_of(reply, MAX_STEPS + 1)) is not None:
+        return _from_rows({lead: steps}, commands, names)
     return PlanError(f"a plan is a mapping from robots to lists of commands, not {type_name(reply)}")
+
+
+def first_of(value: object, most: int) -> list[Any] | None:
+    """The first parts of something that can be walked through; None for what cannot, whatever it says it can."""
+    try:
+        walk = iter(value) if isinstance(value, Iterable) else None
+    except TypeError:  # such as an array of no dimensions
+        return None
+    return None if walk is None else list(itertools.islice(walk, most))
 
 
 def is_unordered(value: object) -> bool:

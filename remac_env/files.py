@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 from remac_env.errors import OptionError
+from remac_env.quoting import quoted, words
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8"),
@@ -50,13 +51,13 @@ def prepare_file(path: str | os.PathLike[str], what: str) -> Path:
     """
     target = Path(path)
     prepare_folder(target.parent, what)
-    there = target.exists()
     try:
+        there = target.exists()
         with target.open("ab"):
             pass
         if not there:
             target.unlink()
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise _refused(what, path, error) from error
     return target
 
@@ -78,5 +79,6 @@ def prepare_folder(path: str | os.PathLike[str], what: str) -> Path:
 
 
 def _refused(what: str, path: object, error: Exception) -> OptionError:
-    why = getattr(error, "strerror", None) or str(error)
-    return OptionError(f"{what} {os.fspath(path)!r} cannot be written: {why}; valid: a path where files can be made")  # type: ignore[call-overload]
+    why = getattr(error, "strerror", None) or words(error)
+    given = quoted(os.fspath(path))  # type: ignore[call-overload]
+    return OptionError(f"{what} {given} cannot be written: {why}; valid: a path where files can be made")

@@ -58,6 +58,16 @@ class Text(Values):
     """A text whose meaning is looked up where it is used."""
 
 
+class Word(Text):
+    """The same where nothing but a text is any use."""
+
+    def check(self, name: str, value: Any) -> Any:
+        """See Values."""
+        if not isinstance(value, str):
+            raise OptionError(f"{name} {quoted(value)} is not valid; valid: a text")
+        return value
+
+
 class Texts(Values):
     """Texts that add up where they are repeated, or stand with commas between them."""
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from remac_agents.llm.providers import Catalogue, Model, Provider
+from remac_agents.text.printable import quoted, words
 from remac_env.errors import OptionError
 from remac_env.files import read_text
 
@@ -37,7 +38,7 @@ def read_catalogue(file: Path | str | None = None) -> Catalogue:
         OptionError: naming file, provider and key of what is wrong in it.
     """
     if file is not None and not isinstance(file, str | Path):
-        raise OptionError(f"providers {file!r} is not valid; valid: a path, or None")
+        raise OptionError(f"providers {quoted(file)} is not valid; valid: a path, or None")
     return _catalogue(_text(FILE), "" if file is None else _text(file), str(FILE if file is None else file))
 
 
@@ -54,7 +55,8 @@ def _text(file: Path | str) -> str:
     try:
         return read_text(file)
     except (OSError, ValueError) as error:
-        raise OptionError(f"providers {str(file)!r} cannot be read: {error}") from error
+        told = f"providers {quoted(str(file))} cannot be read: {words(error)[:200]}"
+        raise OptionError(f"{told}; valid: a path of a file of providers") from error
 
 
 @lru_cache(maxsize=16)

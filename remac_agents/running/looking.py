@@ -9,11 +9,38 @@ from typing import Any
 from remac_agents.roles import Report, View
 from remac_agents.running.briefing import Briefing
 from remac_agents.running.pace import Told, ready, timed
+from remac_env.errors import OptionError
+from remac_env.quoting import quoted
 from remac_env.rules.scene import public_scene
 from remac_env.rules.subtasks import Subtask
 from remac_env.state import WorldState
 
 NOT_PICTURES = ("observation", "action_mask")
+
+
+def check_told(obs: object, infos: object, needed: tuple[str, ...] = ()) -> None:
+    """Refuse observations and infos that no kitchen gives.
+
+    Args:
+        needed: keys of the infos of every robot.
+
+    Raises:
+        OptionError: saying what is wrong.
+    """
+    valid = "valid: those of the kitchen's reset or step"
+    if not isinstance(infos, Mapping) or not infos:
+        raise OptionError(f"infos {quoted(infos)} name no robot; {valid}")
+    if not isinstance(obs, Mapping):
+        raise OptionError(f"observations {quoted(obs)} are not valid; {valid}")
+    for robot, info in infos.items():
+        if not isinstance(info, Mapping):
+            raise OptionError(f"infos of {quoted(robot)} {quoted(info)} are not valid; {valid}")
+        missing = [key for key in needed if key not in info]
+        if missing:
+            raise OptionError(f"infos of {quoted(robot)} lack {', '.join(missing)}; {valid}")
+    for robot, seen in obs.items():
+        if not isinstance(seen, Mapping):
+            raise OptionError(f"observations of {quoted(robot)} {quoted(seen)} are not valid; {valid}")
 
 
 def look(

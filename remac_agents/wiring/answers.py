@@ -6,14 +6,13 @@ holds no object of the role's own: plain texts, numbers, subtasks and conditions
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from remac_agents.plan import MAX_STEPS, Commands, is_unordered
+from remac_agents.plan import MAX_STEPS, Commands, first_of, is_unordered
 from remac_agents.roles import (
     AdjustRequest,
     Advice,
@@ -153,9 +152,10 @@ class Answers:
         """The first `most` parts of an answer that has an order."""
         if is_unordered(answer):
             raise self._error(verb, f"a {type_name(answer)}, which has no order", valid)
-        if isinstance(answer, str | bytes | Mapping) or not isinstance(answer, Iterable):
+        parts = None if isinstance(answer, str | bytes | Mapping) else first_of(answer, most)
+        if parts is None:
             raise self._error(verb, quoted(answer), valid)
-        return list(itertools.islice(answer, most))
+        return parts
 
     def _verdict(self, verdict: Verdict) -> tuple[Any, str]:
         value: object = verdict.value

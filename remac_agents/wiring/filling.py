@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from remac_agents.options import ModelOptions
 from remac_agents.roles import Roles
+from remac_agents.text.printable import quoted
 from remac_agents.wiring.catalogue import MODEL_ROLES, make_role, read_role
 from remac_env.errors import OptionError
 
@@ -74,7 +75,7 @@ def _taken_over(given: Mapping[str, Any], options: ModelOptions, models: Models)
     from remac_agents.llm.settings import read_settings
 
     if not isinstance(options.model, str):
-        raise OptionError(f"model {options.model!r} is not valid; valid: a text provider:model")
+        raise OptionError(f"model {quoted(options.model)} is not valid; valid: a text provider:model")
     told = read_role(options.model, models)
     eyes = models.client(told.pop("name"), read_settings(told)).endpoint.model.images
     return [role for role in MODEL_ROLES if given[role] is None and (eyes or role != "checker")]
@@ -85,16 +86,16 @@ def _models(options: ModelOptions) -> Models:
     from remac_agents.prompting.models import LIMITS, Models
 
     if options.limiter is not None and not isinstance(options.limiter, Limiter):
-        raise OptionError(f"limiter {options.limiter!r} is not valid; valid: a remac_agents.llm.Limiter, or None")
+        raise OptionError(f"limiter {quoted(options.limiter)} is not valid; valid: a remac_agents.llm.Limiter, or None")
     if options.manners is not None and not isinstance(options.manners, Manners):
-        raise OptionError(f"manners {options.manners!r} is not valid; valid: a remac_agents.llm.Manners, or None")
+        raise OptionError(f"manners {quoted(options.manners)} is not valid; valid: a remac_agents.llm.Manners, or None")
     if options.replay and options.cassette is None:
         raise OptionError("replay needs a cassette; valid: cassette=FILE, replay=True")
     cassette = options.cassette
     if isinstance(cassette, str | Path):
         cassette = Cassette(cassette, mode="replay" if options.replay else "fill")
     if cassette is not None and not isinstance(cassette, Cassette):
-        raise OptionError(f"cassette {cassette!r} is not valid; valid: a path, a Cassette, or None")
+        raise OptionError(f"cassette {quoted(cassette)} is not valid; valid: a path, a Cassette, or None")
     bounds: dict[str, Any] = {n: LIMITS.get(n) if bound is None else bound for n, bound in options.budget.items()}
     return Models(
         budget=Budget(**bounds),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
-import numpy as np
 import pytest
+from hostile import NEVER, meet
 
 import remac_env
 from remac_env.errors import RemacError
@@ -17,48 +17,6 @@ from remac_env.tasks.compound import AnyOf, Before, Count, ForAll, Not
 from remac_env.tasks.goals import All, DoorIs, Inside, Marked, Released, SwitchedOn
 from remac_env.tasks.spec import Role, TaskSpec
 from remac_env.thinking import Thought
-
-
-class Mute:
-    """Says nothing of itself."""
-
-    def __repr__(self) -> str:
-        raise RuntimeError("no words")
-
-
-class Endless:
-    """Has no end."""
-
-    def __iter__(self) -> Iterator[int]:
-        while True:
-            yield 1
-
-
-HUGE = 10**5000
-NEVER: list[Any] = [b"x", object(), Mute(), float("nan"), 1j, int, len, memoryview(b"a"), np.datetime64("2026-01-01")]
-"""No door takes any of these, whatever it is for."""
-
-ODD: list[Any] = [
-    *NEVER, None, True, -1, 0.5, "", " ", "x" * 100_000,
-    "\ud800", "a\nb", "\x00", HUGE, -HUGE, -float("inf"), Endless(),
-    [], [[]], (), {}, {1: 2}, {"a"}, np.array([1, 2]), np.array([]), np.array(None, dtype=object), np.float32(1.5), ...,
-]  # fmt: skip
-"""Some doors take some of these."""
-
-LONGEST = 4_000
-"""Characters of an error: some list all of their valid values."""
-
-
-def meet(door: Callable[[Any], Any], *, about: str = "", values: list[Any] = ODD) -> None:
-    """Each value is taken, or refused by a RemacError that names the field and says in few words what is valid."""
-    for value in values:
-        try:
-            door(value)
-        except RemacError as error:
-            told = str(error)
-            assert about in told and len(told) < LONGEST and told.replace("\n", "").isprintable(), told[:300]
-        else:
-            assert not any(value is each for each in NEVER), f"{about}: {type(value).__name__} was taken"
 
 
 @pytest.mark.parametrize("name", list(rows(Options)))
