@@ -31,7 +31,7 @@ def laid_out(table: Table, width: int) -> list[RenderableType]:
     heads = [_text(column.header) for column in table.columns]
     columns = [[_text(cell) for cell in column.cells] for column in table.columns]
     least = [
-        max(_longest(text, whole=column.no_wrap) for text in (head, *texts))
+        max(column.min_width or 0, *(_longest(text, whole=column.no_wrap) for text in (head, *texts)))
         for column, head, texts in zip(table.columns, heads, columns, strict=True)
     ]
     wanted = [max(_longest(text, whole=True) for text in (head, *texts))
@@ -50,10 +50,16 @@ def _lists(table: Table, heads: Sequence[str], columns: Sequence[Sequence[str]])
         yield Text(_text(table.title), style="italic")
     for number in range(table.row_count):
         yield Text("")
+        mark = ""  # the text of a column without a head, which stands before the next one's
         for head, texts in zip(heads, columns, strict=True):
-            if texts[number].strip():
-                name = " ".join(head.split())
-                yield Text(f"{name}: {texts[number]}" if name else texts[number], overflow="ignore")
+            name, text = " ".join(head.split()), texts[number].strip()
+            if not text:
+                continue
+            if name:
+                yield Text(f"{mark}{name}: {text}", overflow="ignore")
+            mark = "" if name else f"{mark}{text} "
+        if mark:
+            yield Text(mark.rstrip(), overflow="ignore")
     if table.caption:
         yield Text(f"\n{_text(table.caption)}", style="dim")
 

@@ -45,6 +45,21 @@ def test_no_word_is_broken_at_any_width(edges: box.Box) -> None:
     assert "Where it was tried: galley" in printed(table(edges), 30)
 
 
+def test_what_has_no_head_stands_before_what_comes_next() -> None:
+    made = Table("", "What", "", "Here")
+    made.add_row("ok", "opencv-python-headless", "", "5.0")
+    made.add_row("-", "", "[dim]both[/dim]", "")
+    lines = [line.rstrip() for line in printed(made, 40)]
+    assert lines == ["", "ok What: opencv-python-headless", "Here: 5.0", "", "- both"]
+
+
+def test_doctor_fits_into_eighty_columns_as_tables(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    told = CliRunner().invoke(app, ["doctor"]).output
+    assert max(map(len, told.splitlines())) <= 80
+    assert re.search(r"ok +opencv-python-headless +\d", told) and re.search(r"OPENROUTER_API_KEY +(not )?set", told)
+
+
 def test_tasks_are_whole_in_eighty_columns(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     told = CliRunner().invoke(app, ["tasks"]).output

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from itertools import groupby
 
 import typer
 from rich import box
@@ -14,6 +15,9 @@ from remac_bench.columns import show
 from remac_bench.console import FAILED, MARKS
 from remac_bench.errors import UsageError
 from remac_bench.flags import takes
+
+LAST = ("", "keys", "models")
+"""What is shown last, by groups of findings."""
 
 
 @takes("doctor.models", "base_url", "providers", "via", "doctor.as_json")
@@ -33,22 +37,23 @@ def doctor(
     from remac_bench.routes import examine_models
 
     findings = [*examine_models(providers), *examine()]
-    findings.sort(key=lambda finding: finding.group in ("keys", "models"))
+    findings.sort(key=lambda finding: LAST.index(finding.group if finding.group in LAST else ""))
     if as_json:
         typer.echo(json.dumps([asdict(finding) for finding in findings]))
     else:
-        table = Table(box=box.SIMPLE_HEAD)
-        for name in ("", "What", "Here", "For"):
-            table.add_column(name)
-        group = None
-        for finding in findings:
-            if group not in (None, finding.group):
+        # Models apart: their long names would make one table of all too wide for a terminal.
+        for _, part in groupby(findings, key=lambda finding: finding.group == "models"):
+            table = Table(box=box.SIMPLE_HEAD)
+            for name in ("", "What", "Here"):
+                table.add_column(name)
+            table.add_column("For", min_width=28)
+            for _, group in groupby(part, key=lambda finding: finding.group):
+                for finding in group:
+                    table.add_row(
+                        MARKS[finding.ok], escape(finding.name), escape(finding.value), escape(finding.purpose)
+                    )
                 table.add_section()
-            group = finding.group
-            table.add_row(
-                MARKS[finding.ok], escape(finding.name), escape(finding.value), escape(finding.purpose)
-            )
-        show(table)
+            show(table)
     if any(finding.ok is False for finding in findings):
         raise typer.Exit(FAILED)
 
