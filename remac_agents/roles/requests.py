@@ -41,7 +41,8 @@ class View:
     `text`: what the kitchen says of itself now, "" where nobody passed it on. `rules` and `world`: for roles that need
     them. `robot`, `ran`: whose subtask is checked ("": nobody's), and what was run so far, for checkers.
     `ready`: the robots that are to decide now; under the event clock `clock` is what it shows, s, and `running` what
-    the others are at, robot -> command or "thinking". `unseen`: the objects of which nobody knows where they are.
+    the others are at, robot -> command or "thinking". `slow`: what takes its time by itself, in words -> for how long
+    it has gone on, s. `unseen`: the objects of which nobody knows where they are.
     """
 
     goal: str
@@ -58,6 +59,7 @@ class View:
     clock: float | None = None
     running: Mapping[str, str] = field(default_factory=dict)
     unseen: tuple[str, ...] = ()
+    slow: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,8 @@ def look(
     )  # fmt: skip
     if timed(infos):
         running = {robot: str(info["running"]) for robot, info in infos.items() if info["running"]}
-        view = replace(view, clock=float(told["seconds"]), running=running)
+        slow = {str(what): float(seconds) for what, seconds in told.get("processes", {}).items()}
+        view = replace(view, clock=float(told["seconds"]), running=running, slow=slow)
     return view, world
 
 

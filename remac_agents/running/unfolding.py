@@ -14,6 +14,7 @@ from remac_agents.roles import View
 from remac_agents.running.checks import adjust, check_before, found_false_after
 from remac_agents.running.method_run import MethodRun, Turns
 from remac_agents.running.round_state import RoundState
+from remac_agents.running.started import Started
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.thinking import NO_THOUGHT
 
@@ -57,6 +58,7 @@ class Unfolding:
         self._tries: dict[str, int] = {}
         self._held_up: set[str] = set()
         self._waiting: dict[str, tuple[int, float]] = {}
+        self._started = {robot: Started() for robot in self._rows}
         self._show(())
 
     @property
@@ -66,7 +68,10 @@ class Unfolding:
 
     def begin(self) -> dict[str, Subtask]:
         """What the robots begin that are ready and may go on; the others wait."""
-        run, able = self._run, self._able()
+        run = self._run
+        for started in self._started.values():
+            started.look(run.book.view.slow, self._now)
+        able = self._able()
         self._show(able)
         while able and (failed := check_before(run)):
             adjust(run, failed)
@@ -88,6 +93,8 @@ class Unfolding:
             del self._at[robot]
             step = begun.item.step
             slipped = found_false_after(run, robot, step, begun.before)
+            if not slipped:
+                self._started[robot].ended(step, self._now)
             others = run.state.slipped - {robot}
             run.state = replace(run.state, slipped=others | {robot} if slipped else others)
             if slipped and self._again(robot, step):
@@ -116,6 +123,8 @@ class Unfolding:
             self._pass_waits(robot)
         rows, open_ = self._rows, self._open
         heads = {robot: rows[robot][0] for robot in ready if rows[robot] and rows[robot][0].is_step}
+        slow = [robot for robot, item in heads.items() if self._started[robot].ends(item.step)]
+        heads = {robot: item for robot, item in heads.items() if robot not in slow}
         held_up = self._held_up if self._at else set()
         able = {robot: item for robot, item in heads.items() if not item.after & open_ and robot not in held_up}
         while True:
@@ -125,11 +134,15 @@ class Unfolding:
                 break
             for robot in alone:
                 del able[robot]
-        waits = any(row and not row[0].is_step for row in rows.values())
+        waits = slow or any(row and not row[0].is_step for row in rows.values())
         if heads and not able and not self._at and not waits:  # each waits for another one: the first in the plan goes
             first = min(heads, key=lambda robot: heads[robot].number)
             return {first: heads[first]}
         return able
+
+    @property
+    def _now(self) -> float:
+        return self._run.book.view.clock or 0.0
 
     @property
     def _open(self) -> set[int]:
@@ -138,9 +151,12 @@ class Unfolding:
 
     def _pass_waits(self, robot: str) -> None:
         """Leave waits behind that are over: they began at an earlier decision point, and have lasted long enough."""
-        row, now, open_ = self._rows[robot], self._run.book.view.clock or 0.0, self._open
+        row, now, open_ = self._rows[robot], self._now, self._open
         while row and not row[0].is_step:
             item = row[0]
+            if self._started[robot].over:
+                row.pop(0)
+                continue
             if self._waiting.get(robot, (-1, now))[0] != item.number and (item.seconds or not item.after & open_):
                 self._waiting[robot] = (item.number, now)
             number, since = self._waiting.get(robot, (-1, now))
