@@ -138,6 +138,7 @@ def test_at_rest_nothing_of_it_touches_anything(body: SixJoints) -> None:
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore::remac_env.errors.UncertifiedWarning")
 @pytest.mark.parametrize("name", CHAINS)
 def test_scripted_skills_work_with_it(body: SixJoints, name: str) -> None:
     for seed in range(182000, 182003):
