@@ -247,13 +247,9 @@ layout.load(layout.names()[0]), catalogue.load(), style.names()
 """
 
 
-@pytest.mark.parametrize(
-    "code",
-    ["import remac_env", "import remac_env.testing", SYMBOLIC_EPISODE, FACTS, "import remac_agents"],
-    ids=["import remac_env", "testing", "a symbolic episode", "facts of kitchens", "import remac_agents"],
-)
-def test_no_simulator_no_graphics_no_environment_variables(code: str, tmp_path: Path) -> None:
-    result = loaded_by(code, tmp_path)
+def test_no_simulator_no_graphics_no_environment_variables(tmp_path: Path) -> None:
+    """Neither for the imports nor for an episode nor for the facts of kitchens: together they load none."""
+    result = loaded_by(f"import remac_agents, remac_env.testing\n{SYMBOLIC_EPISODE}\n{FACTS}", tmp_path)
     heavy = [name for name in result["modules"] if name.split(".")[0] in SIMULATOR]
     assert not heavy
     assert not result["changed"]
