@@ -72,7 +72,8 @@ def test_the_same_in_processes(tmp_path: Path, deed: str) -> None:
     played(tmp_path, deed, Settings(workers=2))
 
 
-@pytest.mark.parametrize("deed", ["leaves", pytest.param("fails", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("deed", ["leaves", "fails"])
 def test_a_planner_that_ends_its_process(tmp_path: Path, deed: str) -> None:
     error = played(tmp_path, deed, Settings(workers=2))[ODD_SEED].error
     assert error.type == "WorkerDiedError"

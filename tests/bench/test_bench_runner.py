@@ -67,7 +67,9 @@ def test_iterations_are_played_in_order_with_a_memory_of_the_job(tmp_path: Path)
         assert [len(e.initial_plan) for e in played] == [1, 1, 2]
 
 
+@pytest.mark.long
 def test_processes_and_their_number_change_nothing(tmp_path: Path) -> None:
+    """Of a run that was killed and went on in two processes test_bench_kill.py holds the same."""
     listed = jobs("CC,RE", tasks="HeatOnStove,OpenCabinetPnP")
     run_jobs(listed, tmp_path / "here", HERE)
     run_jobs(listed[::-1], tmp_path / "two", Settings(workers=2))
