@@ -22,7 +22,8 @@ class Closers:
     """The springs of all doors of a kitchen. They pull at those alone that `go_on` was told of, and at the end of that.
 
     A spring pulls as hard as the joint's dry friction and its damping at the speed of `SWING` hold against it: 1 N m at
-    a cabinet's door. Whatever stands in the way keeps the door open.
+    a cabinet's door. Whatever stands in the way keeps the door open. It differs from the closer of the quirk "falling
+    door" (`quirks.doors.Falls`), a motor that keeps its speed: here a set force shuts in a time that tasks count on.
     """
 
     def __init__(self, bodies: Bodies, layout: Layout) -> None:
