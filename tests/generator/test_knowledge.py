@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from knowledge_helpers import given, kitchen
 
 import remac_agents
 import remac_env
@@ -13,13 +14,7 @@ from remac_agents.planners.literal import LiteralPlanner
 from remac_env.errors import SamplingError
 from remac_env.generator import templates
 from remac_env.kitchen import annexes
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.tasks.spec import TaskSpec
-
-
-def kitchen(spec: TaskSpec, **options: Any) -> KitchenParallelEnv:
-    """All that can be told is told."""
-    return remac_env.parallel_env(spec, backend="symbolic", feedback="reason", text="states", **options)
 
 
 def hidden_in(spec: TaskSpec) -> dict[str, str]:
@@ -43,22 +38,6 @@ def swapped(spec: TaskSpec) -> tuple[TaskSpec, str, str]:
     places = dict(spec.setup.places)
     places[one], places[other] = places[other], places[one]
     return replace(spec, setup=replace(spec.setup, places=places)), one, other
-
-
-TRUTH = ("world", "goal_test")
-"""What infos hold for those that are given the truth; the digest of a start names it for who has it already."""
-
-
-def given(env: KitchenParallelEnv, seen: Any, infos: Any, *more: Any) -> list[Any]:
-    """All that a planner or learner may go by: every value, and every order of names."""
-    told: list[Any] = [repr(env), str(env), *more]
-    for robot, info in infos.items():
-        known = {key: value for key, value in info.items() if key not in TRUTH}
-        known["episode"] = {key: value for key, value in info["episode"].items() if key != "digest"}
-        told += [(key, repr(value)) for key, value in known.items()]
-        told += [(key, part.tolist()) for key, part in seen[robot].items()] if robot in seen else []
-        told += [env.action_mask(robot).tolist()]
-    return [*told, env.state().tolist()]
 
 
 PLAN = (
