@@ -36,6 +36,7 @@ from remac_env.tasks.spec import TaskSpec
 ROBOT = "robot_0"
 _TRIES = 100  # starts drawn until one has the target and the robot gets ready in it
 _RARER = 10  # times as many where only some cases are wanted
+_PLAIN = 30  # of these are as tasks have them by default; mixed starts have what is rarer, as a pan on the stove
 _MOST = 2_000  # states that the search for what comes before looks at
 _SEEDS = 100_000  # of the starts that are drawn where the first is of no use
 _FROM_PARKING = 0.5  # of the drives begin at a parking place, the others at a station
@@ -65,7 +66,7 @@ def get_ready(
     Args:
         backend_of: task -> the backend in which its kitchens are played; filled here, to be used again.
         make: makes such a backend.
-        cases: only starts in one of these, see `case_of`; empty: any.
+        cases: only starts in one of these, see `case_of`; empty: any. Those of mixed starts come last.
 
     Raises:
         UnknownNameError: for an unknown target, style or layout.
@@ -76,7 +77,8 @@ def get_ready(
     for attempt in range(_TRIES * _RARER if cases else _TRIES):
         chance = generator(seed, "skill", skill.name, target, attempt)
         drawn = seed if attempt == 0 else int(chance.integers(_SEEDS))
-        ready = _draw(skill, target, drawn, chance, style=style, layout=layout, body=body)
+        kind = "mixed" if cases and attempt >= _PLAIN else "paper"
+        ready = _draw(skill, target, drawn, chance, kind=kind, style=style, layout=layout, body=body, cases=cases)
         if ready is None or (cases and ready.case not in cases):
             continue
         backend = backend_of.setdefault(ready.worlds.spec.name, make(ready.worlds))
@@ -90,15 +92,15 @@ def get_ready(
 
 
 def _draw(
-    skill: Skill, target: str | None, seed: int, chance: np.random.Generator, *, style: str | None, layout: str | None,
-    body: str,
+    skill: Skill, target: str | None, seed: int, chance: np.random.Generator, *, kind: str,
+    style: str | None, layout: str | None, body: str, cases: Sequence[str] = (),
 ) -> Ready | None:
-    """A start with what comes before, or None where this one does not do."""
+    """A start of this kind with what comes before, or None where this one does not do."""
     worlds = TaskWorlds(_one(_kitchens(skill, target), chance))
     worlds.check_cell(style, layout)
     try:
         start, _ = worlds.start(
-            seed, style=style, layout=layout, starts="paper", robots=(ROBOT,), perception_noise=0.0, body=body
+            seed, style=style, layout=layout, starts=kind, robots=(ROBOT,), perception_noise=0.0, body=body
         )
     except (SamplingError, UnknownNameError):
         return None  # this layout lacks what the task needs; another task may do
@@ -114,7 +116,10 @@ def _draw(
             if skill.moves and chance.random() >= _FROM_PARKING:
                 before = (_elsewhere(start.scene, name, chance), *before)
             begun = Subtask(skill.name, name)
-            return Ready(worlds, start, begun, before, _case(worlds, start, begun, before))
+            case = _case(worlds, start, begun, before)
+            if kind == "mixed" and case not in cases:
+                continue
+            return Ready(worlds, start, begun, before, case)
     return None
 
 

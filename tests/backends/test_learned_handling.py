@@ -6,12 +6,15 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.learned import controller
+from remac_env.backends.physics.controllers.learned.aims import aim_of
 from remac_env.backends.physics.controllers.learned.controller import Learned
 from remac_env.backends.physics.controllers.learned.hand import hands, towards_hand
 from remac_env.backends.physics.controllers.learned.network import COMMANDED, WITH_HAND, Network
@@ -113,6 +116,25 @@ class _Saying:
 
     def commands(self, seen: Any) -> Any:
         return self._answer()
+
+
+@pytest.mark.parametrize(("achieved", "holds"), [(True, False), (True, True), (False, False)])
+def test_a_policy_that_goes_on_when_all_is_done_is_ended_once_its_hand_is_empty(
+    achieved: bool, holds: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    skill = SKILLS["pick up"]
+    ready, backend = get_ready({}, skill, "vegetable", 3, style="modern_1", layout="one_wall_large")
+    sensing = backend.by_hand(ROBOT, ready.subtask).sensing
+    aim = SimpleNamespace(achieved=lambda: achieved, over=lambda: False, update=lambda: None, patience=999)
+    aim.stand = aim_of(ready.subtask, sensing).stand
+    for name, value in (("aim_of", lambda *told: aim), ("feels", lambda body: holds), ("observe", lambda *told: [0.0])):
+        monkeypatch.setattr(controller, name, value)
+    made = weights("pick up")
+    object.__setattr__(made, "network", _Saying(lambda: np.zeros((CHUNK, COMMANDED), np.float32)))
+    run = Learned(made).run(ready.subtask, sensing)
+    commands = list(run)
+    assert (len(commands) == 12 * CHUNK) == (achieved and not holds)
+    assert len(commands) in (12 * CHUNK, controller.LONGEST)
 
 
 def test_the_arm_goes_where_the_hand_is_wanted_and_the_base_where_it_was_told() -> None:

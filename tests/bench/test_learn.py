@@ -138,6 +138,12 @@ def test_only_what_is_asked_for_is_recorded_and_what_was_shown_is_measured() -> 
 
 
 @pytest.mark.long
+def test_a_pan_stands_on_the_stove_before_food_is_put_into_it_there() -> None:
+    made = Recorder("place to", "pan", case="food in vessel on burner").record(1000)
+    assert made is not None and made.case == "food in vessel on burner" and made.command == "place to pan"
+
+
+@pytest.mark.long
 def test_weights_lead_and_the_script_goes_on_from_where_they_have_come(tmp_path: Path) -> None:
     case, inputs = "food on surface", len(entries(SKILLS["pick up"]))
     zeros, raised = np.zeros((8, 12), np.float32), np.zeros(96, np.float32)

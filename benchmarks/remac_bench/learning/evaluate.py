@@ -57,14 +57,15 @@ def evaluate(
 ) -> Iterable[Trial]:
     """Try a skill once a seed, with these weights; None: the scripted controller.
 
-    Things are handled in the cases that were shown to it, whatever was measured of them before.
+    Things are handled in the cases that were shown to it, seed by seed in turn, whatever was measured of them before.
     """
     if weights is not None:
         weights = replace(weights, about=replace(weights.about, measured={}))
     controllers: dict[str, MakeController] = {} if weights is None else {skill: partial(Learned, weights)}
     backends: dict[str, PhysicsBackend] = {}
-    cases = () if weights is None else weights.about.shown(skill)
+    shown = () if weights is None else weights.about.shown(skill)
     for seed in seeds:
+        cases = (shown[seed % len(shown)],) if shown else ()
         style, layout = cells.of(seed, skill)
         ready, backend = get_ready(
             backends, SKILLS[skill], target, seed, style=style, layout=layout,

@@ -7,6 +7,7 @@ from collections.abc import Generator
 import numpy as np
 
 from remac_env.backends.physics.controllers.base import Command, Sensing
+from remac_env.backends.physics.controllers.learned.aim import feels
 from remac_env.backends.physics.controllers.learned.aims import aim_of
 from remac_env.backends.physics.controllers.learned.cases import case_of
 from remac_env.backends.physics.controllers.learned.hand import towards_hand
@@ -21,6 +22,7 @@ from remac_env.rules.subtasks import Subtask
 _STANDARD = bodies.get()
 LONGEST = 700  # control periods, 35 s: three times as long as scripted skills take
 _FINGERS = COMMANDED - 1  # where their travel stands in a command
+_DONE = 12  # chunks on end, 5 s, in which it is done with an empty hand, and then has ended however the hand moves
 _STILL = 0.02  # rad or m that commands change at most while the robot stands still
 
 
@@ -51,7 +53,8 @@ class Learned:
         about, network = self._weights.about, self._weights.network
         if subtask.skill not in about.known:
             return failure("invalid", f"these weights are for {', '.join(about.known)!r}")
-        aim, rests, words = aim_of(subtask, sensing), 0, bag(about.words, subtask.text)
+        aim, words = aim_of(subtask, sensing), bag(about.words, subtask.text)
+        rests = done = 0
         for _ in range(LONGEST // about.execute):
             shown = np.concatenate([observe(sensing, aim, subtask.row), words])
             chunk = network.commands(shown)[: about.execute].astype(float)
@@ -65,7 +68,8 @@ class Learned:
                     q = towards_hand(self._kinematics, aim.stand, q, hand, change)
                 yield Command(q, float(np.clip(change[_FINGERS], 0.0, _STANDARD.finger_travel)))
                 aim.update()
-            if aim.over():
+            done = done + 1 if aim.achieved() and not feels(sensing.body) else 0
+            if aim.over() or done >= _DONE:
                 return Outcome("success")
             still = float(np.abs(sensing.body.commanded - before).max()) < _STILL
             rests = rests + 1 if still else 0
