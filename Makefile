@@ -123,10 +123,15 @@ learned: $(RL)/.installed-learn
 	$(FOOD) --first-seed 20000 --episodes $$(($(EPISODES) * 9 / 4))
 	$(PUT) --first-seed 10000 --case "food in vessel on surface" --episodes $$(($(EPISODES) * 5 / 4))
 	$(PUT) --first-seed 12000 --case "food on surface" --episodes $$(($(EPISODES) / 4))
+	$(PUT) --first-seed 14000 --case "food in vessel on cavity" --episodes $$(($(EPISODES) * 3 / 8))
+	$(PUT) --first-seed 15000 --case "vessel on burner" --episodes $$(($(EPISODES) / 4))
+	$(PUT) --first-seed 16000 --case "vessel on basin" --episodes $$(($(EPISODES) / 4))
+	$(PUT) --first-seed 17000 --case "food in vessel on burner" --episodes $$(($(EPISODES) / 4))
+	$(PUT) --first-seed 18000 --case "food in vessel on basin" --episodes $$(($(EPISODES) / 4))
 	$(RECORD) --first-seed 10000 --skills NavigateTo --episodes $$(($(EPISODES) * 5 / 2))
 	$(RL)/bin/remac learn train --skills $(LEARNED) --demos $(DEMOS) --weights $(SHIPPED) --epochs $(EPOCHS)
 	$(RL)/bin/remac learn train --skills PickUp --hand --demos $(DEMOS) --weights $(SHIPPED) --epochs $$(($(EPOCHS) * 2 / 5))
-	$(RL)/bin/remac learn train --skills PlaceTo --hand --demos $(DEMOS) --weights $(SHIPPED) --epochs $$(($(EPOCHS) * 2 / 3))
+	$(RL)/bin/remac learn train --skills PlaceTo --hand --demos $(DEMOS) --weights $(SHIPPED) --epochs $$(($(EPOCHS) / 2))
 	$(RL)/bin/remac learn train --skills NavigateTo --width 256 --demos $(DEMOS) --weights $(SHIPPED) --epochs $$(($(EPOCHS) / 3))
 	$(RL)/bin/remac learn evaluate --skills $(LEARNED),$(HANDLED) --weights $(SHIPPED) --trials $(TRIALS) --note --processes 2
 

@@ -137,6 +137,18 @@ def test_a_policy_that_goes_on_when_all_is_done_is_ended_once_its_hand_is_empty(
     assert len(commands) in (12 * CHUNK, controller.LONGEST)
 
 
+def test_putting_down_is_over_once_the_hand_is_empty_and_clear_wherever_the_object_lies() -> None:
+    ready, backend = get_ready({}, SKILLS["place to"], "plate", 3, style="modern_1", layout="one_wall_large")
+    manual = backend.by_hand(ROBOT, ready.subtask)
+    q, grip, over = manual.q, manual.grip, []
+    for period in range(60):
+        q[3] += 0.008 if period < 20 or period >= 30 else 0.0  # up with it, 10 periods to let go, and up without it
+        manual.command(np.minimum(q, bodies.get().upper), grip if period < 20 else 0.04)
+        over.append(manual.aim.over())
+    assert not any(over[:36]), "the hand has gone far with it, and let it go, but is not clear of where that was"
+    assert over[-1] and not manual.aim.achieved(), "it has fallen beside the plate, and there is no more to do"
+
+
 def test_the_arm_goes_where_the_hand_is_wanted_and_the_base_where_it_was_told() -> None:
     kinematics, stand = bodies.get().kinematics(), Stand(np.array([1.0, 2.0, 0.0]), np.eye(3), 0.5 * np.pi)
     told = np.array([0.1, 0.2, 0.05, 0.1, 0.2, 0.1, -0.1, -2.2, 0.1, 2.4, 0.7])

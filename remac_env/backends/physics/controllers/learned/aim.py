@@ -17,7 +17,8 @@ from remac_env.robots.rotation import Array
 
 _EMPTY = 0.002  # m between fingers that hold nothing; the thinnest wall that they hold is 5 mm
 _SQUEEZED = 0.001  # m by which fingers are commanded closer than they come, where something is between them
-_CLEAR = 0.12  # m between the hand and what it has let go of, from which on there is room to fold the arm
+CLEAR = 0.12
+"""m between the hand and what it has let go of, from which on there is room to fold the arm."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ class Aim(ABC):
         if not self.achieved() or feels(self._sensing.body):
             return False
         hand = self.stand.point(self._sensing.body.grip.position)
-        return float(np.linalg.norm(self.target().at - hand)) > _CLEAR
+        return float(np.linalg.norm(self.target().at - hand)) > CLEAR
 
 
 def feels(body: Proprioception) -> bool:

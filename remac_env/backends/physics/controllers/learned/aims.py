@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from remac_env.backends.physics.controllers.base import Sensing
-from remac_env.backends.physics.controllers.learned.aim import Aim, Target, feels
+from remac_env.backends.physics.controllers.learned.aim import CLEAR, Aim, Target, feels
 from remac_env.backends.physics.controllers.learned.drive import Drive
 from remac_env.backends.physics.controllers.learned.stand import Stand
 from remac_env.kitchen.fixtures.actuator import Actuator
@@ -201,6 +201,17 @@ class _Put(Aim):
         super().__init__(sensing, stand)
         self._held, self._place = held, place
         self._first = max(1e-6, self._away())
+        self._let_go = sensing.body.grip.position
+
+    def update(self) -> None:
+        """Remember where the hand last held it."""
+        if feels(self._sensing.body):
+            self._let_go = self._sensing.body.grip.position
+
+    def over(self) -> bool:
+        """Once the hand has let go of it and is clear, wherever it lies now: there is no more to do."""
+        gone = float(np.linalg.norm(self._sensing.body.grip.position - self._let_go))
+        return not feels(self._sensing.body) and gone > CLEAR
 
     def target(self) -> Target:
         """Where its frame is to come, with its size."""
