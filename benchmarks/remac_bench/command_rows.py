@@ -194,7 +194,7 @@ ROWS: dict[str, Row] = {
     "learn.checker": Row(
         help="File of weights; by default those of the package.", values=File(), flag="--weights"
     ),
-    "learn.checker_epochs": Row(help="Passes over the pictures.", default=16, values=_COUNT, flag="--epochs"),
+    "learn.checker_epochs": Row(help="Passes over the pictures.", default=20, values=_COUNT, flag="--epochs"),
     "learn.asked": Row(
         help="Only conditions that a method would have asked about.", default=False, values=Switch()
     ),

@@ -15,6 +15,10 @@ Look = Callable[[Condition], bool | None]
 
 Holding = Mapping[str, str | None]
 
+FALSE_IF_UNSEEN = frozenset({"no_vessel_needed"})
+"""What counts as false of a robot that holds something where looking does not tell: a vessel that was there after all
+costs a detour, one that is missing costs the meal."""
+
 
 def ruled(asked: Condition, rules: Rules, holding: Holding, look: Look) -> bool | None:
     """Whether a condition of the kind known holds; None where looking does not tell, or there is no rule for it."""

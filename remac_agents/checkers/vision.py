@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from remac_agents.checkers.felt import untold
-from remac_agents.checkers.knowledge import ruled
+from remac_agents.checkers.knowledge import FALSE_IF_UNSEEN, ruled
 from remac_agents.roles import StopEpisode, Verdict, View
 from remac_agents.vision.network import CAMERAS, SIZE, Numbers, likely
 from remac_agents.vision.pictures import fitted
@@ -24,6 +24,7 @@ from remac_env.rules.predicates import PREDICATES
 NOT_SEEN = "no picture shows it"
 NOT_SURE = "not sure"
 BY_RULE = "by the rules, from what is seen"
+UNSEEN = "the rules demand what is not surely seen"
 
 Cells = Mapping[str, Numbers]
 
@@ -79,6 +80,8 @@ class VisionChecker:
             return told
         if self.needs_rules and view.rules is not None and condition.kind == "known":
             value = ruled(condition, view.rules, view.holding, lambda asked: self._verdict(asked, view, looked).value)
+            if value is None and condition.predicate in FALSE_IF_UNSEEN and view.holding.get(condition.args[0]):
+                return Verdict(condition, False, UNSEEN)
             return Verdict(condition, value, NOT_SURE if value is None else BY_RULE)
         question = question_of(condition)
         if question is None:

@@ -118,6 +118,10 @@ def test_what_is_rare_is_put_more_often_and_what_is_unknown_never(tmp_path: Path
     opened = np.array([album.texts[row[1]] == "door_open" for row in album.rows])
     yes = album.rows[:, 4] == 1
     assert fine.all() and share[opened & yes].min() > share[opened & ~yes].max(), "4 are open, 5 are not"
+    rows = album.rows.copy()
+    rows[0, 6] = 0
+    once = shares(replace(album, rows=rows), asked, fine)
+    assert share[0] > once[0] > share[0] / 8, "what is asked at other moments comes between"
     small = type(words)(words.predicates, ("bowl", "fish"))
     assert not codes(album, small)[1][opened].any()
 

@@ -23,7 +23,8 @@ Codes = NDArray[np.int64]
 
 _LONGEST_NAME = 3  # words of a name that are told
 _OFTEN = 0.15  # of the episodes: in as many a name was met often
-_ASKED = 8.0  # times as often as others, questions are put that methods put
+_ASKED, _SOMETIMES = 8.0, 3.0  # times as often as others what methods ask now is put, and what they ask elsewhere
+_SOME = 0.2  # asked as many times as there are episodes times this, or more: it is asked elsewhere
 _MOVED = 4  # pixels, at most
 _LEFT_OUT = 0.2  # of the features of the whole, by chance, while it learns
 _EPSILON = 1e-5  # of batch normalisation, as in torch
@@ -44,8 +45,8 @@ class Recipe:
     asked: int = 96
     hidden: int = 128
     whole: int = 160
-    epochs: int = 16
-    batch: int = 32
+    epochs: int = 20
+    batch: int = 16
     questions: int = 40
     rate: float = 3e-3
     seed: int = 0
@@ -92,12 +93,18 @@ def codes(album: Album, words: Words) -> tuple[Codes, NDArray[np.bool_]]:
 
 
 def shares(album: Album, asked: Codes, fine: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """How often each row is to be put: the rarer its predicate, with where it is asked of and its answer, the more."""
+    """How often each row is to be put: the rarer its predicate, with where it is asked of and its answer, the more.
+
+    What methods ask, and what they ask at other moments, is put more often than what nobody asks.
+    """
     last = np.where(album.rows[:, 3] > 0, album.rows[:, 3], album.rows[:, 2])
     kinds = (asked[:, 0] * len(album.texts) + last) * len(ANSWERS) + answers(album)
     _, kinds = np.unique(kinds, return_inverse=True)
     often = np.bincount(kinds[fine], minlength=kinds.max() + 1).astype(float)
-    share = 1.0 / np.sqrt(np.maximum(often[kinds], 1.0)) * np.where(album.rows[:, 6] == 1, _ASKED, 1.0)
+    _, questions = np.unique(album.rows[:, 1:4], axis=0, return_inverse=True)
+    now = album.rows[:, 6] == 1
+    sometimes = np.bincount(questions.ravel(), now)[questions.ravel()] >= _SOME * len(album.seeds)
+    share = np.select([now, sometimes], [_ASKED, _SOMETIMES], 1.0) / np.sqrt(np.maximum(often[kinds], 1.0))
     return np.where(fine, share, 0.0)
 
 

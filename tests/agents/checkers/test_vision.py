@@ -151,7 +151,10 @@ def test_with_the_rules_it_knows_what_needs_a_vessel_and_sees_whether_there_is_o
     asked, told = condition("no_vessel_needed", "robot_0", "sink"), replace(view, rules=rules)
     nothing_there, there = made((0.0, 9.0, 0.0), rules=True), made((9.0, 0.0, 0.0), rules=True)
     assert values(nothing_there, told, asked, denied(asked)) == [False, True]
-    assert values(there, told, asked) == [True] and values(made((0.0, 0.0, 9.0), rules=True), told, asked) == [None]
+    unsure = made((0.0, 0.0, 9.0), rules=True)
+    assert values(there, told, asked) == [True] and values(unsure, told, asked) == [False]
+    assert values(unsure, replace(told, holding={"robot_0": None}), asked) == [True], "an empty hand needs none"
+    assert values(unsure, replace(told, holding={}), asked) == [None], "who knows what it holds"
     assert values(made((0.0, 9.0, 0.0)), told, asked) == [None], "the rules are for those who declare them"
     assert nothing_there.needs_rules and not nothing_there.needs_truth
 
