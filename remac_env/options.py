@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 from remac_env.errors import OptionError
-from remac_env.option_rows import Choice, Names, Real, Switch, Whole, check_rows, option
+from remac_env.option_rows import Choice, Names, Real, Switch, Whole, Word, check_rows, option
 from remac_env.quoting import quoted
 from remac_env.skill_sources import SCRIPTED, SkillValues
 from remac_env.thinking import ThinkValues
@@ -61,8 +61,8 @@ class Options:
     )  # fmt: skip
     template: str | None = option(
         None, "Template of generated tasks, or from which the seed picks: held out, teams, physics (what physics can "
-        "have too) or physics teams; by default all others."
-    )
+        "have too) or physics teams; by default all others.", Word(),
+    )  # fmt: skip
     quirks: int = option(
         0, "How many facts about its kitchen a generated task has that nobody is told.", Whole(0, MOST_QUIRKS)
     )

@@ -172,6 +172,8 @@ def test_what_a_person_sends_is_as_hostile_as_what_a_model_says(tmp_path: Path) 
         for body in (b"{", b"[" * 60_000, b"\xff", b"null", b'"x"', b"1e999"):
             headers = {**seat.own, "Content-Type": "application/json"}
             assert seat.http.post("/orders", content=body, headers=headers).status_code == 400
+        for number in ("9" * 5_000, "-1", "0", "x", "1.5"):
+            assert seat.http.get(f"/picture/{number}").status_code == 404
         foreign = {"Origin": "http://evil.example"}
         assert seat.http.post("/orders", json={"rows": {"robot_0": ["wait"]}}, headers=foreign).status_code == 403
         assert client(server, known=False).get("/state").status_code == 403

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hmac
+import re
 import secrets
 from collections.abc import Mapping
 from http.cookies import CookieError, SimpleCookie
@@ -15,6 +16,7 @@ HOSTS = ("127.0.0.1", "localhost")
 BODY_MAX = 64 * 1024
 """Bytes of a request at most."""
 
+_SIZE = re.compile(r"[0-9]{1,9}")
 _METHODS = ("GET", "HEAD", "POST")
 _HEADERS = (
     (b"cache-control", b"no-store"),
@@ -82,7 +84,7 @@ class Guard:
             if headers.get("content-type", "").partition(";")[0].strip() != "application/json":
                 return 415, "send JSON"
             size = headers.get("content-length", "")
-            if not size.isdecimal() or int(size) > BODY_MAX:
+            if not _SIZE.fullmatch(size) or int(size) > BODY_MAX:
                 return 413, f"at most {BODY_MAX} bytes, and say how many"
         return None
 

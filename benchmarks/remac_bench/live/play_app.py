@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import threading
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -26,6 +27,7 @@ from remac_bench.pages.text import visible
 from remac_bench.records import Record
 from remac_env.errors import RemacError
 
+_NUMBER = re.compile(r"[0-9]{1,9}")
 _HEADERS = {"content-security-policy": "default-src 'none'"}
 
 
@@ -44,7 +46,7 @@ class Play:
         routes = [
             Route("/", self.page),
             Route("/state", self.state),
-            Route("/picture/{number:int}", self.picture),
+            Route("/picture/{number}", self.picture),
             Route("/orders", self.orders, methods=["POST"]),
             Mount("/", app=View(self._folder).app),
         ]
@@ -74,7 +76,8 @@ class Play:
 
     def picture(self, request: Request) -> Response:
         """The kitchen after a round."""
-        data = self.table.picture(request.path_params["number"])
+        number = request.path_params["number"]
+        data = self.table.picture(int(number)) if _NUMBER.fullmatch(number) else None
         if data is None:
             return PlainTextResponse("not here\n", status_code=404)
         return Response(data, media_type="image/jpeg", headers=_HEADERS)
