@@ -353,6 +353,19 @@ def test_a_forgery_is_found(honest: Path, tmp_path: Path, name: str, replays: No
     assert verify(copy).findings, name
 
 
+def test_jobs_that_no_suite_has_are_not_played(honest: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They could be made to take for ever; that they are on no list is enough."""
+    def endless(lines: Lines) -> None:
+        for record in lines:
+            record["options"]["kitchen"]["max_rounds"] = 1_000
+        _rekey(lines)
+
+    monkeypatch.setattr("remac_bench.proof.again.play_job", lambda *given: pytest.fail("played"))
+    verdict = verify(forged(honest, tmp_path / "copy", endless))
+    assert verdict.jobs == 0 and {f.told for f in verdict.findings} >= {"not on the list of suite small"}
+    assert remac("bench", "verify", str(tmp_path / "copy")).exit_code == 1
+
+
 def test_at_least_twenty_five_ways() -> None:
     assert len(FORGERIES) >= 25
 

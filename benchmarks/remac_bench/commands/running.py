@@ -75,7 +75,7 @@ def verify_command(
     find_local_modules()
     load_extensions(extensions or ())
     verdict = verify(folder, sample=sample, seed=seed, cassette=cassette, providers=providers)
-    if not verdict.jobs:
+    if not (verdict.jobs or verdict.findings):
         raise UsageError(f"no finished jobs in {folder!r}; give the --out of a `remac bench run`")
     screen = console()
     for strange in verdict.strange:

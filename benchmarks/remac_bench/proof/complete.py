@@ -15,6 +15,9 @@ from remac_bench.records import Record
 from remac_bench.suites import Suite, load, names
 from remac_env.errors import RemacError
 
+NOT_LISTED = "not on the list of suite"
+"""Such jobs are not played again."""
+
 Told = tuple[str, str]
 """A job's key and what is wrong with it."""
 
@@ -74,7 +77,7 @@ def _check_list(suite: Suite, records: Sequence[Record], providers: str | None) 
         return
     for key in first:
         if key not in expected:
-            yield key, f"not on the list of suite {suite.name}"
+            yield key, f"{NOT_LISTED} {suite.name}"
     for key, job in expected.items():
         if key not in scored:
             yield key, f"no score of {job.label}, {job.task}, seed {job.seed}, which suite {suite.name} plays"
