@@ -68,6 +68,5 @@ def test_what_is_no_body_is_refused(low: Panda) -> None:
     broken.speed = np.ones(3)
     with pytest.raises(OptionError, match=r"speed of body 'broken' has the shape \(3,\); valid: \(11,\)"):
         bodies.register_body(broken)
-    env = remac_env.parallel_env("OpenCabinetPnP", backend="symbolic", body="octopus")
     with pytest.raises(UnknownNameError, match="octopus.*panda"):
-        env.reset(seed=0)
+        remac_env.parallel_env("OpenCabinetPnP", backend="symbolic", body="octopus")
