@@ -53,6 +53,7 @@ def test_what_has_no_head_stands_before_what_comes_next() -> None:
     assert lines == ["", "ok What: opencv-python-headless", "Here: 5.0", "", "- both"]
 
 
+@pytest.mark.long  # looks for a graphics driver
 def test_doctor_fits_into_eighty_columns_as_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     told = CliRunner().invoke(app, ["doctor"]).output
