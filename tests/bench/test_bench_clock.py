@@ -196,7 +196,9 @@ def thinks(tokens: int, seconds: float) -> Act:
     return act
 
 
-@pytest.mark.parametrize("think", ["tokens:10", *(pytest.param(each, marks=pytest.mark.long) for each in ("tokens:300", "recorded"))])
+@pytest.mark.parametrize(
+    "think", ["tokens:10", *(pytest.param(each, marks=pytest.mark.long) for each in ("tokens:300", "recorded"))]
+)
 def test_what_a_model_wrote_and_took_is_what_its_commands_cost(
     think: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
