@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TypeVar
 
 from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from remac_bench.console import console
+
+T = TypeVar("T")
 
 _AROUND = 3  # letters between the texts of two columns: a blank on each side, and a line
 
@@ -43,6 +46,26 @@ def laid_out(table: Table, width: int) -> list[RenderableType]:
         column.width = one + min(room, most - one)
         room -= column.width - one
     return [table]
+
+
+def in_parts(columns: Sequence[tuple[T, int]], room: int) -> list[list[T]]:
+    """Columns, each with its width, in as few parts as fit into so much room, and all about as wide."""
+    parts = _filled(columns, room)
+    while room > 0 and len(narrower := _filled(columns, room - 1)) == len(parts):
+        parts, room = narrower, room - 1
+    return parts
+
+
+def _filled(columns: Sequence[tuple[T, int]], room: int) -> list[list[T]]:
+    """One after the other; what is wider has a part of its own."""
+    parts, left = [list[T]()], room
+    for column, width in columns:
+        left -= width
+        if left < 0 and parts[-1]:
+            parts.append([])
+            left = room - width
+        parts[-1].append(column)
+    return parts
 
 
 def _lists(table: Table, heads: Sequence[str], columns: Sequence[Sequence[str]]) -> Iterator[Text]:

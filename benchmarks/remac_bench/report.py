@@ -18,6 +18,7 @@ from remac_bench import judging
 from remac_bench.blame.labels import Blame
 from remac_bench.blame.sheet import read_blames
 from remac_bench.board import Board, Cell, Column, Sheet
+from remac_bench.columns import in_parts
 from remac_bench.console import plain
 from remac_bench.errors import UsageError
 from remac_bench.judging.checkers import with_checkers
@@ -232,15 +233,8 @@ def _tables(sheet: Sheet, columns: Sequence[Column], across: int) -> list[Table]
 def _parts(sheet: Sheet, used: Sequence[Column], across: int) -> list[tuple[Column, ...]]:
     """The columns in parts, each with the first words."""
     front = tuple(itertools.takewhile(lambda column: not column.numeric, used))
-    room = left = across - sum(_width(sheet, column) for column in front)
-    parts: list[list[Column]] = [[]]
-    for column in used[len(front) :]:
-        left -= _width(sheet, column)
-        if left < 0 and parts[-1]:
-            parts.append([])
-            left = room - _width(sheet, column)
-        parts[-1].append(column)
-    return [(*front, *part) for part in parts]
+    rest, room = used[len(front) :], across - sum(_width(sheet, column) for column in front)
+    return [(*front, *part) for part in in_parts([(column, _width(sheet, column)) for column in rest], room)]
 
 
 def _width(sheet: Sheet, column: Column) -> int:

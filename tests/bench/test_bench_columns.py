@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from remac_bench.cli import app
-from remac_bench.columns import laid_out
+from remac_bench.columns import in_parts, laid_out
 from remac_bench.commands.tasks import list_tasks
 from rich import box
 from rich.console import Console
@@ -51,6 +51,13 @@ def test_what_has_no_head_stands_before_what_comes_next() -> None:
     made.add_row("-", "", "[dim]both[/dim]", "")
     lines = [line.rstrip() for line in printed(made, 40)]
     assert lines == ["", "ok What: opencv-python-headless", "Here: 5.0", "", "- both"]
+
+
+def test_parts_are_few_and_about_as_wide() -> None:
+    numbers = [(name, 10) for name in "abcdefgh"]
+    assert in_parts(numbers, 75) == [list("abcd"), list("efgh")]  # and no column alone on its line
+    assert in_parts(numbers, 80) == [list("abcdefgh")] and in_parts([], 80) == [[]]
+    assert in_parts([("a", 5), ("wide", 90), ("b", 5)], 80) == [["a"], ["wide"], ["b"]]
 
 
 @pytest.mark.long  # looks for a graphics driver
