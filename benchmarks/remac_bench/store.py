@@ -74,13 +74,20 @@ class Store:
         """
         if not self.path.exists():
             return []
-        whole, torn = _split(self.path.read_bytes())
+        whole, torn = _split(self._bytes())
         lines = [*whole, torn] if _is_record(torn) else whole
         return [_parse(line, f"{self.path}, line {number}") for number, line in enumerate(lines, start=1)]
 
+    def _bytes(self) -> bytes:
+        try:
+            return self.path.read_bytes()
+        except OSError as error:
+            why = error.strerror or str(error)
+            raise RecordFileError(f"{self.path} cannot be read: {why}; valid: a file of records") from error
+
     def raw_lines(self) -> list[bytes]:
         """The lines as they stand in the file, the torn last one too."""
-        whole, torn = _split(self.path.read_bytes()) if self.path.exists() else ([], b"")
+        whole, torn = _split(self._bytes()) if self.path.exists() else ([], b"")
         return [*whole, torn] if torn else whole
 
     @property
@@ -111,7 +118,7 @@ class Store:
         """Cut off a torn last line; returns the bytes cut. A record that only lacks its end gets it."""
         if not self.path.exists():
             return 0
-        data = self.path.read_bytes()
+        data = self._bytes()
         _, torn = _split(data)
         if not torn:
             return 0

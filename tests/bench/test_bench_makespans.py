@@ -11,6 +11,7 @@ from typing import Any
 import makespans
 import pytest
 import typer
+from test_bench_cli import remac
 
 import remac_env
 from remac_env.events.makespan import Makespan, makespan
@@ -64,6 +65,20 @@ def test_episode_and_table_say_how_they_stand(found: bool, tmp_path: Path, capsy
     makespans.main(**TASK, by=planner(tmp_path, text), validate=validate, states=2000)  # type: ignore[arg-type]
     row = next(line for line in capsys.readouterr().out.splitlines() if "of the same problem" in line)
     assert ("the same  " if found else "no plan in its time") in row and "not valid" in row
+
+
+@pytest.mark.parametrize("plan", [b"", None, b"\xff"], ids=["empty", "none", "no text"])
+def test_a_plan_that_cannot_be_read_is_refused_before_anything_is_written(plan: bytes | None, tmp_path: Path) -> None:
+    path, out = tmp_path / "plan", tmp_path / "out"
+    if plan is not None:
+        path.write_bytes(plan)
+    command = ("pddl", "--task", "HeatOnStove", "--seed", "1", "--out", str(out), "--plan", str(path))
+    result = remac(*command)
+    if plan == b"":
+        assert result.exit_code == 0, result.output
+    else:
+        assert (result.exit_code, result.output.count("\n")) == (2, 1) and "valid: " in result.output
+        assert not out.exists()
 
 
 def test_each_difference_is_told_apart() -> None:

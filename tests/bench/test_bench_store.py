@@ -81,6 +81,13 @@ def test_a_foreign_line_in_the_middle_is_named(tmp_path: Path, line: bytes) -> N
         store.read()
 
 
+def test_records_that_are_a_folder_are_named(tmp_path: Path) -> None:
+    (tmp_path / "records.jsonl").mkdir()
+    for read in (Store(tmp_path).lines, Store(tmp_path).raw_lines, Store(tmp_path).repair):
+        with pytest.raises(RecordFileError, match="cannot be read: Is a directory; valid"):
+            read()
+
+
 def test_records_of_a_later_version_are_refused_and_added_fields_are_not(tmp_path: Path) -> None:
     store = Store(tmp_path)
     line = record().line()

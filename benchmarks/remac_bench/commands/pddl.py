@@ -7,8 +7,10 @@ from typing import Any
 
 import typer
 
+from remac_bench.errors import UsageError
 from remac_bench.flags import takes
 from remac_env.files import prepare_folder, read_text
+from remac_env.quoting import quoted, words
 
 
 @takes(
@@ -31,6 +33,7 @@ def pddl(
     env = remac_env.parallel_env(task, **kitchen, backend="symbolic", clock="events")
     env.reset(seed=seed)
     scene, world, goal = env.start.scene, env.world, env.goal
+    steps = None if plan is None else read_plan(_text(plan), scene)
     problem = write_problem(scene, world, goal, level=level)
     texts = {"domain": write_domain(scene, level=level, relaxed=True), "problem": problem}
     folder = prepare_folder(out, "out")
@@ -39,9 +42,16 @@ def pddl(
         typer.echo(str(folder / f"{name}.pddl"))
     if left_out := unsaid(scene):
         typer.echo(f"not said by the domain, so that a plan may let it happen: {', '.join(left_out)}")
-    if plan is not None:
-        played = play_plan(env, read_plan(read_text(plan), scene), seed=seed)
+    if steps is not None:
+        played = play_plan(env, steps, seed=seed)
         ended = "reaches the goal" if played.success else "does not reach the goal"
         typer.echo(f"the plan {ended}, after {played.seconds:g} s")
         for told in played.failed:
             typer.echo(f"failed: {told}")
+
+
+def _text(plan: Path) -> str:
+    try:
+        return read_text(plan)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"plan {quoted(str(plan))} cannot be read: {words(error)}; valid: a planner's plan") from error
