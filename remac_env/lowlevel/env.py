@@ -142,7 +142,7 @@ class SkillEnv(gymnasium.Env[Any, Any]):
     def _checked(self, action: Any) -> NDArray[np.float32]:
         try:
             values = np.asarray(action, np.float32)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             valid = f"valid: {len(self.action_names)} numbers"
             raise ActionError(f"action {quoted(action)} is not valid; {valid}") from error
         if values.shape != self.action_space.shape:

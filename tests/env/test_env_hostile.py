@@ -59,6 +59,17 @@ def test_playing_as_others_do() -> None:
     meet(turns.step, about="robot_0", values=NEVER)
 
 
+@pytest.mark.long
+def test_one_skill() -> None:
+    from remac_env.lowlevel.env import SkillEnv
+
+    meet(lambda value: SkillEnv(value), about="skill")
+    env = SkillEnv("OpenDoor")
+    env.reset(seed=1)
+    meet(env.step, about="action")
+    meet(lambda value: env.reset(seed=value), about="seed", values=NEVER)
+
+
 def mine(**fields: Any) -> TaskSpec:
     """A task of one's own."""
     told: dict[str, Any] = {
