@@ -256,7 +256,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
 
     def _look(self, robot: str, cameras: Sequence[str] = USUAL_CAMERAS) -> dict[str, NDArray[np.uint8]]:
         """What these cameras of a robot show now."""
-        return self._pictures.observe(self._moment(), robot, size=self.options.image_size, cameras=cameras)
+        size, unseen = self.options.image_size, self._running().unseen
+        return self._pictures.observe(self._moment(), robot, size=size, cameras=cameras, unseen=unseen)
 
     def _film(self) -> None:
         """Called by the backend once a control period, and after each round: the symbolic one has no periods."""

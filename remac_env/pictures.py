@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from remac_env.errors import LifecycleError, RenderingError
 from remac_env.kitchen.worlds import TaskWorlds
-from remac_env.rendering.video import MAX_FRAMES, Sampler, prepare, spread
+from remac_env.rendering.video import FPS, MAX_FRAMES, STILLS, Sampler, prepare, spread
 from remac_env.rules.facts import Process
 from remac_env.simulator import load_mujoco, load_opencv
 from remac_env.start import Start
@@ -73,9 +73,12 @@ class Pictures:
             return None
         return bytes(data.tobytes())
 
-    def observe(self, moment: Moment, robot: str, *, size: int, cameras: Collection[str]) -> dict[str, Picture]:
-        """The pictures of these cameras (`options.CAMERAS`) of one robot, uint8 (size, size, 3)."""
-        return self._stage(moment).observe(robot, moment.world, size=size, cameras=cameras)
+    def observe(
+        self, moment: Moment, robot: str, *, size: int, cameras: Collection[str], unseen: frozenset[str] = frozenset()
+    ) -> dict[str, Picture]:
+        """The pictures of these cameras (`options.CAMERAS`) of one robot, uint8 (size, size, 3), without what nobody on
+        its team has seen."""
+        return self._stage(moment).observe(robot, moment.world, size=size, cameras=cameras, unseen=unseen)
 
     def record(self) -> None:
         """From now on keep moments."""
@@ -102,7 +105,8 @@ class Pictures:
         chosen = [self._tape.frames[index] for index in spread(len(self._tape.frames))]
         seen = [self._stage(moment).at_work() for moment in chosen]
         aimed = self._stage(chosen[-1]).aimed(seen)
-        return video.write(path, (self._stage(moment).work(at) for moment, at in zip(chosen, aimed, strict=True)))
+        drawn = (self._stage(moment).work(at) for moment, at in zip(chosen, aimed, strict=True))
+        return video.write(path, drawn, fps=_pace(chosen))
 
     def work(self, moment: Moment, *, whole: bool) -> Picture:
         """The robots at work, uint8 (648, 768, 3): see `rendering.stage.Stage.work`."""
@@ -110,8 +114,6 @@ class Pictures:
 
     def begins(self, rounds: int) -> list[float]:
         """When each of this many rounds begins in the video that `save` draws, seconds from its beginning."""
-        from remac_env.rendering.video import FPS
-
         moments = self._tape.frames if self._tape is not None else ()
         shown = [moments[index].round for index in spread(len(moments))]
         if not shown:
@@ -121,7 +123,7 @@ class Pictures:
             next((index for index, over in enumerate(shown) if over >= number), len(shown) - 1)
             for number in range(rounds)
         )
-        return [round(index / FPS, 3) for index in firsts]
+        return [round(index / _pace(moments), 3) for index in firsts]
 
     def close(self) -> None:
         """Free renderers and window. May be called twice."""
@@ -156,6 +158,11 @@ class Pictures:
             self._shown.show_positions(moment.positions, moment.world, moment.slow)
         self._posed = moment
         return self._shown
+
+
+def _pace(moments: Sequence[Moment]) -> float:
+    """Frames a second of a video of these moments."""
+    return STILLS if all(moment.positions is None for moment in moments) else FPS
 
 
 def _looks_alike(one: Moment, other: Moment) -> bool:

@@ -18,7 +18,7 @@ Fronts = tuple[str, str]
 """How doors and drawers are made: a name of style.PANELS, and one of style.PULLS."""
 
 COLLIDER_GROUP, DRAWN_GROUP = 3, 1
-FINE_GROUP, COARSE_GROUP = 2, 4
+FINE_GROUP, COARSE_GROUP, HIDDEN_GROUP = 2, 4, 5
 """Boards and bars are there twice: fine for large pictures, coarse for small ones. MuJoCo's viewer hides group 4."""
 DRAWN_GROUPS = (DRAWN_GROUP, FINE_GROUP, COARSE_GROUP)
 SWITCHED = "/glow_"

@@ -8,13 +8,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from remac_env.kitchen.canvas import HIDDEN_GROUP
 from remac_env.kitchen.lights import BACKDROP
 from remac_env.rendering.signs import SIGN
 
 Floats = NDArray[np.float64]
 
 _NO_COLOR = np.array([0.5, 0.5, 0.5, 1.0], dtype=np.float32)  # MuJoCo's default, overruled by a material
-_HIDDEN_GROUP = mujoco.mjNGROUP - 1
 _OPAQUE = 0.99
 _PASSES = 3  # an opaque object behind two panes of glass or water is still seen
 _PASSES_OF_SIGNS = 8  # the same behind steam, where things take their time
@@ -70,7 +70,7 @@ class RayPainter:
         count, groups = len(directions), self._model.geom_group
         geoms, distances, normals = np.full(count, -1, np.int32), np.zeros(count), np.zeros(3 * count)
         before = groups.copy()
-        groups[hidden] = _HIDDEN_GROUP
+        groups[hidden] = HIDDEN_GROUP
         try:
             mujoco.mj_multiRay(
                 self._model, data, origin, directions.ravel(), self._groups, 1, -1, geoms, distances, normals, count,

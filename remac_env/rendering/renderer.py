@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.errors import OptionError, RenderingError, check_choice
-from remac_env.kitchen.canvas import COARSE_GROUP, DRAWN_GROUP, FINE_GROUP
+from remac_env.kitchen.canvas import COARSE_GROUP, DRAWN_GROUP, FINE_GROUP, HIDDEN_GROUP
 from remac_env.quoting import quoted
 from remac_env.rendering import contexts, gl
 from remac_env.rendering.rays import RayPainter
@@ -24,7 +24,6 @@ Backend = Literal["auto", "gl", "rays"]
 BACKENDS: tuple[Backend, ...] = ("auto", "gl", "rays")
 
 _LARGEST = 4096  # pixels on a side: beyond this, software drivers refuse the buffer
-_HIDDEN_GROUP = mujoco.mjNGROUP - 1
 
 
 @dataclass(frozen=True)
@@ -259,7 +258,7 @@ class _GlPainter:
             return
         groups = self._model.geom_group
         before = groups.copy()
-        groups[out_of_view(self._model, data, camera, self._size[0] / self._size[1])] = _HIDDEN_GROUP
+        groups[out_of_view(self._model, data, camera, self._size[0] / self._size[1])] = HIDDEN_GROUP
         try:
             yield
         finally:

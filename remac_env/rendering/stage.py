@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import mujoco
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.builder import build_spec, show_switches
+from remac_env.kitchen.canvas import HIDDEN_GROUP
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.drawing import show_seasoned, show_stains
@@ -41,8 +43,8 @@ SMALL = 256
 """Pixels on a side up to which observation images are drawn with few triangles."""
 
 Picture = NDArray[np.uint8]
-Shot = tuple[str, int, int, Quality]
-"""A camera, the width and height of its picture, and its quality."""
+Shot = tuple[str, int, int, Quality, frozenset[str]]
+"""A camera, the width and height of its picture, its quality, and the objects that are left out."""
 
 
 class Stage:
@@ -73,6 +75,7 @@ class Stage:
         self._data = mujoco.MjData(self._model)
         self._state: tuple[Mapping[str, FixtureState], Mapping[str, ObjectState]] | None = None  # that is shown
         self._renderers: dict[tuple[int, int, Quality], Renderer] = {}
+        self._left_out: frozenset[str] = frozenset()
         self._drawn: dict[Shot, Picture] = {}  # of the present pose: robots share the view of the whole kitchen
 
     def show_positions(self, positions: NDArray[np.float64], world: WorldState, slow: Slow = NOTHING) -> None:
@@ -135,16 +138,20 @@ class Stage:
         window.show(self._model, self._data, WIDE)
 
     def observe(
-        self, robot: str, world: WorldState, *, size: int, cameras: Collection[str] = ("front", "wrist", "side")
+        self, robot: str, world: WorldState, *, size: int, cameras: Collection[str] = ("front", "wrist", "side"),
+        unseen: frozenset[str] = frozenset(),
     ) -> dict[str, Picture]:
         """The robot's pictures, uint8 (size, size, 3): the kitchen, from its hand, and of its station.
+
+        `unseen` objects are left out: a window of an oven or microwave would show them.
 
         "side" is of its hand and its station while it holds something, "station" of its station whatever it holds;
         both are of the whole kitchen while it is away from all stations, "side" with an empty hand.
         """
         quality = OBSERVATION if size <= SMALL else NEAR
         every = _cameras(robot, world)
-        return {name: self._render(every[name], (size, size), quality) for name in cameras}
+        with self._without(unseen):
+            return {name: self._render(every[name], (size, size), quality) for name in cameras}
 
     def shown(self, robot: str, world: WorldState, camera: str, *, size: int) -> dict[str, int]:
         """How many pixels of each body are seen in one of the robot's pictures, where any are: body -> pixels."""
@@ -164,8 +171,23 @@ class Stage:
         self._renderers.clear()
         self._drawn.clear()
 
+    @contextmanager
+    def _without(self, objects: frozenset[str]) -> Iterator[None]:
+        """Leave objects out of the pictures that are drawn meanwhile."""
+        if not objects:
+            yield
+            return
+        groups = self._model.geom_group
+        before = groups.copy()
+        groups[np.isin(self._model.geom_bodyid, [self._model.body(name).id for name in objects])] = HIDDEN_GROUP
+        self._left_out = objects
+        try:
+            yield
+        finally:
+            groups[:], self._left_out = before, frozenset()
+
     def _render(self, camera: str, size: tuple[int, int], quality: Quality) -> Picture:
-        shot: Shot = (camera, *size, quality)
+        shot: Shot = (camera, *size, quality, self._left_out)
         if shot not in self._drawn:
             self._drawn[shot] = self._renderer(size, quality).render(self._data, camera).copy()
         return self._drawn[shot].copy()

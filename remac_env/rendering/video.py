@@ -21,7 +21,7 @@ Picture = NDArray[np.uint8]
 Moment = TypeVar("Moment")
 
 MAX_FRAMES = 150
-"""Frames of the longest video: ten seconds at 15 a second, 2 to 10 MB."""
+"""Frames of the longest video: ten seconds at 15 a second (50 of stills), 2 to 10 MB."""
 
 
 class Sampler(Generic[Moment]):
@@ -61,6 +61,9 @@ class Sampler(Generic[Moment]):
 
 FPS = 15.0
 """Frames a second of a video."""
+
+STILLS = 3.0
+"""The same where nothing moves from one to the next, as in the symbolic backend: long enough to be looked at."""
 
 
 def spread(count: int, limit: int = MAX_FRAMES) -> NDArray[np.int64]:

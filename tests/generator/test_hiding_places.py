@@ -92,3 +92,20 @@ def test_who_knows_everything_is_told() -> None:
     specs, robots = drawn("fruit stowed")
     full = {store: replace(spec, knowledge="full") for store, spec in specs.items()}
     assert len(full) > 1 and tell_apart(full, robots, CLOCKS[0], "") == "at once"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("knowledge", ["seen", "full"])
+def test_no_window_shows_what_is_behind_it(knowledge: str) -> None:
+    """An oven and a microwave have one; who knows everything may look through it."""
+    template = {"template": "fruit on the counter", "knowledge": "seen"}
+    made = (remac_env.generate(1, seed, **template) for seed in range(197000, 197009))
+    specs = next(found for spec in made if {"oven", "microwave"} <= (found := hiding(spec, 1)).keys())
+    looks: dict[str, Any] = {"obs": "state+images", "image_size": 256, "cameras": "front,station"}
+    envs = [kitchen(replace(spec, knowledge=knowledge), robots=1, **looks) for spec in specs.values()]
+    shown = [[env.reset(seed=0)[0] for env in envs]]
+    for text in ("navigate to oven", "navigate to microwave"):
+        shown += [[env.step({"robot_0": env.vocabulary.encode(text)})[0] for env in envs]]
+    pictures = [[seen["robot_0"][camera] for seen in each] for each in shown for camera in ("front", "station")]
+    alike = [all((picture == first).all() for picture in others) for first, *others in pictures]
+    assert all(alike) is (knowledge == "seen")
