@@ -137,6 +137,27 @@ def test_a_policy_that_goes_on_when_all_is_done_is_ended_once_its_hand_is_empty(
     assert len(commands) in (12 * CHUNK, controller.LONGEST)
 
 
+@pytest.mark.parametrize(("noun", "away", "held"), [
+    ("pan", 0.20, True), ("pan", 0.35, False), ("bowl", 0.12, True), ("vegetable", 0.02, True),
+    ("vegetable", 0.20, False),
+])  # fmt: skip
+def test_an_object_is_in_the_hand_as_far_off_as_it_is_grasped(noun: str, away: float, held: bool) -> None:
+    ready, backend = get_ready({}, SKILLS["pick up"], noun, 3, style=None, layout="one_wall_large")
+    real = backend.by_hand(ROBOT, ready.subtask).sensing
+    lay = real.pose(noun)
+    hand = replace(lay, position=lay.position + [away, 0.0, 0.0])
+    body = SimpleNamespace(opening=0.02, commanded_opening=0.0, grip=hand)
+    sensing: Any = SimpleNamespace(
+        body=body, objects=real.objects, layout=real.layout, station=real.station, goal=None, told=real.told,
+        name=ROBOT, pose=lambda name: lay,
+    )  # fmt: skip
+    aim = aim_of(ready.subtask, sensing)
+    assert (aim.done() > 0.0) == held and not aim.over()
+    lay = replace(lay, position=lay.position + [0.0, 0.0, 0.11])
+    body.grip = replace(hand, position=hand.position + [0.0, 0.0, 0.11])
+    assert aim.over() == held, "once it has risen"
+
+
 def test_putting_down_is_over_once_the_hand_is_empty_and_clear_wherever_the_object_lies() -> None:
     ready, backend = get_ready({}, SKILLS["place to"], "plate", 3, style="modern_1", layout="one_wall_large")
     manual = backend.by_hand(ROBOT, ready.subtask)

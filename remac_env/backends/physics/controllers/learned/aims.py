@@ -25,6 +25,7 @@ _RISE = 0.10  # m that an object is lifted once it is picked up for certain
 _ROLLED = 0.05  # m by which an object that was missed lies higher or lower at most; else it has fallen
 _HELD_PART = 0.5  # of picking up that is done once the hand holds the object
 _IN_HAND = 0.15  # m between the hand and the frame of what it holds, at most
+_HELD_OFF = 0.06  # m by which a hand holds it at most from where it is to be grasped, where that is further off
 _THERE = 0.08  # m from its spot at which an object has been put there
 
 
@@ -176,7 +177,8 @@ class _Taken(_Object):
 
     def __init__(self, sensing: Sensing, stand: Stand, name: str) -> None:
         super().__init__(sensing, stand, name)
-        self._lay = float(sensing.pose(name).position[2])
+        self._lay, grasp = float(sensing.pose(name).position[2]), self._kind.grasp
+        self._within = max(_IN_HAND, math.hypot(max(grasp.reach, default=0.0), grasp.height) + _HELD_OFF)
 
     def missed(self) -> bool:
         """Where the hand is empty, and it lies about as high as it did."""
@@ -189,7 +191,7 @@ class _Taken(_Object):
     def done(self) -> float:
         """Half once it is held, the rest as it rises."""
         body, at = self._sensing.body, self._sensing.pose(self._name).position
-        if not feels(body) or np.linalg.norm(at - body.grip.position) > _IN_HAND:
+        if not feels(body) or np.linalg.norm(at - body.grip.position) > self._within:
             return 0.0
         return _HELD_PART + (1.0 - _HELD_PART) * float(np.clip((at[2] - self._lay) / _RISE, 0.0, 1.0))
 
