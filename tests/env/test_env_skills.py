@@ -137,20 +137,25 @@ def test_the_packages_own_weights_are_small_whole_and_measured() -> None:
 def test_it_is_told_in_which_cases_things_are_handled_by_what_was_learned() -> None:
     env = remac_env.parallel_env(TASK, robots=1, skills="learned")
     assert env.skill_cases == {
-        "pick up": ["food on surface"], "place to": ["food in vessel on surface", "food on surface"],
+        "pick up": ["food on surface", "vessel on surface"],
+        "place to": [
+            *("food in vessel on basin", "food in vessel on burner", "food in vessel on surface", "food on surface"),
+            *("vessel on basin", "vessel on burner"),
+        ],
     }  # fmt: skip
     assert remac_env.parallel_env(TASK, robots=1).skill_cases == {}
 
 
 @pytest.mark.long
-def test_the_packages_own_skills_take_food_and_put_it_down() -> None:
+def test_the_packages_own_skills_take_pan_and_food_and_put_them_down() -> None:
     env = remac_env.parallel_env("HeatOnStove", robots=1, skills="learned")
     done = 0
     for seed in range(4):
         env.reset(seed=seed)
-        for text in ("navigate to vegetable", "pick up vegetable", "navigate to pan", "place to pan"):
-            *_, infos = env.step({"robot_0": env.vocabulary.encode(text)})
-        done += env.world.objects["vegetable"].place.where == "pan"
+        for thing, place in (("pan", "stove"), ("vegetable", "pan")):
+            for text in (f"navigate to {thing}", f"pick up {thing}", f"navigate to {place}", f"place to {place}"):
+                env.step({"robot_0": env.vocabulary.encode(text)})
+        done += env.world.objects["vegetable"].place.where == "pan" and "stove" in env.world.objects["pan"].place.where
     assert done >= 3
     env.close()
 
