@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 from typing import Any
@@ -26,6 +27,7 @@ from remac_env.kitchen.layout_checks import world_blocks
 from remac_env.lowlevel.starts import ROBOT, get_ready
 from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import Subtask
 
 BODY = bodies.get()
 PLAN = "g_shaped_small"
@@ -118,6 +120,15 @@ def test_drives_are_learned_from_the_way_alone_and_other_skills_from_all_that_is
     assert {"base_x", "base_yaw_cos", "hand_x", "target_x", "range_0", "skill_navigate_to"} <= blind
     assert not {"joint1", "torso", "opening", "corner0_far", "corner2_turn"} & blind
     assert not any(overlooked(skill) for skill in SKILLS.values() if skill.target != "none" and not skill.moves)
+
+
+def test_drives_with_something_in_the_hand_stay_scripted_as_none_was_shown() -> None:
+    ready, backend = get_ready({}, SKILLS["place to"], "plate", 3, style="modern_1", layout="one_wall_large")
+    learned, drive = Learned(read_weights(SHIPPED / file_name("navigate to"))), Subtask("navigate to", "sink")
+    sensing = backend.by_hand(ROBOT, ready.subtask).sensing
+    assert sensing.told.robots[ROBOT].holding is not None and not learned.covers(drive, sensing)
+    told = sensing.told.with_robot(ROBOT, holding=None)
+    assert learned.covers(drive, replace(sensing, told=told))
 
 
 @pytest.mark.long

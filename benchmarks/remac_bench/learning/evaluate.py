@@ -17,8 +17,6 @@ from remac_env.lowlevel.starts import ROBOT, get_ready
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.skills import SKILLS
 
-ANYTHING = "anything"
-
 
 @dataclass(frozen=True)
 class Trial:
@@ -32,8 +30,8 @@ class Trial:
 
     @property
     def what(self) -> str:
-        """By what tries are sorted: the case, where there is one, else the target; drives are all of one kind."""
-        return ANYTHING if SKILLS[self.skill].moves else self.case or self.target
+        """By what tries are sorted: the case, where there is one, else the target."""
+        return self.case or self.target
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,10 @@ from remac_env.rules.subtasks import Subtask
 from remac_env.state import Place, WorldState
 
 NONE = ""
-"""The case of a skill that takes and puts nothing."""
+"""The case of a skill that moves nothing but doors and switches."""
+
+EMPTY_HANDED, CARRYING = "empty-handed", "carrying"
+"""The cases of drives."""
 
 
 def case_of(
@@ -23,6 +26,8 @@ def case_of(
     "food" fits into a dish, "object" is neither food nor vessel; the place is told by the kind of its slot.
     """
     row = subtask.row
+    if row.moves:
+        return EMPTY_HANDED if world.robots[robot].holding is None else CARRYING
     if not (row.takes or row.puts):
         return NONE
     handled = subtask.target if row.takes else world.robots[robot].holding
