@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from remac_env.errors import OptionError
-from remac_env.quoting import quoted, words
+from remac_env.quoting import PATH, quoted, words
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8"),
@@ -80,5 +80,5 @@ def prepare_folder(path: str | os.PathLike[str], what: str) -> Path:
 
 def _refused(what: str, path: object, error: Exception) -> OptionError:
     why = getattr(error, "strerror", None) or words(error)
-    given = quoted(os.fspath(path))  # type: ignore[call-overload]
+    given = quoted(os.fspath(path), PATH)  # type: ignore[call-overload]
     return OptionError(f"{what} {given} cannot be written: {why}; valid: a path where files can be made")

@@ -6,6 +6,10 @@ SHOWN = 80
 """Characters of a value that an error quotes."""
 
 
+PATH = 1_000
+"""The same of a path: its end says most."""
+
+
 def printable(text: str) -> str:
     """The text with halves of surrogate pairs, which no file takes, as escapes; an own copy of a subclass's text."""
     return str.__str__(text).encode("utf-8", "backslashreplace").decode()

@@ -11,9 +11,12 @@ SCHEMA = 1
 
 
 class Model(BaseModel):
-    """Unknown fields are ignored, so that records of a later version with added fields stay readable."""
+    """Unknown fields are ignored, so that records of a later version with added fields stay readable. Numbers are
+    finite: one that is none cannot be counted, drawn or compared."""
 
-    model_config = ConfigDict(frozen=True, extra="ignore", populate_by_name=True, protected_namespaces=())
+    model_config = ConfigDict(
+        frozen=True, extra="ignore", populate_by_name=True, protected_namespaces=(), allow_inf_nan=False
+    )
 
 
 class OutcomeEntry(Model):

@@ -17,7 +17,7 @@ from typing import IO, Any, Literal
 from remac_agents.llm.outcomes import KINDS, Bill, ChatError, ChatReply
 from remac_agents.llm.redaction import plain
 from remac_agents.llm.request import digest
-from remac_agents.text.printable import quoted, words
+from remac_agents.text.printable import PATH, quoted, words
 from remac_env.errors import OptionError, check_choice
 from remac_env.files import unmarked
 from remac_env.locks import lock, unlock
@@ -65,7 +65,7 @@ class Cassette:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
                 self.path.open("ab").close()
         except (OSError, ValueError) as error:
-            told = f"cassette {quoted(str(self.path))}: {words(error)[:200]}"
+            told = f"cassette {quoted(str(self.path), PATH)}: {words(error)[:200]}"
             raise OptionError(f"{told}; valid: a file of recorded exchanges") from error
 
     def __repr__(self) -> str:

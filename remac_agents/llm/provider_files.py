@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from remac_agents.llm.providers import Catalogue, Model, Provider
-from remac_agents.text.printable import quoted, words
+from remac_agents.text.printable import PATH, quoted, words
 from remac_env.errors import OptionError
 from remac_env.files import read_text
 
@@ -55,7 +55,7 @@ def _text(file: Path | str) -> str:
     try:
         return read_text(file)
     except (OSError, ValueError) as error:
-        told = f"providers {quoted(str(file))} cannot be read: {words(error)[:200]}"
+        told = f"providers {quoted(str(file), PATH)} cannot be read: {words(error)[:200]}"
         raise OptionError(f"{told}; valid: a path of a file of providers") from error
 
 

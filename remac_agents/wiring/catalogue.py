@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from remac_agents.roles.grants import reads_truth
 from remac_agents.text.options import FORM, read_value, split_options
-from remac_agents.text.printable import quoted, type_name, words
+from remac_agents.text.printable import PATH, quoted, type_name, words
 from remac_agents.wiring.from_file import load_file
 from remac_env.errors import OptionError, UnknownNameError
 from remac_env.plugins import group_of, installed
@@ -250,7 +250,7 @@ def _find(role: str, name: str) -> Any:
         forms = (*FORMS, *(MODEL_FORMS * (role in MODEL_ROLES)), *(PLANNER_FORMS * (role == "planner")))
         more = f"; options: {FORM}" if "," in name else ""
         valid = ", ".join((*ROLES[role], *installed(group_of(role)), *forms))
-        raise UnknownNameError(f"unknown {role} {quoted(name)}; valid: {valid}{more}")
+        raise UnknownNameError(f"unknown {role} {quoted(name, PATH)}; valid: {valid}{more}")
     return _load(role, f"{source}:{attribute}", name)
 
 
@@ -261,7 +261,7 @@ def _load(role: str, address: str, name: str = "") -> Any:
     try:
         module = load_file(source) if source.endswith(".py") else importlib.import_module(source)
     except (ImportError, OSError, SyntaxError, ValueError) as error:
-        raise UnknownNameError(f"{role} {quoted(name)} cannot be imported: {error}") from error
+        raise UnknownNameError(f"{role} {quoted(name, PATH)} cannot be imported: {error}") from error
     except (Exception, SystemExit) as error:
         if name in ROLES[role] or name not in installed(group_of(role)):
             raise  # what a user's own file raises is theirs to see

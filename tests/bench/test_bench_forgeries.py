@@ -328,7 +328,6 @@ FORGERIES: dict[str, Forgery] = {
     "success of a job whose time was up": _time_was_up,
     "iterations without end": _endless,
     "seconds before it began": set_field(learner, "wall_seconds", -100.0),
-    "seconds that are no number": set_field(learner, "wall_seconds", float("nan")),
     "requests": _usage("requests", 0.5e9),
     "pictures for nobody": lambda lines: learner(lines)["options"].update(viewers=["checker"]),
     "a video from elsewhere": set_field(learner, "video", {"path": "../../elsewhere.webm"}),

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from remac_bench.errors import RecordFileError
 from remac_bench.jobs import Job
 from remac_bench.proof.rounds import check_rounds
 from remac_bench.proof.told import check_lines, check_told
@@ -46,8 +47,7 @@ def test_an_honest_run_tells_nothing_odd(honest: list[Record], tmp_path: Path) -
     [
         ("wall_seconds", -1.0, "wall_seconds: -1.0 s"),
         ("wall_seconds", 1e308, "wall_seconds"),
-        ("wall_seconds", float("nan"), "wall_seconds: nan s"),
-        ("usage.seconds", float("inf"), "usage.seconds: inf s"),
+        ("usage.seconds", -0.5, "usage.seconds: -0.5 s"),
         ("usage.requests", 7, "usage.requests: recorded 7, again 0"),
         ("usage.requests", -1, "usage.requests: -1"),
         ("started", "yesterday", "'yesterday' is no time"),
@@ -90,6 +90,14 @@ def test_lines_that_two_readers_read_differently_are_found(
 ) -> None:
     (tmp_path / FILE).write_text("".join(forge(record.line()) + "\n" for record in honest))
     assert any(told in line for _, line in check_lines(tmp_path))
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
+def test_numbers_that_are_none_are_no_records(honest: list[Record], tmp_path: Path, number: str) -> None:
+    line = honest[-1].line().replace('"sim_seconds":', f'"sim_seconds":{number},"more":', 1)
+    (tmp_path / FILE).write_text(line + "\n")
+    with pytest.raises(RecordFileError, match="line 1: no record"):
+        Store(tmp_path).read()
 
 
 def test_bytes_behind_the_last_line_are_found(honest: list[Record], tmp_path: Path) -> None:

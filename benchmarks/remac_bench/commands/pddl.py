@@ -10,7 +10,7 @@ import typer
 from remac_bench.errors import UsageError
 from remac_bench.flags import takes
 from remac_env.files import prepare_folder, read_text
-from remac_env.quoting import quoted, words
+from remac_env.quoting import PATH, quoted, words
 
 
 @takes(
@@ -54,4 +54,5 @@ def _text(plan: Path) -> str:
     try:
         return read_text(plan)
     except (OSError, ValueError) as error:
-        raise UsageError(f"plan {quoted(str(plan))} cannot be read: {words(error)}; valid: a planner's plan") from error
+        told = f"plan {quoted(str(plan), PATH)} cannot be read: {words(error)}"
+        raise UsageError(f"{told}; valid: a planner's plan") from error
