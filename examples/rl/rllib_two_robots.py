@@ -1,6 +1,6 @@
 """RLlib's new stack: PPO with one network for two robots, and masks; PettingZoo's environment as it is.
 
-    python examples/rl/rllib_two_robots.py --steps 15000
+    python examples/rl/rllib_two_robots.py --steps 18000
 
 One network chooses each robot's token from that robot's own observation; both get the same reward. It is `nearest`,
 which pays a right step of either robot when it is made. `distance` pays a team only for rounds in which both do the
@@ -77,7 +77,7 @@ class Success(RLlibCallback):
         metrics_logger.log_value("success", float(won), reduce="mean", window=100)
 
 
-def learner(task, batch=512, reward="nearest", steps=15_000):
+def learner(task, batch=512, reward="nearest", steps=18_000):
     """The algorithm, which plays in this process, and is surer of itself the nearer it comes to so many rounds."""
     torch.set_num_threads(1)
     register_env("kitchen", lambda config: ParallelPettingZooEnv(Team(task, reward)))
@@ -125,7 +125,7 @@ def successes(algorithm, task, seeds=UNSEEN, best=False):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--task", default="OpenCabinetPnP")
-    parser.add_argument("--steps", type=int, default=15_000, help="rounds")
+    parser.add_argument("--steps", type=int, default=18_000, help="rounds")
     parser.add_argument("--reward", default="nearest")
     parser.add_argument("--unseen", type=int, default=UNSEEN.start, help="first of the 100 seeds of the test")
     args = parser.parse_args()
