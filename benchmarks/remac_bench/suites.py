@@ -17,6 +17,7 @@ from remac_bench.jobs import MOST_ITERATIONS, Job, SuiteMark
 from remac_bench.suite_numbers import check_finite, number, option_value
 from remac_env.errors import RemacError
 from remac_env.files import read_text
+from remac_env.generator.making import for_team
 from remac_env.option_rows import rows
 from remac_env.options import MAX_ROBOTS, Options
 from remac_env.seeding import digest
@@ -122,7 +123,8 @@ class Suite:
 
     def _floor_jobs(self, backend: str | None) -> list[Job]:
         mark = SuiteMark(name=self.name, version=self.version, digest=self.digest, given={})
-        blocks = [replace(block, methods=(FLOOR_METHOD,), robots=None) for block in self.blocks]
+        sorts = [(block, for_team(block.kitchen.get("grade"), block.kitchen.get("template"))) for block in self.blocks]
+        blocks = [replace(b, methods=(FLOOR_METHOD,), robots=b.robots if team else None) for b, team in sorts]
         made = [_block_jobs(block, {"planner": who}, backend, None) for who in self.floors for block in blocks]
         return [replace(job, suite=mark) for jobs in made for job in jobs]
 

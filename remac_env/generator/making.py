@@ -112,6 +112,11 @@ def candidates(grade: int, template: str | None, robots: int) -> tuple[Template,
     return tuple(rows)
 
 
+def for_team(grade: int | None, template: str | None) -> bool:
+    """Whether generated tasks of this grade and template, if any are given, need two robots."""
+    return template is not None and any(row.team for row in candidates(grade or min(GRADES), template, MAX_ROBOTS))
+
+
 def _attempt(
     row: Template, grade: int, rng: np.random.Generator, *, quirks: int, knowledge: str, robots: int
 ) -> Certified | str:
