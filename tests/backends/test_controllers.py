@@ -86,6 +86,21 @@ class Wordless:
         return None  # type: ignore[return-value]
 
 
+class Tangled:
+    """Presses the forearm against the upper arm, as no path may, and says that it is done."""
+
+    ARM = (0.24, 0.57, -1.14, -0.76, -2.96, -1.24, 2.54, 0.43)
+
+    def run(self, subtask: Subtask, sensing: Sensing) -> Run:
+        start = sensing.body.commanded
+        end = np.array([*start[:3], *self.ARM])
+        for share in np.linspace(0.0, 1.0, 60):
+            yield Command(start + share * (end - start), sensing.body.commanded_opening)
+        for _ in range(10):
+            yield Command(end, sensing.body.commanded_opening)
+        return Outcome("success")
+
+
 def saying(given: object) -> MakeController:
     """Makes a controller that gives this for a command."""
 
@@ -180,6 +195,15 @@ def test_one_that_raises_fails_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pilot, "guarded", lambda controller, subtask, sensing: controller.run(subtask, sensing))
     with pytest.raises(ZeroDivisionError):
         turned_on(Raising)
+
+
+@pytest.mark.parametrize(("pieces", "reason"), [(pilot._PIECES, None), (0, "blocked")])
+def test_an_arm_that_finds_no_way_goes_back_as_it_came(
+    monkeypatch: pytest.MonkeyPatch, pieces: int, reason: str | None
+) -> None:
+    monkeypatch.setattr(pilot, "_PIECES", pieces)
+    backend, _, worlds = kitchen(MUG, 120700, controllers={"turn on": Tangled})
+    assert run(backend, worlds, [TO_MICROWAVE, "turn on microwave", "navigate to counter"])[-1] == reason
 
 
 def test_one_may_give_up_with_a_reason_and_must_return_an_outcome() -> None:

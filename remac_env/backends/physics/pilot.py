@@ -16,6 +16,7 @@ from remac_env.backends.physics.sensing import Briefed, Felt
 from remac_env.backends.physics.simulation import CONTROL_PERIOD, Simulation
 from remac_env.backends.physics.snapshot import STATION_DISTANCE, holding
 from remac_env.kitchen.floor_plan import Station
+from remac_env.robots.rotation import Array
 from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
@@ -24,6 +25,8 @@ from remac_env.state import WorldState, contents
 
 SKILL_TIME = 60.0  # s, after which a skill is stopped
 RECOVERY_TIME = 20.0  # s for coming home after a failure
+_BACK = 20  # control periods, 1 s: a piece of the way that a controller came
+_PIECES = 6  # of it that are gone back at most
 
 Attempt = Generator[None, None, Outcome]
 
@@ -41,6 +44,7 @@ class Pilot:
         self.here, self._own, self._seed = here, own, seed
         self._scripted = Scripted(here, rules)
         self.stopping = False
+        self._came: list[Array] = []
 
     def own_for(
         self, number: int, subtask: Subtask, world: WorldState, goal: Station | None = None
@@ -84,13 +88,28 @@ class Pilot:
         """
         for left in reversed(range(getattr(controller, "tries", 1))):
             outcome = yield from self._owned(controller, subtask, sensing)
-            if outcome.success:
-                yield from self.steps(go_home(self.here), RECOVERY_TIME)
-            else:
-                home = yield from self.home()
+            home = yield from self._home_again(well=outcome.success)
             if not left or outcome.reason != "slipped" or not home.success or self.stopping or hindered():
                 break
         return outcome
+
+    def _home_again(self, *, well: bool) -> Attempt:
+        """Come home from where a controller has left the robot.
+
+        A policy may press an arm against something, or fold it as no path does. Where no way leads on, an empty hand
+        first goes back by the way that it came, a piece at a time.
+
+        Args:
+            well: it did what it was to do, so that its last set-points are where a path may begin.
+        """
+        home = (yield from self.steps(go_home(self.here), RECOVERY_TIME)) if well else (yield from self.home())
+        for end in range(len(self._came), 0, -_BACK)[:_PIECES]:
+            if home.success or self.here.hand.body is not None:
+                break
+            piece = self._came[max(0, end - _BACK) : end]
+            yield from self.steps(self.here.mover.play(piece[::-1]), RECOVERY_TIME)
+            home = yield from self.home()
+        return home
 
     def drive(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:
         """The same for a drive: the last bit to the station's home pose is scripted, where it has come near."""
@@ -110,7 +129,8 @@ class Pilot:
     def _owned(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:
         """Run a controller of the robot's own; scripted motions can then go on from what it has left."""
         stood = {name: sensing.pose(name) for name in sensing.objects}
-        outcome = yield from self._bounded(self._stoppable(guarded(controller, subtask, sensing)), SKILL_TIME)
+        run = self._followed(guarded(controller, subtask, sensing))
+        outcome = yield from self._bounded(self._stoppable(run), SKILL_TIME)
         self.here.robot.catch_up()
         self._feel(sensing.told, stood)
         return outcome
@@ -130,6 +150,18 @@ class Pilot:
         robot = self.here.robot
         self._handle.hold(robot.in_world(robot.q), robot.grip)
         return outcome
+
+    def _followed(self, run: Generator[Command, None, Outcome]) -> Generator[Command, None, Outcome]:
+        """The same commands; where the robot was before each of them is kept."""
+        self._came = []
+        while True:
+            self._came.append(self.here.robot.measured)
+            try:
+                command = next(run)
+            except StopIteration as end:
+                outcome: Outcome = end.value
+                return outcome
+            yield command
 
     def _stoppable(self, run: Generator[Command, None, Outcome]) -> Generator[Command, None, Outcome]:
         """The same commands, up to where the robot is told to stop."""
