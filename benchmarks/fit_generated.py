@@ -15,7 +15,7 @@ from typing import Any
 
 from remac_bench.command import run_script
 from remac_bench.flags import takes
-from remac_bench.job_lists import parse_seeds
+from remac_bench.playing.job_lists import parse_seeds
 
 from remac_agents.planners.memorised import clauses, denoted
 from remac_env.generator import GRADES, make, scene_of, templates

@@ -14,7 +14,7 @@ from typing import Any
 
 from remac_bench.command import run_script
 from remac_bench.flags import takes
-from remac_bench.job_lists import parse_seeds
+from remac_bench.playing.job_lists import parse_seeds
 
 import remac_env
 from remac_agents.planners.memorised import pattern, templated

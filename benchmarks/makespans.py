@@ -24,7 +24,7 @@ from event_turns import Infos, turns
 from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.flags import takes
-from remac_bench.job_lists import parse_names, parse_seeds
+from remac_bench.playing.job_lists import parse_names, parse_seeds
 from rich.table import Table
 
 import remac_env

@@ -11,12 +11,12 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import typer
-from remac_bench import agents, suites
 from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.columns import across
 from remac_bench.command import run_script
 from remac_bench.flags import takes
-from remac_bench.job_lists import parse_names, parse_seeds
+from remac_bench.playing import agents, suites
+from remac_bench.playing.job_lists import parse_names, parse_seeds
 from remac_bench.preflight.estimates import FILE, Costs, Need, measured
 from remac_bench.preflight.measuring import MODEL, measure
 from remac_bench.prices import dollars

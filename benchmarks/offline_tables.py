@@ -9,13 +9,13 @@ from typing import Annotated, Any
 
 import typer
 from remac_bench.command import run_script
-from remac_bench.extensions import load_extensions
 from remac_bench.flags import takes
-from remac_bench.job_lists import make_jobs
 from remac_bench.judging.published import published
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.plans.ask import Cell, kitchen, optimum
-from remac_bench.runner import Settings, run_jobs
+from remac_bench.playing.extensions import load_extensions
+from remac_bench.playing.job_lists import make_jobs
+from remac_bench.playing.runner import Settings, run_jobs
 from remac_bench.store import Store
 
 from remac_env.errors import check_choice

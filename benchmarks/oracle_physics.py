@@ -21,15 +21,15 @@ from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
-from remac_bench.job_lists import parse_names, parse_seeds
+from remac_bench.playing.job_lists import parse_names, parse_seeds
 from rich.table import Table
 
 import remac_env
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.generator import make
 from remac_env.generator.making import GRADES
 from remac_env.oracle import OraclePlan, solve
 from remac_env.oracle.witness import witness
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.rules.rounds import transition
 
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from remac_bench.agents import Access
 from remac_bench.blame.labels import LABELS, blame
 from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.flags import takes
-from remac_bench.job_lists import make_jobs
-from remac_bench.jobs import Job
+from remac_bench.playing.agents import Access
+from remac_bench.playing.job_lists import make_jobs
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.shared import Shared
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.records import Record
-from remac_bench.shared import Shared
-from remac_bench.worker import Work, play_job
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 

@@ -26,9 +26,9 @@ import remac_env
 from remac_env.backends import make_backend
 from remac_env.backends.base import Backend
 from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.files import prepare_file
 from remac_env.kitchen import layout as layouts
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.rendering.cameras import SIDE
 from remac_env.rendering.stage import Stage
 from remac_env.rules.conditions import Condition

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.flags import takes
-from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
+from remac_bench.playing.job_lists import make_jobs, parse_names, parse_seeds
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.records import Record
-from remac_bench.worker import Work, play_job
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 

@@ -22,7 +22,7 @@ from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
-from remac_bench.job_lists import parse_names, parse_seeds
+from remac_bench.playing.job_lists import parse_names, parse_seeds
 from rich.table import Table
 
 import remac_env

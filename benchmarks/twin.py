@@ -26,15 +26,15 @@ from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
 from remac_bench.flags import takes
-from remac_bench.job_lists import parse_names, parse_seeds
+from remac_bench.playing.job_lists import parse_names, parse_seeds
 from rich.table import Table
 from twin_agenda import Agenda, Stratum, foretell
 
 import remac_env
 from remac_env.backends.physics.controllers.scripted.room import forbidden
 from remac_env.backends.symbolic import SymbolicBackend
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.files import prepare_file
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.rules.claims import first_false, settle_claims
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.subtasks import Subtask

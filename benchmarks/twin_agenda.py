@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.oracle import search_plan
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.rules.facts import Rules
 from remac_env.rules.rounds import transition
 from remac_env.rules.skills import SKILLS

@@ -24,8 +24,10 @@ STAGE = ROOT / "build" / "pages"
 SITE = ROOT / "build" / "site"
 
 REFERENCE = {
-    "environment": ("Making environments", ("remac_env", "remac_env.parallel", "remac_env.gym_view", "remac_env.aec",
-                    "remac_env.options", "remac_env.vocabulary", "remac_env.errors")),
+    "environment": ("Making environments", (
+        "remac_env", "remac_env.envs.parallel", "remac_env.envs.gym_view", "remac_env.envs.aec", "remac_env.options",
+        "remac_env.vocabulary", "remac_env.errors",
+    )),
     "integrations": ("Integrations", ("remac_env.integrations.sb3",)),
     "state": ("State and skills", ("remac_env.state", "remac_env.rules.scene", "remac_env.rules.outcomes",
               "remac_env.rules.conditions", "remac_env.rules.predicates", "remac_env.start")),

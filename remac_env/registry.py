@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from remac_env.envs.gymnasium_ids import enter_ids
 from remac_env.errors import check_choice
-from remac_env.gymnasium_ids import enter_ids
 from remac_env.option_rows import takes_options
 from remac_env.options import CLOCKS, Options
 from remac_env.tasks import add, get, known, names, timed
@@ -13,9 +13,9 @@ from remac_env.tasks.generated import SPEC
 from remac_env.tasks.spec import TaskSpec
 
 if TYPE_CHECKING:
-    from remac_env.aec import KitchenAECEnv
-    from remac_env.event_aec import KitchenEventAEC
-    from remac_env.parallel import KitchenParallelEnv
+    from remac_env.envs.aec import KitchenAECEnv
+    from remac_env.envs.event_aec import KitchenEventAEC
+    from remac_env.envs.parallel import KitchenParallelEnv
 
 GENERATED = SPEC.name
 
@@ -96,7 +96,7 @@ def parallel_env(task: str | TaskSpec, **options: Any) -> KitchenParallelEnv:
         UnknownNameError: for an unknown task, style, layout or option value; lists the valid ones.
         OptionError: for a number outside its range.
     """
-    from remac_env.making import make_kitchen
+    from remac_env.envs.making import make_kitchen
     from remac_env.validate import check_playable
 
     chosen = Options(**options)
@@ -110,9 +110,9 @@ def env(task: str | TaskSpec, robots: int = 2, **options: Any) -> KitchenAECEnv 
 
     With clock="events" it is a native one: robots are asked when they are ready, and nobody is asked who is busy.
     """
-    from remac_env.aec import KitchenAECEnv
-    from remac_env.event_aec import KitchenEventAEC
-    from remac_env.event_parallel import KitchenEventEnv
+    from remac_env.envs.aec import KitchenAECEnv
+    from remac_env.envs.event_aec import KitchenEventAEC
+    from remac_env.envs.event_parallel import KitchenEventEnv
 
     kitchen = parallel_env(task, robots, **options)
     return KitchenEventAEC(kitchen) if isinstance(kitchen, KitchenEventEnv) else KitchenAECEnv(kitchen)

@@ -20,7 +20,7 @@ from pathlib import Path
 import httpx
 from document_pages import ROOT, Block, DocumentError, words
 from remac_bench.cli import app
-from remac_bench.suites import load, names
+from remac_bench.playing.suites import load, names
 from typer.testing import CliRunner
 
 from remac_agents.llm.provider_files import read_catalogue

@@ -98,7 +98,7 @@ def test_examples_are_short_and_of_public_names_alone() -> None:
         assert len(code.splitlines()) <= MOST_LINES, f"{path.name} has more than {MOST_LINES} lines"
         strange = [name for name in imported(code) if not PUBLIC.fullmatch(name)]
         assert not strange, f"{path.name} uses {strange}"
-    assert [n for n in imported("from remac_env.parallel import x\nx._y") if not PUBLIC.fullmatch(n)] != []
+    assert [n for n in imported("from remac_env.envs.parallel import x\nx._y") if not PUBLIC.fullmatch(n)] != []
 
 
 def test_readme_names_every_example() -> None:

@@ -13,7 +13,7 @@ from functools import partial
 import remac_agents
 import remac_env
 from remac_agents.wiring.catalogue import ROLES
-from remac_bench import suites
+from remac_bench.playing import suites
 from remac_env.lowlevel.names import skills
 from remac_env.option_rows import Choice, Names, Values
 from remac_env.skill_sources import LEARNED, SCRIPTED

@@ -17,13 +17,13 @@ from typing import Annotated, Any, get_type_hints
 import typer
 
 from remac_agents.options import AgentOptions
-from remac_bench import agents
-from remac_bench.agents import Access
 from remac_bench.command_rows import ROWS as COMMANDS
 from remac_bench.completion import completer
 from remac_bench.console import clean_errors
+from remac_bench.playing import agents
+from remac_bench.playing.agents import Access
+from remac_bench.playing.settings import Settings
 from remac_bench.script_rows import ROWS as SCRIPTS
-from remac_bench.settings import Settings
 from remac_env.errors import OptionError
 from remac_env.option_rows import Choice, Row, Texts, Values, rows
 from remac_env.options import MAX_ROBOTS, Options

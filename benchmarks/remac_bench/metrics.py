@@ -244,7 +244,7 @@ def _spot(record: Record) -> Spot:
 
 def _rank(row: Row) -> tuple[Any, ...]:
     import remac_env
-    from remac_bench import agents
+    from remac_bench.playing import agents
 
     tasks, methods = [*remac_env.tasks(), ALL_TASKS], agents.methods_to_compare()
     task = tasks.index(row.task) if row.task in tasks else len(tasks) - 1.5

@@ -18,10 +18,10 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
+from remac_env.envs.making import make_kitchen
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.errors import OptionError
-from remac_env.making import make_kitchen
 from remac_env.options import Options
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.quoting import quoted
 from remac_env.tasks import get
 

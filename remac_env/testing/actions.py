@@ -11,7 +11,7 @@ from remac_env.testing.determinism import difference, trace
 from remac_env.testing.play import ContractError, EnvMaker, Tokens, expect, mask_of, opened
 
 if TYPE_CHECKING:
-    from remac_env.parallel import KitchenParallelEnv
+    from remac_env.envs.parallel import KitchenParallelEnv
 
 MALFORMED: tuple[Any, ...] = (float("nan"), float("inf"), 1.5, 1.0, None, "wait", True, 1j, [0], np.ones(2), {})
 """Values that are no tokens."""

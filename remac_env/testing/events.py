@@ -12,7 +12,7 @@ import numpy as np
 from remac_env.testing.play import EnvMaker, Turn, expect, mask_of, opened, play, random_legal
 
 if TYPE_CHECKING:
-    from remac_env.parallel import KitchenParallelEnv
+    from remac_env.envs.parallel import KitchenParallelEnv
 
 FIELDS: Mapping[str, type] = {
     "ready": bool,

@@ -6,13 +6,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from remac_env.event_parallel import CONTINUE, STOP
+from remac_env.envs.event_parallel import CONTINUE, STOP
 from remac_env.rules.claims import feasible
 from remac_env.state import RobotState
 from remac_env.testing.play import EnvMaker, Tokens, Turn, expect, opened, play, random_legal
 
 if TYPE_CHECKING:
-    from remac_env.parallel import KitchenParallelEnv
+    from remac_env.envs.parallel import KitchenParallelEnv
 
 LONG = 60.0
 """s in which a robot that was told to stop has stopped: what a skill takes at most."""

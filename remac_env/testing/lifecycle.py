@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from remac_env.testing.play import ContractError, EnvMaker, expect
 
 if TYPE_CHECKING:
-    from remac_env.parallel import KitchenParallelEnv
+    from remac_env.envs.parallel import KitchenParallelEnv
 
 
 def check_lifecycle(env_fn: EnvMaker, *, seed: int = 0) -> None:

@@ -13,7 +13,7 @@ from remac_env.seeding import generator
 from remac_env.vocabulary import Vocabulary
 
 if TYPE_CHECKING:
-    from remac_env.parallel import KitchenParallelEnv
+    from remac_env.envs.parallel import KitchenParallelEnv
 
 EnvMaker = Callable[[], "KitchenParallelEnv"]
 """Makes a fresh environment at each call."""

@@ -15,7 +15,7 @@ from remac_env.testing.play import WHOLE, EnvMaker, Turn, arrays_of, expect, ope
 from remac_env.testing.world import check_world
 
 if TYPE_CHECKING:
-    from remac_env.parallel import KitchenParallelEnv
+    from remac_env.envs.parallel import KitchenParallelEnv
 
 INFO_TYPES: Mapping[str, type] = {
     "outcome": dict,

@@ -100,8 +100,8 @@ def check_certificate(env_fn: EnvMaker, *, seeds: Sequence[int] = (0, 1)) -> Non
 
 def _maker(spec: TaskSpec, **options: Any) -> EnvMaker:
     # Imported here, so that the other checks can be had without the environment of this project.
+    from remac_env.envs.parallel import KitchenParallelEnv
     from remac_env.options import Options
-    from remac_env.parallel import KitchenParallelEnv
 
     return lambda: KitchenParallelEnv(spec, Options(backend="symbolic", **options))
 

@@ -9,7 +9,7 @@ from test_physics_backend import make_start, run
 
 import remac_env
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.parallel import KitchenParallelEnv
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.start import Offset
 from remac_env.state import Place
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import pytest
 
 import remac_env
-from remac_env.parallel import KitchenParallelEnv
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.testing.play import play, random_legal
 
 LONG_ROUNDS = 10

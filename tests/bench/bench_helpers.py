@@ -10,9 +10,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from remac_bench.agents import Access
-from remac_bench.job_lists import make_jobs
-from remac_bench.jobs import Job
+from remac_bench.playing.agents import Access
+from remac_bench.playing.job_lists import make_jobs
+from remac_bench.playing.jobs import Job
 from remac_bench.records import Record
 from remac_bench.store import Store
 

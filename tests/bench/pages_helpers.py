@@ -14,9 +14,9 @@ from typing import Any
 import cv2
 import numpy as np
 from bench_helpers import jobs, record
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.records import CheckEntry, ErrorEntry, ExchangeEntry, OutcomeEntry, Record, UsageEntry, VideoEntry
 from remac_bench.store import Store
-from remac_bench.worker import Work, play_job
 
 EVIL = (
     '</bdi></script><script>document.title="owned"</script><img src=x onerror=alert(1)>'

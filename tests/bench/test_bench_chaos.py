@@ -14,10 +14,10 @@ from pathlib import Path
 import pytest
 from bench_helpers import jobs as listed
 from bench_helpers import read, start, timeless, wait_for
-from remac_bench.agents import Access
+from remac_bench.playing.agents import Access
+from remac_bench.playing.shared import Shared
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.report import read_rows
-from remac_bench.shared import Shared
-from remac_bench.worker import Work, play_job
 
 sys.path.append(str(Path(__file__).parents[1] / "llm"))
 from chaos_server import Act, Asked, ChaosServer, hangs, refuses, says, sends  # noqa: E402

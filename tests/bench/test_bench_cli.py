@@ -11,7 +11,7 @@ import pytest
 from bench_helpers import TASKS, read, record, start
 from remac_bench.cli import app
 from remac_bench.console import plain
-from remac_bench.lock import locked
+from remac_bench.playing.lock import locked
 from remac_bench.store import Store
 from typer.testing import CliRunner
 

@@ -9,17 +9,17 @@ from time import sleep
 import numpy as np
 import pytest
 from chaos_server import Act, Asked, ChaosServer, says
-from remac_bench.agents import Access
 from remac_bench.errors import UsageError
-from remac_bench.jobs import Job
 from remac_bench.judging.episodes import idle_share, setting, share_of
 from remac_bench.judging.times import time_sheets
+from remac_bench.playing.agents import Access
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.suites import load
+from remac_bench.playing.timing import StepBook, replayed
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.proof.again import check_job, read_job
 from remac_bench.proof.rounds import check_rounds
 from remac_bench.records import Record
-from remac_bench.suites import load
-from remac_bench.timing import StepBook, replayed
-from remac_bench.worker import Work, play_job
 
 import remac_env
 from remac_env.options import Options

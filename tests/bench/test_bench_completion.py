@@ -13,10 +13,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from remac_bench import suites
 from remac_bench.cli import app
 from remac_bench.completion import NAMES
 from remac_bench.flags import TABLE
+from remac_bench.playing import suites
 from typer.testing import CliRunner
 
 import remac_agents

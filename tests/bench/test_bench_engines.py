@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 from bench_helpers import jobs, read, timeless, wait_for
-from remac_bench.engines import Engine
 from remac_bench.errors import UsageError
-from remac_bench.runner import Listener, Settings, run_jobs
+from remac_bench.playing.engines import Engine
+from remac_bench.playing.runner import Listener, Settings, run_jobs
 
 from remac_agents.planners.literal import LiteralPlanner
 
@@ -58,7 +58,7 @@ def test_a_defect_in_a_thread_ends_the_run(tmp_path: Path, monkeypatch: pytest.M
     def broken(*_: Any) -> Any:
         raise MemoryError("no more")
 
-    monkeypatch.setattr("remac_bench.threads.play_job", broken)
+    monkeypatch.setattr("remac_bench.playing.threads.play_job", broken)
     with pytest.raises(MemoryError):
         run_jobs(jobs(seeds=range(3)), tmp_path, Settings(workers=2, engine="threads"))
 

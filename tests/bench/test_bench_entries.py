@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from bench_helpers import jobs, read
 from remac_bench.entries import TEXT_MAX, cut, save_pictures
+from remac_bench.playing.runner import Settings, run_jobs
 from remac_bench.redaction import redact
-from remac_bench.runner import Settings, run_jobs
 from test_bench_cli import remac
 
 import remac_agents
@@ -106,7 +106,7 @@ def test_no_key_and_no_folder_of_this_machine(monkeypatch: pytest.MonkeyPatch, t
 def test_models_flags_make_one_entry_each(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[Any] = []
     monkeypatch.setattr("remac_bench.commands.running.run_and_report", lambda jobs, *_, **__: seen.extend(jobs))
-    monkeypatch.setattr("remac_bench.job_lists.make", lambda job, *shared: None)
+    monkeypatch.setattr("remac_bench.playing.job_lists.make", lambda job, *shared: None)
     models = ("--model", "openai:o3", "--model", "deepseek:deepseek-reasoner")
     result = remac("bench", "run", "--suite", "smoke", *models, "--max-money", "2", "--checker", "truth")
     assert result.exit_code == 0, result.output

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from remac_bench.jobs import Job
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.proof import again, rounds
 from remac_bench.proof.complete import check_scores, check_suite
 from remac_bench.proof.rounds import AS_TOLD, check_rounds
 from remac_bench.records import CheckEntry, ErrorEntry, ExchangeEntry, OrderEntry, Record, SpanEntry
-from remac_bench.worker import Work, play_job
 
 from remac_env.options import Options
 

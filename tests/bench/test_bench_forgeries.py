@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 from bench_helpers import read
-from remac_bench import suites
-from remac_bench.agents import Access
-from remac_bench.code import code_digest
 from remac_bench.errors import UsageError
+from remac_bench.playing import suites
+from remac_bench.playing.agents import Access
+from remac_bench.playing.code import code_digest
+from remac_bench.playing.runner import Settings, run_jobs
 from remac_bench.proof.acceptance import ACCEPTED, accept
 from remac_bench.proof.standings import gather
 from remac_bench.proof.submission import ENTRY, pack, read_entry, submission_digest
 from remac_bench.proof.verify import verify
-from remac_bench.runner import Settings, run_jobs
 from test_bench_cli import remac
 
 from remac_env.errors import OptionError

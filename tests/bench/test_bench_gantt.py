@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 from pages_helpers import EVIL, Element, alien, hostile, parse
-from remac_bench.jobs import Job
 from remac_bench.pages.episode_page import page
 from remac_bench.pages.gantt import LEFT, RIGHT, WIDTH
 from remac_bench.pages.rounds import decision_points, round_spans, shown_rounds
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.timing import replayed
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.records import CheckEntry, Record, SpanEntry
-from remac_bench.timing import replayed
-from remac_bench.worker import Work, play_job
 
 import remac_env
 from remac_env.options import Options

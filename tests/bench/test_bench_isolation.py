@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 from bench_helpers import jobs, odd_scene, read, start, timeless, wait_for
 from remac_bench.errors import UsageError
+from remac_bench.playing.runner import RunSummary, Settings, run_jobs
 from remac_bench.report import read_rows
-from remac_bench.runner import RunSummary, Settings, run_jobs
 
 from remac_agents.isolation.codec import loads
 from remac_agents.roles.request_json import png

@@ -6,9 +6,9 @@ from dataclasses import fields, replace
 
 import pytest
 from bench_helpers import jobs
-from remac_bench import agents
 from remac_bench.errors import UsageError
-from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
+from remac_bench.playing import agents
+from remac_bench.playing.job_lists import make_jobs, parse_names, parse_seeds
 
 from remac_env.errors import OptionError, UnknownNameError
 from remac_env.options import Options

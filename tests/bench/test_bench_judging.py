@@ -16,8 +16,8 @@ from remac_bench.judging.published import published
 from remac_bench.judging.ranking import compare, ranks
 from remac_bench.judging.statistics import wilson
 from remac_bench.metrics import overall, summarise
+from remac_bench.playing.sight import checked_by
 from remac_bench.records import CheckEntry, ErrorEntry, ExchangeEntry, OutcomeEntry, Record, UsageEntry
-from remac_bench.sight import checked_by
 
 CRASH = ErrorEntry(kind="agent", type="KeyError", message="x")
 BROKEN = ErrorEntry(kind="infrastructure", type="OSError", message="x")

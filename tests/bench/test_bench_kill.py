@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from bench_helpers import jobs, read, start, timeless, wait_for
+from remac_bench.playing.runner import Settings, run_jobs
 from remac_bench.report import read_rows
-from remac_bench.runner import Settings, run_jobs
 
 ARGUMENTS = (
     *("bench", "run", "--tasks", "HeatOnStove,OpenCabinetPnP", "--methods", "CC,RE"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from remac_bench.playing.suites import load
 from remac_bench.proof.complete import _listed
-from remac_bench.suites import load
 
 
 @pytest.mark.parametrize(

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 from bench_helpers import jobs, record
 from remac_bench import judging
-from remac_bench.agents import Access, asked_models, by_route
 from remac_bench.cli import app
 from remac_bench.commands.progress import Tally
-from remac_bench.engines import Engine
 from remac_bench.metrics import summarise
 from remac_bench.pages.leaderboard import leaderboard
 from remac_bench.pages.plots import scatter
+from remac_bench.playing.agents import Access, asked_models, by_route
+from remac_bench.playing.engines import Engine
 from remac_bench.prices import digits, dollars, list_price
 from remac_bench.proof.again import read_job
 from remac_bench.records import Record

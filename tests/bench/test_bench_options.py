@@ -16,10 +16,11 @@ from typing import Any, get_args, get_type_hints
 import pytest
 import typer
 from bench_helpers import ROOT
-from remac_bench import agents, flags, suites
+from remac_bench import flags
 from remac_bench.cli import app
 from remac_bench.flags import HOMES, TABLE, of, takes
-from remac_bench.settings import Settings
+from remac_bench.playing import agents, suites
+from remac_bench.playing.settings import Settings
 from test_bench_lines import COMMANDS
 
 import remac_agents
@@ -136,7 +137,7 @@ def test_keys_of_suites_are_the_rows() -> None:
 
 
 WRONG = [
-    ("kitchen", name, row) for name, row in rows(Options).items() if row.spoken and type(row.values) is not Text
+    ("kitchen", name, row) for name, row in rows(Options).items() if row.spoken and not isinstance(row.values, Text)
 ] + [("agent", name, row) for name, row in rows(AgentOptions).items() if row.values.kind in (int, float)]
 
 
@@ -231,7 +232,7 @@ from pathlib import Path
 import remac_agents, remac_env
 from remac_bench.cli import app
 
-from remac_bench.settings import Settings
+from remac_bench.playing.settings import Settings
 from typer.testing import CliRunner
 
 def run(*line):
@@ -285,7 +286,7 @@ def test_an_option_is_added_by_adding_its_row(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "benchmarks" / "suites", tmp_path / "remac_bench" / "suite_files")
     with_a_row_more(tmp_path / "remac_env" / "options.py", "    reward: str = option(", KITCHEN_ROW)
     with_a_row_more(tmp_path / "remac_agents" / "options.py", "    lead: str | None = option(", AGENT_ROW)
-    with_a_row_more(tmp_path / "remac_bench" / "settings.py", "    optimum: bool = option(", RUN_ROW)
+    with_a_row_more(tmp_path / "remac_bench" / "playing" / "settings.py", "    optimum: bool = option(", RUN_ROW)
     (tmp_path / "damp.toml").write_text(SUITE)
     done = subprocess.run(
         [sys.executable, "-c", PROOF], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300,

@@ -11,13 +11,13 @@ import pytest
 from bench_helpers import jobs, odd_scene, read
 from remac_bench.commands.progress import Bar
 from remac_bench.console import console
-from remac_bench.deadline import ASKING_SECONDS, JOB_SECONDS, Deadline, job_seconds
 from remac_bench.errors import JobTimeoutError
-from remac_bench.interrupts import SIGNALS, Stopped, is_stop, stoppable
+from remac_bench.playing.deadline import ASKING_SECONDS, JOB_SECONDS, Deadline, job_seconds
+from remac_bench.playing.interrupts import SIGNALS, Stopped, is_stop, stoppable
+from remac_bench.playing.runner import RunSummary, Settings, run_jobs
+from remac_bench.playing.watch import GRACE_SECONDS, SLOW_SECONDS, Watch
+from remac_bench.playing.worker import Work
 from remac_bench.redaction import redact
-from remac_bench.runner import RunSummary, Settings, run_jobs
-from remac_bench.watch import GRACE_SECONDS, SLOW_SECONDS, Watch
-from remac_bench.worker import Work
 
 from remac_env.errors import OptionError
 
@@ -92,7 +92,7 @@ def test_a_planner_that_never_returns(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, settings: Settings, deed: str
 ) -> None:
     for module in ("watch", "engines"):
-        monkeypatch.setattr(f"remac_bench.{module}.GRACE_SECONDS", 0.0)
+        monkeypatch.setattr(f"remac_bench.playing.{module}.GRACE_SECONDS", 0.0)
     record = played(tmp_path, deed, settings, "RE")[ODD_SEED]
     assert (record.error.type, record.iteration) == ("JobTimeoutError", 2)
     assert record.options["job_seconds"] == 3.0

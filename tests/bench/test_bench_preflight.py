@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 from bench_helpers import read
 from chaos_server import DONE, Act, Asked, ChaosServer, chunk, completion, drips, hangs, refuses, says, sends, streams
-from remac_bench import agents
 from remac_bench.cli import app
-from remac_bench.job_lists import make_jobs
-from remac_bench.jobs import Job
+from remac_bench.playing import agents
+from remac_bench.playing.job_lists import make_jobs
+from remac_bench.playing.jobs import Job
 from remac_bench.preflight.estimates import Costs, Need, measured
 from remac_bench.preflight.probes import Preflight, Probe, ask
 from remac_bench.preflight.run import bill, by_kind, distinct, to_ask

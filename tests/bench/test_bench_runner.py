@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 from bench_helpers import TASKS, jobs, odd_scene, read, timeless
 from remac_bench.metrics import summarise
+from remac_bench.playing.runner import RunSummary, Settings, run_jobs
 from remac_bench.report import read_rows
-from remac_bench.runner import RunSummary, Settings, run_jobs
 
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.errors import RenderingError
-from remac_env.parallel import KitchenParallelEnv
 
 HERE = Settings(workers=0)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from bench_helpers import ROOT, record
 from remac_bench.errors import LockedError, RecordFileError
-from remac_bench.lock import FILE, locked
+from remac_bench.playing.lock import FILE, locked
 from remac_bench.records import ErrorEntry
 from remac_bench.store import Store, finished_jobs
 
@@ -110,7 +110,7 @@ def test_clear_removes_records_and_their_videos_only(tmp_path: Path) -> None:
 
 HOLDER = (
     "import sys, time, pathlib\n"
-    "from remac_bench.lock import locked\n"
+    "from remac_bench.playing.lock import locked\n"
     "with locked(pathlib.Path(sys.argv[1])):\n"
     "    sys.stdout.write('held\\n'); sys.stdout.flush(); time.sleep(60)\n"
 )

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 from bench_helpers import TASKS, read
-from remac_bench import suites
 from remac_bench.errors import UsageError
-from remac_bench.runner import Settings, run_jobs
+from remac_bench.playing import suites
+from remac_bench.playing.runner import Settings, run_jobs
 from test_bench_cli import remac
 
 FLOORS = ("reader", "memorised", "random")

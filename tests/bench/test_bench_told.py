@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 from remac_bench.errors import RecordFileError
-from remac_bench.jobs import Job
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.proof.rounds import check_rounds
 from remac_bench.proof.told import check_lines, check_told
 from remac_bench.proof.verify import strange_versions, verify
 from remac_bench.records import Record
 from remac_bench.store import FILE, Store
-from remac_bench.worker import Work, play_job
 
 from remac_env.options import Options
 

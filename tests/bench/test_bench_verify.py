@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 from bench_helpers import jobs, read
+from remac_bench.playing.runner import Settings, run_jobs
+from remac_bench.playing.worlds import as_values, from_values
 from remac_bench.proof.again import read_job
 from remac_bench.proof.verify import verify
-from remac_bench.runner import Settings, run_jobs
-from remac_bench.worlds import as_values, from_values
 from test_bench_cli import remac
 
 import remac_env

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from remac_env.event_parallel import KitchenEventEnv
+from remac_env.envs.event_parallel import KitchenEventEnv
 from remac_env.options import Options
 from remac_env.tasks import get
 

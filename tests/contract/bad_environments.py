@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.options import Options
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.rules.outcomes import REASONS
 from remac_env.state import FrozenMap, Place
 from remac_env.tasks import get

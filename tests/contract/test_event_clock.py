@@ -16,9 +16,9 @@ from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test
 
 import remac_env
 from remac_env import testing
+from remac_env.envs.ready_only import ReadyOnly
 from remac_env.errors import ActionError, LifecycleError, OptionError, UnknownNameError
 from remac_env.events.clock import IDLE, REFUSAL
-from remac_env.ready_only import ReadyOnly
 from remac_env.testing import ContractError
 from remac_env.thinking import Thought
 

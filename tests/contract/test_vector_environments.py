@@ -11,7 +11,7 @@ import pytest
 from bad_environments import EndsInNone, NoOutcomeYet, Tampered
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv, VectorEnv
 
-from remac_env.gym_view import KitchenEnv
+from remac_env.envs.gym_view import KitchenEnv
 
 ROUNDS = (2, 5)
 """`max_rounds` of the two kitchens: one begins anew while the other goes on."""

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from endurance_calls import Caller, Undocumented, call_often
 
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.options import Options
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.tasks import get
 
 PLACES = ("one_wall_small", "galley")

@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 from remac_bench.blame.sheet import read_blames
 from remac_bench.errors import LockedError, StorageError
-from remac_bench.lock import locked
+from remac_bench.playing.lock import locked
+from remac_bench.playing.suites import load
 from remac_bench.records import Record
 from remac_bench.store import Store
-from remac_bench.suites import load
 
 from remac_agents.llm import Cassette, ChatReply
 from remac_agents.llm.provider_files import read_catalogue

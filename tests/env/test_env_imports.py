@@ -20,19 +20,10 @@ RANKS = {
     "remac_env": 9,
     "remac_env.testing": 9,
     "remac_env.registry": 8,
-    "remac_env.gymnasium_ids": 7,
-    "remac_env.gym_view": 7,
+    "remac_env.envs": 7,
     "remac_env.integrations": 7,
-    "remac_env.aec": 7,
-    "remac_env.event_aec": 7,
-    "remac_env.event_parallel": 6,
-    "remac_env.making": 7,
-    "remac_env.ready_only": 7,
     "remac_env.validate": 7,
-    "remac_env.parallel": 6,
     "remac_env.lowlevel": 6,
-    "remac_env.openings": 5,
-    "remac_env.recordings": 5,
     "remac_env.episode": 5,
     "remac_env.event_episode": 5,
     "remac_env.events": 4,
@@ -286,10 +277,10 @@ def test_without_the_robosuite_that_is_needed_its_room_says_what_to_do(found: st
         "except ImportError as error: told = str(error)\n"
         "if 'robosuite' not in told or 'make robosuite' not in told: raise SystemExit(told)\n"
     )
-    assert "remac_env.parallel" not in loaded_by(code, tmp_path, first="")["modules"]
+    assert "remac_env.envs.parallel" not in loaded_by(code, tmp_path, first="")["modules"]
 
 
 def test_importing_loads_neither_gymnasium_nor_numpy(tmp_path: Path) -> None:
     heavy = {"gymnasium", "pettingzoo", "numpy", "mujoco"}
     assert not heavy & set(loaded_by("import remac_env", tmp_path, first="")["modules"])
-    assert heavy & set(loaded_by("import remac_env.parallel", tmp_path, first="")["modules"]) == heavy - {"mujoco"}
+    assert heavy & set(loaded_by("import remac_env.envs.parallel", tmp_path, first="")["modules"]) == heavy - {"mujoco"}

@@ -11,9 +11,9 @@ from gymnasium import spaces
 
 import remac_env
 from remac_env import testing
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.errors import OptionError
 from remac_env.oracle import FARTHEST, Distances, solve
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.seeding import generator
 from remac_env.state import FLOOR
 from remac_env.tasks.goals import progress

@@ -8,10 +8,10 @@ import pytest
 
 import remac_env
 from remac_env import testing
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.errors import OptionError
 from remac_env.observation import Facts
 from remac_env.oracle import certify
-from remac_env.parallel import KitchenParallelEnv
 
 TEAMS = (1, 2, 3, 4)
 

@@ -10,7 +10,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from remac_bench.job_lists import make_jobs
+from remac_bench.playing.job_lists import make_jobs
 
 import remac_agents
 import remac_env

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import remac_env
-from remac_env.parallel import KitchenParallelEnv
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.tasks.spec import TaskSpec
 
 TRUTH = ("world", "goal_test")

@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 
 import pytest
-from remac_bench import suites
 from remac_bench.cli import app
 from remac_bench.experiments.headroom import AGENTS, half_of, jobs_of, share, tables
 from remac_bench.generating import make_rows, summary
-from remac_bench.runner import run_jobs
-from remac_bench.settings import Settings
+from remac_bench.playing import suites
+from remac_bench.playing.runner import run_jobs
+from remac_bench.playing.settings import Settings
 from remac_bench.store import Store
 from typer.testing import CliRunner
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from remac_bench.recording import Recorder
+from remac_bench.playing.recording import Recorder
 
 import remac_env
 from remac_env.errors import OptionError, RenderingError

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from hostile_answers import corpus
-from remac_bench.agents import Access
-from remac_bench.job_lists import make_jobs
-from remac_bench.runner import Settings, run_jobs
+from remac_bench.playing.agents import Access
+from remac_bench.playing.job_lists import make_jobs
+from remac_bench.playing.runner import Settings, run_jobs
 
 TASK = "OpenMicrowavePnP"
 METHODS = ("CC", "CAPE")

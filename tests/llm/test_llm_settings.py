@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from chaos_server import says
 from llm_kit import ASK, Kit, open_kit
-from remac_bench.agents import asked_models
+from remac_bench.playing.agents import asked_models
 
 import remac_agents
 from remac_agents.llm import Budget, ChatClient, ModelSettings, plain_model_name, read_model_name, resolve

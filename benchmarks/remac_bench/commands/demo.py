@@ -11,7 +11,7 @@ from remac_bench.console import console
 from remac_bench.flags import takes
 
 if TYPE_CHECKING:
-    from remac_bench.jobs import Job
+    from remac_bench.playing.jobs import Job
 
 METHODS = ("BASE", "CC", "RE", "REMAC")
 
@@ -22,8 +22,8 @@ def demo(
 ) -> None:
     """Play four tasks with BASE, CC, RE and REMAC, one kitchen a task: the table, records, videos and pages."""
     from remac_bench.commands.progress import run_and_report
-    from remac_bench.job_lists import parse_seeds
-    from remac_bench.settings import Settings
+    from remac_bench.playing.job_lists import parse_seeds
+    from remac_bench.playing.settings import Settings
     from remac_env.files import prepare_folder
 
     prepare_folder(out, "--out")
@@ -41,7 +41,7 @@ def demo(
 def demo_jobs(seeds: list[int], backend: str) -> list[Job]:
     """The demo's jobs: every task of the table in one kitchen, the first style and layout of its own."""
     import remac_env
-    from remac_bench.job_lists import make_jobs
+    from remac_bench.playing.job_lists import make_jobs
     from remac_env.tasks import get
 
     jobs = []

@@ -33,8 +33,8 @@ def doctor(
         return
     if base_url is not None or via is not None:
         raise UsageError("--base-url and --via go with --model NAME")
-    from remac_bench.machine import examine
-    from remac_bench.routes import examine_models
+    from remac_bench.playing.machine import examine
+    from remac_bench.playing.routes import examine_models
 
     findings = [*examine_models(providers), *examine()]
     findings.sort(key=lambda finding: LAST.index(finding.group if finding.group in LAST else ""))
@@ -63,8 +63,8 @@ def _ask_models(
 ) -> None:
     from remac_agents.llm import read_model_name
     from remac_agents.prompting.models import Models
-    from remac_bench.agents import by_route
     from remac_bench.commands.preflight import ask_and_show
+    from remac_bench.playing.agents import by_route
     from remac_bench.preflight.probes import ask_all
 
     shared = Models(base_url=base_url, providers=providers)

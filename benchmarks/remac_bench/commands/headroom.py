@@ -9,8 +9,8 @@ from typing import Any
 from remac_bench.columns import show
 from remac_bench.errors import UsageError
 from remac_bench.experiments.headroom import AGENTS, FIRST_SEED, jobs_of, tables
-from remac_bench.runner import run_jobs
-from remac_bench.settings import Settings
+from remac_bench.playing.runner import run_jobs
+from remac_bench.playing.settings import Settings
 from remac_bench.store import Store
 from remac_env.errors import check_choice
 

@@ -69,7 +69,7 @@ def blame(folder: Folder, *, as_markdown: bool, rescue: bool, extensions: list[s
     from remac_bench.blame.labels import failed
     from remac_bench.blame.sheet import FILE, blame_sheets, write_blames
     from remac_bench.board import Board
-    from remac_bench.extensions import find_local_modules, load_extensions
+    from remac_bench.playing.extensions import find_local_modules, load_extensions
     from remac_bench.report import board_markdown, board_tables, read_records
     from remac_env.files import prepare_file
 

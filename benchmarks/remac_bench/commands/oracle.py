@@ -23,7 +23,7 @@ def oracle(*, task: str, seed: int, extensions: list[str] | None, max_rounds: in
     rounds), rounds (no plan has so few rounds) or exhausted (there is none at all).
     """
     import remac_env
-    from remac_bench.extensions import load_extensions
+    from remac_bench.playing.extensions import load_extensions
     from remac_env.oracle import certify
 
     load_extensions(extensions or ())

@@ -10,7 +10,6 @@ from typing import Any
 import typer
 
 import remac_env
-from remac_bench import agents
 from remac_bench.columns import show
 from remac_bench.command import joined
 from remac_bench.commands.reaching import Reach, tell_unscored
@@ -21,9 +20,10 @@ from remac_bench.experiments.desk import Desk, Result, Trial, Unscored
 from remac_bench.experiments.tables import as_json, tables
 from remac_bench.experiments.teaching import lesson, teachers
 from remac_bench.experiments.trials import EXPERIMENTS
-from remac_bench.extensions import find_local_modules, load_extensions
-from remac_bench.job_lists import parse_names
 from remac_bench.plans.ask import Cell, Taught
+from remac_bench.playing import agents
+from remac_bench.playing.extensions import find_local_modules, load_extensions
+from remac_bench.playing.job_lists import parse_names
 from remac_env.errors import check_choice
 from remac_env.files import prepare_file
 from remac_env.options import STARTS

@@ -9,7 +9,7 @@ import typer
 from remac_bench.flags import takes
 
 if TYPE_CHECKING:
-    from remac_bench.jobs import Job
+    from remac_bench.playing.jobs import Job
 
 
 @takes(
@@ -21,8 +21,8 @@ def play(
     extensions: list[str] | None, **kitchen: Any,
 ) -> None:  # fmt: skip
     """Play an episode yourself, and write its record into OUT like any agent's (agent: human)."""
-    from remac_bench.extensions import find_local_modules, load_extensions
     from remac_bench.live.episode import person_job, refuse_played
+    from remac_bench.playing.extensions import find_local_modules, load_extensions
 
     find_local_modules()
     load_extensions(extensions or ())

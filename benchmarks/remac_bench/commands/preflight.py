@@ -10,10 +10,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from remac_agents.llm import ChatClient
-from remac_bench.agents import Access
 from remac_bench.columns import show
 from remac_bench.console import MARKS, USAGE, plain
-from remac_bench.jobs import Job
+from remac_bench.playing.agents import Access
+from remac_bench.playing.jobs import Job
 from remac_bench.preflight.estimates import measured
 from remac_bench.preflight.probes import Preflight, ask_all
 from remac_bench.preflight.run import bill, by_kind, clients_of, distinct, episodes_told, to_ask

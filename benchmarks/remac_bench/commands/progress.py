@@ -11,17 +11,17 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from remac_bench import agents
 from remac_bench.columns import across, show
 from remac_bench.console import FAILED, INTERRUPTED, console, plain
-from remac_bench.deadline import waited_for
-from remac_bench.interrupts import SIGNALS, stoppable
-from remac_bench.jobs import Job
+from remac_bench.playing import agents
+from remac_bench.playing.deadline import waited_for
+from remac_bench.playing.interrupts import SIGNALS, stoppable
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.runner import Listener, Settings, pending, run_jobs
+from remac_bench.playing.solvable import refuse_unsolvable
 from remac_bench.prices import dollars
 from remac_bench.records import Record
 from remac_bench.report import main_table
-from remac_bench.runner import Listener, Settings, pending, run_jobs
-from remac_bench.solvable import refuse_unsolvable
 from remac_bench.store import FILE
 
 

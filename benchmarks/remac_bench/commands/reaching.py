@@ -10,10 +10,10 @@ from typing import Any
 import typer
 
 from remac_agents.options import AgentOptions, ModelOptions
-from remac_bench import agents
 from remac_bench.console import FAILED, plain
 from remac_bench.errors import UsageError
-from remac_bench.settings import Settings
+from remac_bench.playing import agents
+from remac_bench.playing.settings import Settings
 from remac_env.option_rows import rows, same
 
 

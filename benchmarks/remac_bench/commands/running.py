@@ -7,17 +7,18 @@ from typing import Any
 
 import typer
 
-from remac_bench import agents, flags
-from remac_bench.agents import Access
+from remac_bench import flags
 from remac_bench.command import joined
 from remac_bench.commands.progress import run_and_report
 from remac_bench.console import FAILED, console, plain
 from remac_bench.errors import UsageError
-from remac_bench.extensions import find_local_modules, load_extensions
-from remac_bench.job_lists import make_jobs, parse_names, parse_seeds
-from remac_bench.jobs import Job
 from remac_bench.judging.endings import ending
-from remac_bench.settings import Settings
+from remac_bench.playing import agents
+from remac_bench.playing.agents import Access
+from remac_bench.playing.extensions import find_local_modules, load_extensions
+from remac_bench.playing.job_lists import make_jobs, parse_names, parse_seeds
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.settings import Settings
 from remac_env.files import prepare_folder
 from remac_env.option_rows import rows
 
@@ -45,7 +46,7 @@ def run_command(context: typer.Context) -> None:
         prepare_folder(given["out"], "--out")
         run_and_report(jobs, given["out"], _settings(given))
         return
-    from remac_bench.suites import load
+    from remac_bench.playing.suites import load
 
     suite = load(given["suite"])
     _check_frozen(context, suite.name)

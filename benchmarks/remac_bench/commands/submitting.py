@@ -31,7 +31,7 @@ def accept(
     *, reask: int, seed: int, base_url: str | None, providers: str | None,
 ) -> None:
     """Play a whole submission again; print its rows, or the reasons why it is not accepted (exit code 1)."""
-    from remac_bench.agents import Access
+    from remac_bench.playing.agents import Access
     from remac_bench.proof.acceptance import accept as judge
     from remac_bench.report import tables
 

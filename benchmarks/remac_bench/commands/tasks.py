@@ -13,7 +13,7 @@ from rich.table import Table
 from remac_bench.columns import show
 from remac_bench.command import Command, joined
 from remac_bench.flags import takes
-from remac_bench.job_lists import parse_names, parse_seeds
+from remac_bench.playing.job_lists import parse_names, parse_seeds
 
 app = typer.Typer(invoke_without_command=True)
 
@@ -24,7 +24,7 @@ def tasks(context: typer.Context, *, as_json: bool, extensions: list[str] | None
     """List the tasks with their styles and layouts; `generate` makes more of them."""
     if context.invoked_subcommand is not None:
         return
-    from remac_bench.extensions import load_extensions
+    from remac_bench.playing.extensions import load_extensions
 
     load_extensions(extensions or ())
     entries = list_tasks()

@@ -12,7 +12,7 @@ from remac_bench.experiments.book import Book
 from remac_bench.experiments.teaching import Lesson
 from remac_bench.plans.ask import Cell, Taught, judged, no_plan
 from remac_bench.plans.judge import Judgement
-from remac_bench.playing import BlamedError
+from remac_bench.playing.episodes import BlamedError
 
 GIVES_UP = 3
 """Infrastructure errors of a planner in a row, after which it is not asked any more in this run."""

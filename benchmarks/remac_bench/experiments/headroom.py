@@ -9,9 +9,9 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from remac_bench.job_lists import make_jobs
-from remac_bench.jobs import Job
 from remac_bench.judging.grades import gain, regret
+from remac_bench.playing.job_lists import make_jobs
+from remac_bench.playing.jobs import Job
 from remac_bench.records import Record
 from remac_env.generator import make
 

@@ -9,7 +9,7 @@ from typing import Any
 from remac_agents.roles import StopEpisode
 from remac_bench.experiments.book import Book
 from remac_bench.plans.ask import Cell, Taught, judged, teach, teach_by
-from remac_bench.playing import BlamedError
+from remac_bench.playing.episodes import BlamedError
 
 STARTS_TRIED = 10
 """So many seeds are looked at for each start that is wanted, where starts are passed over."""

@@ -10,8 +10,8 @@ from remac_bench.judging.alarms import detour_tokens, detours, is_false_alarm, t
 from remac_bench.judging.cells import Cells, count, number, only_known, rate, word
 from remac_bench.judging.episodes import cap_rounds, setting, shared_key
 from remac_bench.judging.statistics import mean
+from remac_bench.playing.sight import checked_by
 from remac_bench.records import CheckEntry, Record
-from remac_bench.sight import checked_by
 from remac_env.rules.conditions import Condition
 from remac_env.rules.sentences import predicate_of
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from remac_bench.board import Column, Sheet
 from remac_bench.judging.cells import DASH, only_known, word
+from remac_bench.playing.sight import checked_by
 from remac_bench.records import Record
-from remac_bench.sight import checked_by
 
 DEFAULT = "truth"
 """What `remac_agents.make` fills the role with: it need not be named where nobody else checks."""

@@ -8,12 +8,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from remac_bench import agents
 from remac_bench.board import Cell, Column, Sheet
 from remac_bench.judging.cells import Cells, count, number, only_known, percent, rate, word
 from remac_bench.judging.episodes import setting
 from remac_bench.judging.statistics import mean
 from remac_bench.metrics import Row
+from remac_bench.playing import agents
 from remac_bench.records import Record
 
 FILE = Path(__file__).parents[1] / "published.toml"

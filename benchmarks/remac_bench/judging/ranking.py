@@ -6,14 +6,14 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from remac_bench import agents
 from remac_bench.board import Column, Sheet
 from remac_bench.judging.cells import DASH, Cells, count, only_known, probability, rate, signed_interval, word
 from remac_bench.judging.checkers import need_naming
 from remac_bench.judging.episodes import problem, setting, shared_key
 from remac_bench.judging.statistics import ALPHA, cluster_bootstrap, holm, problems_to_separate, sign_flip
+from remac_bench.playing import agents
+from remac_bench.playing.sight import checked_by
 from remac_bench.records import Record
-from remac_bench.sight import checked_by
 
 Spot = tuple[object, ...]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from remac_bench import agents
 from remac_bench.board import Cell, Column, Sheet
 from remac_bench.judging.cells import Cells, count, interval, money, number, only_known, percent, rate, word
 from remac_bench.metrics import ALL_TASKS, Row
+from remac_bench.playing import agents
 
 COLUMNS: tuple[Column, ...] = (
     Column(key="task", title="Task", numeric=False),

@@ -9,16 +9,16 @@ from typing import Any
 
 from remac_agents.prompting.wording import report
 from remac_agents.roles import Report
-from remac_bench import agents
-from remac_bench.deadline import ASKING_SECONDS, Deadline
 from remac_bench.entries import EndpointError
 from remac_bench.errors import UsageError
-from remac_bench.job_lists import make_jobs
-from remac_bench.jobs import Job
 from remac_bench.live.person import Watched
-from remac_bench.lock import locked
-from remac_bench.playing import play_episode
-from remac_bench.recording import Recorder
+from remac_bench.playing import agents
+from remac_bench.playing.deadline import ASKING_SECONDS, Deadline
+from remac_bench.playing.episodes import play_episode
+from remac_bench.playing.job_lists import make_jobs
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.lock import locked
+from remac_bench.playing.recording import Recorder
 from remac_bench.records import Record
 from remac_bench.store import Store, finished_jobs
 from remac_env.errors import RemacError

@@ -16,7 +16,6 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Mount, Route
 
 from remac_bench.errors import UsageError
-from remac_bench.jobs import Job
 from remac_bench.judging.endings import ending
 from remac_bench.live.episode import play, told
 from remac_bench.live.person import PersonPlanner, Table
@@ -24,6 +23,7 @@ from remac_bench.live.viewing import View
 from remac_bench.pages.episode_page import page_name
 from remac_bench.pages.rendering import render
 from remac_bench.pages.text import visible
+from remac_bench.playing.jobs import Job
 from remac_bench.records import Record
 from remac_env.errors import RemacError
 

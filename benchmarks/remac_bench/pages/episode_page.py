@@ -16,8 +16,8 @@ from remac_bench.pages.gantt_events import draw_events
 from remac_bench.pages.rendering import TEXT_MAX, render
 from remac_bench.pages.rounds import ShownRound, alarms_of, round_spans, shown_rounds
 from remac_bench.pages.text import slug
+from remac_bench.playing.sight import checked_by
 from remac_bench.records import Record
-from remac_bench.sight import checked_by
 from remac_bench.store import VIDEO_PATH
 
 PAGE_MAX = 9_000_000

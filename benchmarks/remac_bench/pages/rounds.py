@@ -12,7 +12,7 @@ from typing import Any
 from remac_bench.judging.episodes import by_events
 from remac_bench.records import CheckEntry, ExchangeEntry, OrderEntry, OutcomeEntry, Record
 from remac_bench.store import PICTURES
-from remac_env.event_parallel import STOP
+from remac_env.envs.event_parallel import STOP
 
 _DIGEST = re.compile(r"[A-Za-z0-9]{1,128}")
 

@@ -18,7 +18,7 @@ from remac_agents.text.printable import type_name, words
 from remac_bench.asked import Asked
 from remac_bench.entries import MESSAGE_MAX
 from remac_bench.plans.judge import Judgement, judge
-from remac_bench.playing import BlamedError, blaming
+from remac_bench.playing.episodes import BlamedError, blaming
 from remac_bench.redaction import redact
 from remac_env.option_rows import rows, same
 from remac_env.options import Options

@@ -26,7 +26,7 @@ from remac_agents.prompting.models import Models
 from remac_agents.roles import AdjustRequest, Advice, HandoverRequest, PlanRequest, ReflectRequest, Verdict, View
 from remac_agents.wiring.catalogue import MODEL_ROLES, make_role
 from remac_agents.wiring.filling import DEFAULTS
-from remac_bench import agents
+from remac_bench.playing import agents
 from remac_bench.preflight.estimates import Need
 from remac_env.rules.conditions import Condition
 

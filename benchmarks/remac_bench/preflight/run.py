@@ -9,11 +9,11 @@ from typing import Any
 
 from remac_agents.llm import Cassette, ChatClient, Model
 from remac_agents.prompting.models import LIMITS
-from remac_bench import agents
-from remac_bench.jobs import Job
+from remac_bench.playing import agents
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.shared import make
 from remac_bench.preflight.estimates import Costs, Need
 from remac_bench.prices import PRICE_OPTIONS, UNKNOWN, dollars
-from remac_bench.shared import make
 
 PAPER_METHODS = ("BASE", "CC", "RE", "REMAC")
 

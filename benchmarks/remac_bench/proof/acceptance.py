@@ -8,18 +8,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from remac_bench.agents import Access, asked_models
-from remac_bench.code import code_digest
 from remac_bench.errors import UsageError
-from remac_bench.job_lists import check_jobs
 from remac_bench.metrics import Row, overall, summarise
+from remac_bench.playing.agents import Access, asked_models
+from remac_bench.playing.code import code_digest
+from remac_bench.playing.job_lists import check_jobs
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.proof.again import asks_only_models, read_job, repeatable
 from remac_bench.proof.seal import is_sealed, seal
 from remac_bench.proof.submission import CASSETTE, PROVIDERS, Entry, changed_files, read_entry, submission_digest
 from remac_bench.proof.verify import verify
 from remac_bench.records import Record
 from remac_bench.store import Store
-from remac_bench.worker import Work, play_job
 from remac_env.files import prepare_file, read_text
 from remac_env.seeding import generator
 

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-from remac_bench import agents, sight
-from remac_bench.agents import Access
-from remac_bench.jobs import MOST_ITERATIONS, Job, SuiteMark
+from remac_bench.playing import agents, sight
+from remac_bench.playing.agents import Access
+from remac_bench.playing.jobs import MOST_ITERATIONS, Job, SuiteMark
+from remac_bench.playing.shared import Shared
+from remac_bench.playing.worker import Work, play_job
 from remac_bench.records import Record
-from remac_bench.shared import Shared
-from remac_bench.worker import Work, play_job
 from remac_env.errors import RemacError, whole_number
 from remac_env.options import Options
 
@@ -61,7 +61,7 @@ def read_job(record: Record) -> Job:
 
 def _mark(record: Record, job: Job) -> SuiteMark:
     """The suite as the record names it; what it gives comes from the suite itself, where it is there."""
-    from remac_bench.suites import load, names
+    from remac_bench.playing.suites import load, names
 
     given: Mapping[str, Any] = {}
     if record.suite in names():

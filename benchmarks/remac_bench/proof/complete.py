@@ -6,13 +6,13 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from remac_bench import agents, sight
-from remac_bench.agents import Access
 from remac_bench.errors import UsageError
-from remac_bench.jobs import Job
+from remac_bench.playing import agents, sight
+from remac_bench.playing.agents import Access
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.suites import Suite, load, names
 from remac_bench.proof.again import read_job
 from remac_bench.records import Record
-from remac_bench.suites import Suite, load, names
 from remac_env.errors import RemacError
 
 NOT_LISTED = "not on the list of suite"

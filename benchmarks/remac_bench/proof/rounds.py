@@ -6,16 +6,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
-from remac_bench import agents
 from remac_bench.entries import EXCHANGES_MAX
-from remac_bench.jobs import Job
-from remac_bench.outside import plugins
-from remac_bench.playing import Course, make_record, proven
+from remac_bench.playing import agents
+from remac_bench.playing.episodes import Course, make_record, proven
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.outside import plugins
+from remac_bench.playing.shared import make
+from remac_bench.playing.timing import StepBook, replayed, shortest, timeline, token_of
+from remac_bench.playing.worlds import as_values, fallen
 from remac_bench.proof.again import NOT_PROVEN, check_key, compare, read_job
 from remac_bench.records import CheckEntry, Record
-from remac_bench.shared import make
-from remac_bench.timing import StepBook, replayed, shortest, timeline, token_of
-from remac_bench.worlds import as_values, fallen
 from remac_env.errors import RemacError
 from remac_env.oracle import certify, problem_id
 from remac_env.state import WorldState

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from remac_bench.errors import UsageError
+from remac_bench.playing.suites import load
 from remac_bench.proof.acceptance import accepted_records
 from remac_bench.proof.again import read_job
 from remac_bench.proof.submission import looks
 from remac_bench.records import Record
 from remac_bench.store import Store
-from remac_bench.suites import load
 from remac_env.files import prepare_folder
 
 

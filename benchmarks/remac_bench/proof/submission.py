@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from remac_bench import agents
-from remac_bench.code import code_digest
 from remac_bench.errors import StorageError, UsageError
-from remac_bench.machine import versions
+from remac_bench.playing import agents
+from remac_bench.playing.code import code_digest
+from remac_bench.playing.machine import versions
 from remac_bench.records import Record
 from remac_bench.store import FILE, Store
 from remac_env.files import prepare_folder, read_text

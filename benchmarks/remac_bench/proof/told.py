@@ -9,9 +9,9 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from remac_bench.playing.settings import Settings
 from remac_bench.proof.again import compare, read_job
 from remac_bench.records import SCHEMA, Record
-from remac_bench.settings import Settings
 from remac_bench.store import VIDEO_PATH, Store
 from remac_env.errors import RemacError
 from remac_env.option_rows import rows

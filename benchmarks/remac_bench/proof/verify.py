@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from remac_bench.errors import JobTimeoutError
-from remac_bench.machine import versions
+from remac_bench.playing.machine import versions
+from remac_bench.playing.shared import Shared
 from remac_bench.proof.again import asks_only_models, check_job, repeatable, searched_best
 from remac_bench.proof.complete import NOT_LISTED, check_once, check_scores, check_suite
 from remac_bench.proof.rounds import check_rounds
 from remac_bench.proof.told import NO_JOB, check_lines, check_told
 from remac_bench.records import Record
-from remac_bench.shared import Shared
 from remac_bench.store import Store, latest
 from remac_env.seeding import generator
 

@@ -15,6 +15,7 @@ from robosuite.utils.observables import Observable
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.backends.physics.stage import pose_start
 from remac_env.backends.physics.truth import Truth
+from remac_env.envs.parallel import UNSEEDED_BELOW
 from remac_env.errors import ActionError, PhysicsError, check_choice, whole_number
 from remac_env.integrations.robosuite.arena import KitchenArena, recorded_facts
 from remac_env.integrations.robosuite.episode import Cell, Episode, draw, redraw
@@ -25,7 +26,6 @@ from remac_env.kitchen.builder import show_switches
 from remac_env.kitchen.starts import NAMINGS, STARTS
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import MAX_ROBOTS
-from remac_env.parallel import UNSEEDED_BELOW
 from remac_env.seeding import SEED_MAX, generator
 from remac_env.state import WorldState, switches_on
 from remac_env.tasks.goals import progress

@@ -10,14 +10,15 @@ from typing import Any
 
 import pytest
 from chaos_server import ChaosServer, says
-from remac_bench import judging, sight, suites
-from remac_bench.agents import Access
+from remac_bench import judging
 from remac_bench.errors import UsageError
-from remac_bench.job_lists import make_jobs
-from remac_bench.jobs import Job
 from remac_bench.judging.episodes import setting
+from remac_bench.playing import sight, suites
+from remac_bench.playing.agents import Access
+from remac_bench.playing.job_lists import make_jobs
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.runner import Settings, run_jobs
 from remac_bench.records import Record
-from remac_bench.runner import Settings, run_jobs
 from remac_bench.store import Store
 
 import remac_agents

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 from agent_kitchens import Spy, play, suite_kitchen
-from remac_bench import agents as bench_agents
-from remac_bench.job_lists import make_jobs
-from remac_bench.runner import Settings, run_jobs
+from remac_bench.playing import agents as bench_agents
+from remac_bench.playing.job_lists import make_jobs
+from remac_bench.playing.runner import Settings, run_jobs
 from remac_bench.store import Store
 
 import remac_agents

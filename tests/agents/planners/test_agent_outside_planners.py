@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from agent_kitchens import play, suite_kitchen
-from remac_bench import agents as bench_agents
+from remac_bench.playing import agents as bench_agents
 
 import remac_agents
 from remac_agents.plan import PlanError

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from remac_bench.deadline import job_seconds
-from remac_bench.engines import Engine, play_all
-from remac_bench.extensions import load_extensions
-from remac_bench.jobs import Job
-from remac_bench.lock import locked
-from remac_bench.recording import VideoMode
+from remac_bench.playing.deadline import job_seconds
+from remac_bench.playing.engines import Engine, play_all
+from remac_bench.playing.extensions import load_extensions
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.lock import locked
+from remac_bench.playing.recording import VideoMode
+from remac_bench.playing.settings import Settings
+from remac_bench.playing.watch import Watch
+from remac_bench.playing.worker import Work
 from remac_bench.records import Record
-from remac_bench.settings import Settings
 from remac_bench.store import Store, finished_jobs
-from remac_bench.watch import Watch
-from remac_bench.worker import Work
 from remac_env.files import prepare_file, prepare_folder
 
 

@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
-from remac_bench import agents
-from remac_bench.agents import Access
-from remac_bench.outside import plugins
+from remac_bench.playing import agents
+from remac_bench.playing.agents import Access
+from remac_bench.playing.outside import plugins
 from remac_env.options import Options
 from remac_env.seeding import digest
 

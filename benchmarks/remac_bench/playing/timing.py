@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from remac_bench.records import OrderEntry, OutcomeEntry, SpanEntry
+from remac_env.envs.event_parallel import STOP
 from remac_env.errors import UnknownNameError
-from remac_env.event_parallel import STOP
 from remac_env.thinking import NO_THOUGHT, Thought
 
 MOST_MOMENTS = 3000

@@ -8,8 +8,8 @@ from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from remac_env.actions import check_token
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.errors import ActionError, LifecycleError, RemacError, check_choice
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.quoting import quoted
 from remac_env.vocabulary import Vocabulary
 

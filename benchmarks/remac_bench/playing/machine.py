@@ -11,7 +11,7 @@ from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from remac_bench.code import code_digest
+from remac_bench.playing.code import code_digest
 from remac_env.errors import RenderingError
 from remac_env.simulator import load_mujoco
 

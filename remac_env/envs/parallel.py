@@ -13,14 +13,14 @@ from pettingzoo import ParallelEnv
 from remac_env.actions import check_actions, check_robot, decode
 from remac_env.backends import make_backend, told_cases, told_skills
 from remac_env.backends.base import Backend
+from remac_env.envs.openings import observation_space, reset_options
+from remac_env.envs.recordings import Recordings
 from remac_env.episode import Episode, Terms
 from remac_env.errors import LifecycleError
 from remac_env.generator.worlds import worlds_for
 from remac_env.observation import Facts
-from remac_env.openings import observation_space, reset_options
 from remac_env.options import USUAL_CAMERAS, Options
 from remac_env.pictures import Moment, Pictures
-from remac_env.recordings import Recordings
 from remac_env.rewards import make_reward
 from remac_env.rules.claims import feasible
 from remac_env.rules.knowledge import held_back

@@ -12,14 +12,14 @@ from dataclasses import asdict, dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from remac_bench.deadline import Deadline, job_seconds
 from remac_bench.errors import JobTimeoutError
-from remac_bench.extensions import load_extensions
-from remac_bench.jobs import Job
-from remac_bench.playing import BlamedError, Course, blaming, make_record, play_episode
-from remac_bench.recording import Recorder, VideoMode
+from remac_bench.playing.deadline import Deadline, job_seconds
+from remac_bench.playing.episodes import BlamedError, Course, blaming, make_record, play_episode
+from remac_bench.playing.extensions import load_extensions
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.recording import Recorder, VideoMode
+from remac_bench.playing.shared import Agent, Shared, make
 from remac_bench.records import Record
-from remac_bench.shared import Agent, Shared, make
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from remac_bench import agents
 from remac_bench.errors import UsageError
-from remac_bench.outside import facts_of, plugins
+from remac_bench.playing import agents
+from remac_bench.playing.outside import facts_of, plugins
 from remac_bench.records import Record
 from remac_env.options import USUAL_CAMERAS
 

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from remac_env.actions import check_actions, decode
 from remac_env.backends.base import Backend
+from remac_env.envs.parallel import KitchenParallelEnv, Seen, Told
 from remac_env.episode import Episode, Terms, max_seconds
 from remac_env.errors import LifecycleError, OptionError, UnknownNameError, check_choice
 from remac_env.event_episode import EventEpisode
 from remac_env.events.clock import EventClock, Order, Span
 from remac_env.events.observation import TimeFacts
-from remac_env.parallel import KitchenParallelEnv, Seen, Told
 from remac_env.pictures import Moment
 from remac_env.quoting import quoted
 from remac_env.rules.knowledge import held_back

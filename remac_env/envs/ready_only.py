@@ -7,8 +7,8 @@ from typing import Any
 
 from pettingzoo.utils import BaseParallelWrapper
 
+from remac_env.envs.event_parallel import KitchenEventEnv
 from remac_env.errors import ActionError
-from remac_env.event_parallel import KitchenEventEnv
 
 
 class ReadyOnly(BaseParallelWrapper[str, Any, int]):

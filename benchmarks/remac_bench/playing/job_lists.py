@@ -6,13 +6,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from remac_bench import agents, sight
-from remac_bench.agents import Access
-from remac_bench.deadline import JOB_SECONDS, Deadline
 from remac_bench.errors import UsageError
-from remac_bench.jobs import Job
-from remac_bench.outside import usable
-from remac_bench.shared import Shared, make
+from remac_bench.playing import agents, sight
+from remac_bench.playing.agents import Access
+from remac_bench.playing.deadline import JOB_SECONDS, Deadline
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.outside import usable
+from remac_bench.playing.shared import Shared, make
 from remac_env.options import Options
 from remac_env.seeding import SEED_MAX
 from remac_env.values import python_values

@@ -13,7 +13,7 @@ from remac_bench.errors import UsageError
 
 if TYPE_CHECKING:
     from remac_agents.isolation.remote import ForkServer
-    from remac_bench.deadline import Deadline
+    from remac_bench.playing.deadline import Deadline
 
 
 def plugins(agent: Mapping[str, Any], *, providers: str | None = None) -> dict[str, Any]:
@@ -55,7 +55,7 @@ def usable() -> Iterator[None]:
 
 @lru_cache(maxsize=64)
 def _facts(role: str, given: str) -> Mapping[str, Any]:
-    from remac_bench.deadline import JOB_SECONDS, Deadline
+    from remac_bench.playing.deadline import JOB_SECONDS, Deadline
 
     servers = Servers()
     try:

@@ -6,10 +6,10 @@ import threading
 from collections.abc import Iterator, Sequence
 from queue import Empty, SimpleQueue
 
+from remac_bench.playing.shared import Shared
+from remac_bench.playing.watch import LOOKS, Watch
+from remac_bench.playing.worker import Work, play_job, timed_out
 from remac_bench.records import Record
-from remac_bench.shared import Shared
-from remac_bench.watch import LOOKS, Watch
-from remac_bench.worker import Work, play_job, timed_out
 
 Ended = tuple[Work, "list[Record] | BaseException | None"]
 """A job with its records, or with an error of the runner's own; None: it has begun."""

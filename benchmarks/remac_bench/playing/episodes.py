@@ -14,18 +14,18 @@ from typing import Any, Literal
 
 from remac_agents.isolation.remote import RemoteError
 from remac_agents.text.printable import printable, type_name, words
-from remac_bench.deadline import Deadline
 from remac_bench.entries import MESSAGE_MAX, EndpointError, report_fields, save_pictures
 from remac_bench.errors import JobTimeoutError
-from remac_bench.interrupts import is_stop
-from remac_bench.jobs import Job
-from remac_bench.machine import machine, versions
-from remac_bench.recording import Recorder
+from remac_bench.playing.deadline import Deadline
+from remac_bench.playing.interrupts import is_stop
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.machine import machine, versions
+from remac_bench.playing.recording import Recorder
+from remac_bench.playing.shared import Agent
+from remac_bench.playing.timing import StepBook, shortest, timed, timeline
+from remac_bench.playing.worlds import as_values, fallen
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record, SpanEntry, VideoEntry
 from remac_bench.redaction import printable_values, redact
-from remac_bench.shared import Agent
-from remac_bench.timing import StepBook, shortest, timed, timeline
-from remac_bench.worlds import as_values, fallen
 from remac_env.errors import ActionError
 from remac_env.oracle import Certificate, certify, problem_id
 

@@ -13,7 +13,9 @@ PACKAGES = ("remac_env", "remac_agents", "remac_bench")
 KINDS = (".py", ".toml", ".md", ".json")
 """Endings of the files that count: code, data and prompts."""
 
-LEFT_OUT = ("pages", "live", "commands", "console.py", "report.py", "board.py", "cli.py", "flags.py", "machine.py")
+LEFT_OUT = (
+    "pages", "live", "commands", "console.py", "report.py", "board.py", "cli.py", "flags.py", "playing/machine.py",
+)
 """What in remac_bench shows results and decides none."""
 
 
@@ -30,9 +32,9 @@ def code_digest() -> str:
 
 def _files(folder: Traversable, name: str) -> Iterator[tuple[str, Traversable]]:
     for entry in folder.iterdir():
-        if name == "remac_bench" and entry.name in LEFT_OUT or entry.name.startswith((".", "__pycache__")):
-            continue
         path = f"{name}/{entry.name}"
+        if path.removeprefix("remac_bench/") in LEFT_OUT or entry.name.startswith((".", "__pycache__")):
+            continue
         if entry.is_dir():
             yield from _files(entry, path)
         elif entry.name.endswith(KINDS):

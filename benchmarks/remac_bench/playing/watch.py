@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from remac_bench.jobs import Job
-from remac_bench.worker import Work
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.worker import Work
 
 SLOW_SECONDS = 60.0
 """A job that runs for so long is named, and again whenever the time has doubled, s."""

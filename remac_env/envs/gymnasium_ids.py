@@ -33,7 +33,7 @@ def _register(tasks: Sequence[str]) -> None:
         name = f"RemacKitchen-{task}-v0"
         if name not in gymnasium.registry:
             # The kitchen checks its own order of calls and never returns a time limit of Gymnasium's.
-            gymnasium.register(id=name, entry_point="remac_env.gym_view:KitchenEnv", kwargs={"task": task})
+            gymnasium.register(id=name, entry_point="remac_env.envs.gym_view:KitchenEnv", kwargs={"task": task})
     for skill in skills():
         name = f"RemacSkill-{skill}-v0"
         if name not in gymnasium.registry:

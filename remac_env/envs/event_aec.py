@@ -10,8 +10,8 @@ from pettingzoo import AECEnv
 from pettingzoo.utils.agent_selector import AgentSelector
 
 from remac_env.actions import check_token
+from remac_env.envs.event_parallel import STOP, KitchenEventEnv
 from remac_env.errors import ActionError, LifecycleError, UnknownNameError, check_choice
-from remac_env.event_parallel import STOP, KitchenEventEnv
 from remac_env.quoting import quoted
 from remac_env.thinking import Thought
 from remac_env.vocabulary import Vocabulary

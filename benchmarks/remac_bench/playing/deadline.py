@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from remac_bench import agents
 from remac_bench.errors import JobTimeoutError
+from remac_bench.playing import agents
 
 JOB_SECONDS = 3_600.0
 """Wall time of a job of offline roles or of code from outside, s. The slowest of the suites takes about a minute."""

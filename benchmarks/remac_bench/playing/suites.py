@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from remac_agents.options import AgentOptions
-from remac_bench import agents
-from remac_bench.agents import Access
 from remac_bench.errors import UsageError
-from remac_bench.job_lists import check_jobs, make_jobs, parse_seeds
-from remac_bench.jobs import MOST_ITERATIONS, Job, SuiteMark
-from remac_bench.suite_numbers import check_finite, number, option_value
+from remac_bench.playing import agents
+from remac_bench.playing.agents import Access
+from remac_bench.playing.job_lists import check_jobs, make_jobs, parse_seeds
+from remac_bench.playing.jobs import MOST_ITERATIONS, Job, SuiteMark
+from remac_bench.playing.suite_numbers import check_finite, number, option_value
 from remac_env.errors import RemacError
 from remac_env.files import read_text
 from remac_env.generator.making import for_team
@@ -154,8 +154,8 @@ def load(given: str) -> Suite:
 
 def _folder() -> Path:
     """Inside an installed package; beside it in a checkout."""
-    inside = Path(__file__).parent / "suite_files"
-    return inside if inside.is_dir() else Path(__file__).parents[1] / "suites"
+    inside = Path(__file__).parents[1] / "suite_files"
+    return inside if inside.is_dir() else Path(__file__).parents[2] / "suites"
 
 
 def _block_jobs(

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from typing import Any, Protocol
 
-from remac_bench import agents
-from remac_bench.deadline import Deadline
-from remac_bench.jobs import Job
-from remac_bench.outside import Servers, plugins
+from remac_bench.playing import agents
+from remac_bench.playing.deadline import Deadline
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.outside import Servers, plugins
 from remac_env.thinking import Thought
 
 

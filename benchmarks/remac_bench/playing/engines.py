@@ -6,15 +6,15 @@ import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from remac_bench import agents, pool, ray_pool, threads
 from remac_bench.errors import JobTimeoutError
-from remac_bench.interrupts import alarm, stoppable
-from remac_bench.jobs import Job
-from remac_bench.machine import cores
+from remac_bench.playing import agents, pool, ray_pool, threads
+from remac_bench.playing.interrupts import alarm, stoppable
+from remac_bench.playing.jobs import Job
+from remac_bench.playing.machine import cores
+from remac_bench.playing.shared import Shared
+from remac_bench.playing.watch import GRACE_SECONDS, Watch
+from remac_bench.playing.worker import Work, play_job, timed_out
 from remac_bench.records import Record
-from remac_bench.shared import Shared
-from remac_bench.watch import GRACE_SECONDS, Watch
-from remac_bench.worker import Work, play_job, timed_out
 
 THREADS = 16
 """Jobs at the same time by default where language models are asked: they wait for most of their time."""

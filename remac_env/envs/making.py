@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from remac_env.envs.event_parallel import KitchenEventEnv
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.errors import OptionError
-from remac_env.event_parallel import KitchenEventEnv
 from remac_env.options import Options
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.tasks.spec import TaskSpec
 
 

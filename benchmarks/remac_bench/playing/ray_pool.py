@@ -9,12 +9,12 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from remac_bench.errors import UsageError
-from remac_bench.extensions import load_extensions
-from remac_bench.losses import Losses
-from remac_bench.machine import cores
+from remac_bench.playing.extensions import load_extensions
+from remac_bench.playing.losses import Losses
+from remac_bench.playing.machine import cores
+from remac_bench.playing.watch import LOOKS, Watch
+from remac_bench.playing.worker import Work, play_job, timed_out
 from remac_bench.records import Record
-from remac_bench.watch import LOOKS, Watch
-from remac_bench.worker import Work, play_job, timed_out
 
 CRASHED = 1
 """Stands for the exit status of a worker that ended by itself: Ray does not tell it."""

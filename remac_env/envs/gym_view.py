@@ -12,10 +12,10 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from remac_env.actions import check_token
+from remac_env.envs.making import make_kitchen
+from remac_env.envs.parallel import KitchenParallelEnv
 from remac_env.errors import ActionError
-from remac_env.making import make_kitchen
 from remac_env.options import Options
-from remac_env.parallel import KitchenParallelEnv
 from remac_env.quoting import quoted
 from remac_env.tasks import get as get_task
 from remac_env.values import python_value

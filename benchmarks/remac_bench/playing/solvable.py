@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from remac_bench.errors import UsageError
 
 if TYPE_CHECKING:
-    from remac_bench.jobs import Job
+    from remac_bench.playing.jobs import Job
 
 SHOWN = 3
 """Starts that are named; all are counted."""

@@ -6,9 +6,9 @@ import signal
 from collections import Counter
 from typing import Literal
 
-from remac_bench.playing import BlamedError, Course, make_record
+from remac_bench.playing.episodes import BlamedError, Course, make_record
+from remac_bench.playing.worker import Work
 from remac_bench.records import Record
-from remac_bench.worker import Work
 
 DEATHS_MAX = 2
 """A job whose worker dies so often in a row ends with an error; before that it is played again."""

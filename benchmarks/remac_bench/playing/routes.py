@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from remac_agents.llm import Catalogue, Provider, load
-from remac_bench.machine import Finding
+from remac_bench.playing.machine import Finding
 from remac_bench.prices import list_price
 
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-from remac_bench.losses import Losses
+from remac_bench.playing.losses import Losses
+from remac_bench.playing.watch import LOOKS, Watch
+from remac_bench.playing.worker import Work, serve, timed_out
 from remac_bench.records import Record
-from remac_bench.watch import LOOKS, Watch
-from remac_bench.worker import Work, serve, timed_out
 
 STOP_SECONDS = 5.0
 """How long a worker may take to end before it is killed."""

@@ -1,0 +1,1 @@
+"""Jobs, processes, episodes: what is played, where, and by whom."""
