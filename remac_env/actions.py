@@ -43,7 +43,8 @@ def check_robot(name: Any, robots: Sequence[str]) -> str:
     Raises:
         UnknownNameError: otherwise.
     """
-    check_choice("robot", name, robots)
+    if type(name) is not str or name not in robots:
+        check_choice("robot", name, robots)
     return str(name)
 
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.actions import check_actions, decode
+from remac_env.actions import check_actions, check_robot, decode
 from remac_env.backends.base import Backend
 from remac_env.envs.parallel import KitchenParallelEnv, Seen, Told
 from remac_env.episode import Episode, Terms, max_seconds
-from remac_env.errors import LifecycleError, OptionError, UnknownNameError, check_choice
+from remac_env.errors import LifecycleError, OptionError, UnknownNameError
 from remac_env.event_episode import EventEpisode
 from remac_env.events.clock import EventClock, Order, Span
 from remac_env.events.observation import TimeFacts
@@ -104,7 +104,7 @@ class KitchenEventEnv(KitchenParallelEnv):
 
     def action_mask(self, agent: str) -> NDArray[np.int8]:
         """The tokens that this robot may choose now; 1 or 0, shape (N,). Never without a 1."""
-        check_choice("robot", agent, self.possible_agents)
+        check_robot(agent, self.possible_agents)
         if self._timed().clock.doing(agent) is None:
             return super().action_mask(agent)
         return self._busy.copy()
