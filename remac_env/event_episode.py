@@ -70,7 +70,6 @@ class EventEpisode(Episode):
     def info(self, robot: str) -> dict[str, Any]:
         """What `infos[robot]` holds: that of an episode in rounds, and what time adds to it."""
         doing, now, last = self.clock.doing(robot), self.seconds, self._decisions[robot]
-        slow = self._slow.items() if self.terms.scene.processes else ()
         told = super().info(robot)
         if self.stops is not None:
             told["stop"] = self.stops
@@ -83,7 +82,7 @@ class EventEpisode(Episode):
             "decision": last.count,
             "continue": self.continues,
             "max_seconds": float(self.terms.max_seconds),
-            "processes": {f"{each.name} {name}": round(now - since, 6) for (each, name), since in slow},
+            "processes": self.clock.going_on if self.terms.scene.processes else {},
         })
         return told
 

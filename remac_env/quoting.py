@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 SHOWN = 80
 """Characters of a value that an error quotes."""
 
@@ -38,9 +40,9 @@ def type_name(value: object) -> str:
     return printable(type.__getattribute__(kind, "__name__"))
 
 
-def _asked(how: type[str] | object, value: object) -> str:
+def _asked(how: Callable[[object], str], value: object) -> str:
     try:
-        return printable(how(value))  # type: ignore[operator]
+        return printable(how(value))
     except (KeyboardInterrupt, GeneratorExit):
         raise
     except BaseException:  # noqa: BLE001 - what a stranger's __str__ raises says nothing

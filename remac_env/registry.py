@@ -100,9 +100,10 @@ def parallel_env(task: str | TaskSpec, **options: Any) -> KitchenParallelEnv:
     from remac_env.validate import check_playable
 
     chosen = Options(**options)
-    if isinstance(task, TaskSpec):
-        check_playable(task)
-    return make_kitchen(task if isinstance(task, TaskSpec) else get(task), chosen)
+    if not isinstance(task, TaskSpec):
+        return make_kitchen(get(task), chosen)
+    check_playable(task)
+    return make_kitchen(task, chosen)
 
 
 def env(task: str | TaskSpec, robots: int = 2, **options: Any) -> KitchenAECEnv | KitchenEventAEC:

@@ -48,7 +48,7 @@ def in_rounds(rules: Rules, world: WorldState, steps: Sequence[Step]) -> list[Ma
 def _check_goes_on(step: Step, now: WorldState, going_on: Mapping[str, float]) -> None:
     """Look whether what a step waits for is under way."""
     for each in step.awaits:
-        if not each.over(now, going_on) and f"{each.process.name} {each.name}" not in going_on:
+        if not each.over(now, going_on) and each.what not in going_on:
             told = f"waits for {each.process.name} of the {each.name}, which does not go on"
             raise StepError(f"its step {step.skill} {step.target} of {step.robot} {told}")
 

@@ -7,9 +7,9 @@ from typing import Any
 from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
-from remac_env.actions import check_token
+from remac_env.actions import check_robot, check_token
 from remac_env.envs.parallel import KitchenParallelEnv
-from remac_env.errors import ActionError, LifecycleError, RemacError, check_choice
+from remac_env.errors import ActionError, LifecycleError, RemacError
 from remac_env.quoting import quoted
 from remac_env.vocabulary import Vocabulary
 
@@ -40,7 +40,7 @@ class KitchenAECEnv(OrderEnforcingWrapper[str, Any, Any]):
 
     def observe(self, agent: str) -> Any:
         """What a robot saw last; UnknownNameError for no robot."""
-        check_choice("robot", agent, self.possible_agents)
+        check_robot(agent, self.possible_agents)
         return super().observe(agent)
 
     def step(self, action: Any) -> None:

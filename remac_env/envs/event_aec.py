@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from pettingzoo import AECEnv
 from pettingzoo.utils.agent_selector import AgentSelector
 
-from remac_env.actions import check_token
+from remac_env.actions import check_robot, check_token
 from remac_env.envs.event_parallel import STOP, KitchenEventEnv
-from remac_env.errors import ActionError, LifecycleError, UnknownNameError, check_choice
+from remac_env.errors import ActionError, LifecycleError, UnknownNameError
 from remac_env.quoting import quoted
 from remac_env.thinking import Thought
 from remac_env.vocabulary import Vocabulary
@@ -62,7 +62,7 @@ class KitchenEventAEC(AECEnv[str, Any, Any]):
         """What a robot saw at the last decision point."""
         if not self._begun:
             raise LifecycleError("observe() needs an episode under way: call reset() first")
-        check_choice("robot", agent, self.possible_agents)
+        check_robot(agent, self.possible_agents)
         return self._seen[agent]
 
     def last(self, observe: bool = True) -> tuple[Any, float, bool, bool, dict[str, Any]]:

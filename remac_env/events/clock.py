@@ -107,6 +107,12 @@ class EventClock:
         return self._processes.running
 
     @property
+    def going_on(self) -> dict[str, float]:
+        """The same in words, as infos tell it: "process object" -> for how long it has gone on, s."""
+        now = self.now
+        return {f"{each.name} {name}": round(now - since, DIGITS) for (each, name), since in self.processes.items()}
+
+    @property
     def now(self) -> float:
         """s since the start."""
         return self._backend.clock

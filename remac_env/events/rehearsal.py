@@ -13,8 +13,8 @@ from remac_env.start import Start
 from remac_env.state import WorldState
 
 Choose = Callable[[WorldState, Mapping[str, float]], Mapping[str, Subtask] | None]
-"""From the world and what goes on by itself ("process name" -> for how long, s), what every robot does in the next
-round; None: it is over."""
+"""From the world and what goes on by itself (`EventClock.going_on`), what every robot does in the next round; None: it
+is over."""
 
 
 def rehearse(rules: Rules, world: WorldState, choose: Choose, *, rounds: int) -> list[Mapping[str, Subtask]]:
@@ -25,11 +25,7 @@ def rehearse(rules: Rules, world: WorldState, choose: Choose, *, rounds: int) ->
     backend = SymbolicBackend()
     backend.reset(Start(rules, world, "", "", {}, {}, {}, {}, seed=0))
     clock, played = EventClock(backend, rules, deadline=math.inf), list[Mapping[str, Subtask]]()
-    while len(played) < rounds:
-        goes_on = {f"{process.name} {name}": clock.now - since for (process, name), since in clock.processes.items()}
-        joint = choose(backend.world, goes_on)
-        if joint is None:
-            break
+    while len(played) < rounds and (joint := choose(backend.world, clock.going_on)) is not None:
         played.append(joint)
         told = set(clock.run({robot: Order(step) for robot, step in joint.items()}))
         while len(told) < len(joint) or len(clock.ready) < len(joint):

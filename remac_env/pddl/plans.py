@@ -30,9 +30,14 @@ class Await:
     name: str
     seconds: float
 
+    @property
+    def what(self) -> str:
+        """It in words, as infos tell what goes on: "process object"."""
+        return f"{self.process.name} {self.name}"
+
     def over(self, world: WorldState, going_on: Mapping[str, float]) -> bool:
-        """Whether it has. going_on: "process name" -> for how long, s, as `infos` say it."""
-        gone = going_on.get(f"{self.process.name} {self.name}", 0.0)
+        """Whether it has. going_on: in these words -> for how long, s."""
+        gone = going_on.get(self.what, 0.0)
         return came_true(world, self.process, self.name) or gone + NEAR >= self.seconds
 
 

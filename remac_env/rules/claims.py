@@ -34,8 +34,7 @@ class Claim:
     @staticmethod
     def of(rules: Rules, world: WorldState, robot: str, subtask: Subtask, end: str) -> Claim:
         """What a robot claims that begins an accepted subtask in this world and ends it at a station."""
-        takes = subtask.target if subtask.row.takes else None
-        return Claim(world.robots[robot].station, end, takes, _puts(rules, world, robot, subtask))
+        return Claim(world.robots[robot].station, end, *_reached_for(rules, world, robot, subtask))
 
 
 NO_CLAIMS: Mapping[str, Claim] = {}
@@ -100,8 +99,9 @@ def settle_claims(
         row = SKILLS[subtask.skill]
         if row.goes is not None:
             goals[robot] = row.goes(rules, world, robot, subtask.target)
-        if row.takes or (row.puts and rules.two_sided):
-            hands.append((robot, subtask.target if row.takes else None, _puts(rules, world, robot, subtask)))
+        takes, puts = _reached_for(rules, world, robot, subtask)
+        if takes or puts:
+            hands.append((robot, takes, puts))
     busy = [(robot, claim.takes, claim.puts) for robot, claim in claims.items() if claim.takes or claim.puts]
     if len(hands) + len(busy) > 1:
         _settle_hands(rules, world, hands, busy, refused)
@@ -124,9 +124,16 @@ _Hand = tuple[str, str | None, Place | None]
 """A robot, the object that it takes, and where it puts down what it holds."""
 
 
-def _puts(rules: Rules, world: WorldState, robot: str, subtask: Subtask) -> Place | None:
-    """Where a subtask puts down what its robot holds; it matters where another robot can put something there too."""
-    return landing(rules, world, robot, subtask.target) if subtask.row.puts and rules.two_sided else None
+def _reached_for(
+    rules: Rules, world: WorldState, robot: str, subtask: Subtask
+) -> tuple[str | None, Place | None]:
+    """What a subtask takes, and where it puts down what its robot holds.
+
+    The latter matters only where another robot can put something there too.
+    """
+    row = subtask.row
+    puts = landing(rules, world, robot, subtask.target) if row.puts and rules.two_sided else None
+    return subtask.target if row.takes else None, puts
 
 
 def _settle_hands(

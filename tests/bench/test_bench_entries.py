@@ -86,7 +86,7 @@ SECRET = "q7RtZx91LmP0sVb3"
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("cannot open /srv/someone/work/plan.json: gone", "cannot open plan.json: gone"),
+        ("cannot open /srv/someone/plans/plan.json: gone", "cannot open plan.json: gone"),
         ("'/home/me/my.py' and (/etc/x/y)", "'my.py' and (y)"),
         (f"in {Path.home()}/notes/a.txt", "in a.txt"),
         (f"sent {SECRET} to http://127.0.0.1:8000/v1/chat", "sent <LAB_TOKEN> to http://127.0.0.1:8000/v1/chat"),

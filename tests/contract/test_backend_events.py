@@ -224,7 +224,7 @@ def test_a_place_is_taken_from_when_one_begins_to_put_something_there(make: Call
 
 
 def test_places_that_nobody_claims_hold_two_things(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("remac_env.rules.claims._puts", lambda *told: None)
+    monkeypatch.setattr("remac_env.rules.claims.landing", lambda *told: None)
     with pytest.raises(ContractError, match="in one slot 'counter.0'"):
         both_put_down(SymbolicBackend())
 

@@ -158,8 +158,7 @@ def test_the_packages_own_skills_take_pan_and_food_and_put_them_down() -> None:
                 *_, infos = env.step({"robot_0": env.vocabulary.encode(text)})
                 drives += text.startswith("navigate") and infos["robot_0"]["outcome"]["status"] == "success"
         done += env.world.objects["vegetable"].place.where == "pan" and "stove" in env.world.objects["pan"].place.where
-    assert drives == 16, "drives with something in the hand are none that was learned"
-    assert done >= 2
+    assert done >= 3 and drives == 16, "drives with something in the hand are none that was learned"
     env.close()
 
 

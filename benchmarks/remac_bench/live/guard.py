@@ -16,7 +16,8 @@ HOSTS = ("127.0.0.1", "localhost")
 BODY_MAX = 64 * 1024
 """Bytes of a request at most."""
 
-_SIZE = re.compile(r"[0-9]{1,9}")
+NUMBER = re.compile(r"[0-9]{1,9}")
+"""A whole number in what a browser sends: no longer than any that means something."""
 _METHODS = ("GET", "HEAD", "POST")
 _HEADERS = (
     (b"cache-control", b"no-store"),
@@ -84,7 +85,7 @@ class Guard:
             if headers.get("content-type", "").partition(";")[0].strip() != "application/json":
                 return 415, "send JSON"
             size = headers.get("content-length", "")
-            if not _SIZE.fullmatch(size) or int(size) > BODY_MAX:
+            if not NUMBER.fullmatch(size) or int(size) > BODY_MAX:
                 return 413, f"at most {BODY_MAX} bytes, and say how many"
         return None
 

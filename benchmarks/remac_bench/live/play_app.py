@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import threading
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -18,6 +17,7 @@ from starlette.routing import Mount, Route
 from remac_bench.errors import UsageError
 from remac_bench.judging.endings import ending
 from remac_bench.live.episode import play, told
+from remac_bench.live.guard import NUMBER
 from remac_bench.live.person import PersonPlanner, Table
 from remac_bench.live.viewing import View
 from remac_bench.pages.episode_page import page_name
@@ -27,7 +27,6 @@ from remac_bench.playing.jobs import Job
 from remac_bench.records import Record
 from remac_env.errors import RemacError
 
-_NUMBER = re.compile(r"[0-9]{1,9}")
 _HEADERS = {"content-security-policy": "default-src 'none'"}
 
 
@@ -77,7 +76,7 @@ class Play:
     def picture(self, request: Request) -> Response:
         """The kitchen after a round."""
         number = request.path_params["number"]
-        data = self.table.picture(int(number)) if _NUMBER.fullmatch(number) else None
+        data = self.table.picture(int(number)) if NUMBER.fullmatch(number) else None
         if data is None:
             return PlainTextResponse("not here\n", status_code=404)
         return Response(data, media_type="image/jpeg", headers=_HEADERS)

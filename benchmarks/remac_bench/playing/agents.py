@@ -11,6 +11,7 @@ from remac_agents.options import AgentOptions
 from remac_bench.errors import UsageError
 from remac_env.errors import OptionError, check_choice
 from remac_env.option_rows import Switch, option, rows, same
+from remac_env.quoting import quoted
 
 DEFAULT_ITERATIONS = 2
 """RE and REMAC play iterations 0, 1, 2: learn, plan with what was learnt, share the work."""
@@ -71,7 +72,7 @@ class Access:
         given = {name: value for name, value in told.items() if name != "providers"}
         for name, value in given.items():
             if not isinstance(value, bool if name in ("replay", "isolated") else str | None):
-                raise OptionError(f"access.{name} {str(value)[:80]!r} is not valid; valid: as a run writes it")
+                raise OptionError(f"access.{name} {quoted(value)} is not valid; valid: as a run writes it")
         return cls(**given)
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Mapping, Sequence
 
-from remac_env.backends.physics.controllers.base import Command, CommandError, Controller, set_points
+from remac_env.backends.physics.controllers.base import Command, CommandError, Controller, Proprioception, set_points
 from remac_env.backends.physics.controllers.guard import guarded
+from remac_env.backends.physics.controllers.learned.aim import feels
 from remac_env.backends.physics.controllers.scripted.controller import Scripted, ended
 from remac_env.backends.physics.controllers.scripted.motion import Steps
 from remac_env.backends.physics.controllers.scripted.skill import go_home, take
@@ -44,7 +45,6 @@ class Pilot:
         self.here, self._own, self._seed = here, own, seed
         self._scripted = Scripted(here, rules)
         self.stopping = False
-        self._came: list[Array] = []
 
     def own_for(
         self, number: int, subtask: Subtask, world: WorldState, goal: Station | None = None
@@ -87,26 +87,29 @@ class Pilot:
         One that says how many `tries` it has begins again where it missed (`slipped`), but not where it was `hindered`.
         """
         for left in reversed(range(getattr(controller, "tries", 1))):
-            outcome = yield from self._owned(controller, subtask, sensing)
-            home = yield from self._home_again(well=outcome.success)
+            came: list[Array] = []
+            outcome = yield from self._owned(self._followed(guarded(controller, subtask, sensing), came), sensing)
+            home = yield from self._home_again(came, sensing.body, well=outcome.success)
             if not left or outcome.reason != "slipped" or not home.success or self.stopping or hindered():
                 break
         return outcome
 
-    def _home_again(self, *, well: bool) -> Attempt:
+    def _home_again(self, came: Sequence[Array], body: Proprioception, *, well: bool) -> Attempt:
         """Come home from where a controller has left the robot.
 
         A policy may press an arm against something, or fold it as no path does. Where no way leads on, an empty hand
         first goes back by the way that it came, a piece at a time.
 
         Args:
+            came: where the robot was at each of the controller's commands.
+            body: what it feels of itself.
             well: it did what it was to do, so that its last set-points are where a path may begin.
         """
         home = (yield from self.steps(go_home(self.here), RECOVERY_TIME)) if well else (yield from self.home())
-        for end in range(len(self._came), 0, -_BACK)[:_PIECES]:
-            if home.success or self.here.hand.body is not None:
+        for end in range(len(came), 0, -_BACK)[:_PIECES]:
+            if home.success or feels(body):
                 break
-            piece = self._came[max(0, end - _BACK) : end]
+            piece = came[max(0, end - _BACK) : end]
             yield from self.steps(self.here.mover.play(piece[::-1]), RECOVERY_TIME)
             home = yield from self.home()
         return home
@@ -117,7 +120,7 @@ class Pilot:
         if goal is None:
             return failure("blocked", "no parking place is free")
         here.leave()
-        outcome = yield from self._owned(controller, subtask, sensing)
+        outcome = yield from self._owned(guarded(controller, subtask, sensing), sensing)
         x, y, _ = self._handle.standing
         if math.hypot(x - goal.x, y - goal.y) > STATION_DISTANCE:
             here.enter(here.place)
@@ -126,10 +129,9 @@ class Pilot:
         yield from self.steps(go_home(here), RECOVERY_TIME)
         return outcome
 
-    def _owned(self, controller: Controller, subtask: Subtask, sensing: Briefed) -> Attempt:
-        """Run a controller of the robot's own; scripted motions can then go on from what it has left."""
+    def _owned(self, run: Generator[Command, None, Outcome], sensing: Briefed) -> Attempt:
+        """Pass on the commands of a controller of the robot's own; scripted motions can go on from what it has left."""
         stood = {name: sensing.pose(name) for name in sensing.objects}
-        run = self._followed(guarded(controller, subtask, sensing))
         outcome = yield from self._bounded(self._stoppable(run), SKILL_TIME)
         self.here.robot.catch_up()
         self._feel(sensing.told, stood)
@@ -151,11 +153,12 @@ class Pilot:
         self._handle.hold(robot.in_world(robot.q), robot.grip)
         return outcome
 
-    def _followed(self, run: Generator[Command, None, Outcome]) -> Generator[Command, None, Outcome]:
-        """The same commands; where the robot was before each of them is kept."""
-        self._came = []
+    def _followed(
+        self, run: Generator[Command, None, Outcome], came: list[Array]
+    ) -> Generator[Command, None, Outcome]:
+        """The same commands; where the robot was before each of them is noted."""
         while True:
-            self._came.append(self.here.robot.measured)
+            came.append(self.here.robot.measured)
             try:
                 command = next(run)
             except StopIteration as end:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from remac_env.backends.physics.quirks.mechanisms import TURN, Surroundings, Switch
 from remac_env.backends.physics.truth import Truth
 from remac_env.kitchen.fixtures.base import Fixture
@@ -22,6 +24,13 @@ class _Sender:
     @property
     def at_work(self) -> bool:
         return any(switch.returning for switch in (*self.switches, *self.others))
+
+    def send_back(self, switches: Iterable[Switch], when: bool) -> None:
+        """Look at switches, and send those back that are on, when they may not be."""
+        for switch in switches:
+            switch.came_on()
+            if when and switch.on:
+                switch.send_back()
 
     def push(self) -> None:
         for switch in (*self.switches, *self.others):
@@ -94,10 +103,7 @@ class Fuse(_OfSwitches):
 
     def watch(self) -> None:
         came = [switch.came_on() for switch in self.switches]
-        for switch in self.others:
-            switch.came_on()
-            if any(came) and switch.on:
-                switch.send_back()
+        self.send_back(self.others, any(came))
 
 
 class Springs(_OfSwitches):
@@ -105,10 +111,7 @@ class Springs(_OfSwitches):
 
     def watch(self) -> None:
         left = any(switch.on for switch in self.switches) and not self.around.attended(self.fixture)
-        for switch in self.switches:
-            switch.came_on()
-            if left and switch.on:
-                switch.send_back()
+        self.send_back(self.switches, left)
 
 
 class Interlock(_Sender):
@@ -120,8 +123,4 @@ class Interlock(_Sender):
         return fixture.shut_to_run and not all(actuator.springs_back for actuator in fixture.actuators)
 
     def watch(self) -> None:
-        shut = self.around.shut(self.fixture)
-        for switch in self.switches:
-            switch.came_on()
-            if not shut and switch.on:
-                switch.send_back()
+        self.send_back(self.switches, not self.around.shut(self.fixture))
