@@ -5,6 +5,7 @@ The question stays the one that was asked: its key on a cassette does not change
 
 from __future__ import annotations
 
+import re
 import threading
 from dataclasses import dataclass, replace
 
@@ -14,9 +15,11 @@ from remac_agents.llm.refusals import is_too_long
 from remac_agents.llm.request import ChatRequest
 from remac_agents.llm.wire import IN_STREAM
 from remac_agents.llm.wordings import (
+    NO_SYSTEM,
     TOKEN_FIELDS,
     first_named,
     is_about_size,
+    is_too_much,
     other_name,
     refuses,
     speaks_of,
@@ -143,7 +146,7 @@ def respond(error: ChatError, asked: ChatRequest, sent: ChatRequest, manner: Man
         halved: how often the call has halved its answer.
     """
     text = error.detail.casefold().removeprefix(IN_STREAM)
-    if error.status is None or error.status < 400 or error.status in DEAF:
+    if error.status is None or error.status < 400 or (error.status in DEAF and error.kind != "context_too_long"):
         return error
     failing = error.status >= 500  # such an endpoint may speak of many things
     if error.kind == "context_too_long" or (not failing and (is_too_long(text) or is_about_size(text))):
@@ -200,7 +203,7 @@ def _shorter(
         return _too_long(error, f"of {told.context} tokens the prompt takes {told.prompt}")
     if told.bound is not None:
         return Change(replace(manner, longest=told.bound))
-    if error.kind != "context_too_long" and not is_too_long(text):
+    if error.kind != "context_too_long" and not is_too_long(text) and not is_too_much(text):
         return None
     if halved < HALVINGS and sent.max_tokens > FAIR_TOKENS // 2:
         learnt = manner if told.context is None else replace(manner, context=told.context)
@@ -240,13 +243,13 @@ def _without(error: ChatError, text: str, sent: ChatRequest, manner: Manner) -> 
         "stream": True,
     }
     named = first_named(text, [field for field, here in there.items() if here])
-    if named is None and "roles must alternate" in text and there["system"]:
+    if there["system"] and re.search(NO_SYSTEM, text):
         named = "system"
     if named is None and "requested parameters" in text:  # of which there is no telling: the rarest go first
         named = next((field for field in ("response_format", "seed", "temperature") if there[field]), None)
     if named is None or not (refuses(text) or (named in TELLING and error.status in (400, 422))):
         return None
-    if (error.status or 0) >= 500 and named in ("stream", "system", "seed"):
+    if (error.status or 0) >= 500 and named in ("stream", "system", "seed") and not re.search(NO_SYSTEM, text):
         return None  # a failing endpoint may speak of many things
     if named == "stream":
         return replace(manner, stream=not sent.stream) if manner.stream is None else None

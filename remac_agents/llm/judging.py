@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from remac_agents.llm.message import Raw
 from remac_agents.llm.outcomes import ChatError, ChatReply
 from remac_agents.llm.request import ChatRequest
-from remac_agents.llm.wire import Raw
 from remac_agents.text.thoughts import split_reasoning
 
 MOST_TOKENS = 100_000_000

@@ -41,8 +41,10 @@ class Redactor:
         return text
 
     def sound(self, text: str) -> str:
-        """The text without the keys, fit to be encoded: half of a surrogate pair, which JSON can carry, is no text."""
-        return self.exact(text.encode("utf-8", "replace").decode("utf-8"))
+        """The text without the keys, fit to be encoded: halves of a surrogate pair, which JSON can carry, are put
+        together where both came, one in each piece of a stream perhaps; one alone is no text."""
+        whole = text.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "surrogatepass")
+        return self.exact(whole.encode("utf-8", "replace").decode("utf-8"))
 
     def value(self, value: Any) -> Any:
         """The same for every text in lists and mappings, names of fields included."""

@@ -19,15 +19,19 @@ from urllib.parse import urlsplit
 import httpx
 
 from remac_agents.llm.clock import Clock
+from remac_agents.llm.message import Raw
 from remac_agents.llm.outcomes import ChatError
 from remac_agents.llm.refusals import refusal
 from remac_agents.llm.request import ChatRequest
 from remac_agents.llm.retry import asked_wait
-from remac_agents.llm.wire import Caps, Raw, StreamReader, error_text, read_body
+from remac_agents.llm.wire import Caps, StreamReader, are_events, error_text, read_body
 
 CONNECT_S, WRITE_S = 10.0, 30.0
 """How long a connection and one write may take. The answer is waited for until the deadline of the call, however silent
 the endpoint is: models that reason think for minutes."""
+
+INFLATED = 1 << 16
+"""Bytes to which a packed body is inflated at a time."""
 
 NO_CONNECTION = "no connection"
 """With this begins the detail of an error where nobody was there to talk to."""
@@ -100,12 +104,11 @@ class Transport:
 
     def _read(self, response: httpx.Response, deadline: float, pulse: _Pulse) -> Raw | ChatError:
         status = response.status_code
-        events = status == 200 and "text/event-stream" in response.headers.get("content-type", "").casefold()
-        cap = self._caps.error_bytes if status != 200 else self._caps.body_bytes
+        events: bool | None = False if status != 200 else None
         reader = StreamReader(self._caps)
         body = bytearray()
         total = 0
-        for data in _pieces(response, self._caps.stream_bytes if events else cap):
+        for data in _pieces(response):
             pulse.beat(self._clock.monotonic())
             if self._clock.monotonic() >= deadline:
                 return ChatError("timeout", f"the answer was still coming: {pulse.told(deadline)}", status)
@@ -114,21 +117,32 @@ class Transport:
                 body = bytearray(f"encoding {encoding!r} was not asked for", "utf-8")
                 break
             total += len(data)
-            if total > (self._caps.stream_bytes if events else cap) and status == 200:
+            cap = self._cap(status, events)
+            if total > cap and status == 200:
                 return ChatError("oversized", f"more than {total - len(data)} bytes", status)
+            body += data
+            if events is None and body.strip():
+                events = are_events(bytes(body), response.headers.get("content-type", ""))
             if events:
-                read = reader.feed(data)
+                read = reader.feed(bytes(body))
+                body.clear()
                 if isinstance(read, ChatError):
                     return read
                 if read:
                     break
-            else:
-                body += data
-                if len(body) > cap:
-                    break
+            elif len(body) > cap:
+                break
         if status != 200:
-            return _refused(response, bytes(body[:cap]), self._clock.wall())
-        return reader.result() if events else read_body(bytes(body), self._caps)
+            return _refused(response, bytes(body[: self._caps.error_bytes]), self._clock.wall())
+        if events is None:
+            events = are_events(b"", response.headers.get("content-type", ""))
+        arrived = not {"content-length", "transfer-encoding"}.isdisjoint(response.headers)
+        return reader.result(arrived=arrived) if events else read_body(bytes(body), self._caps)
+
+    def _cap(self, status: int, events: bool | None) -> int:
+        if status != 200:
+            return self._caps.error_bytes
+        return self._caps.stream_bytes if events else self._caps.body_bytes
 
 
 @lru_cache(maxsize=1)
@@ -137,7 +151,7 @@ def _certificates() -> ssl.SSLContext:
     return httpx.create_ssl_context(trust_env=False)
 
 
-def _pieces(response: httpx.Response, cap: int) -> Iterator[bytes | None]:
+def _pieces(response: httpx.Response) -> Iterator[bytes | None]:
     """The bytes of a body, inflated where the endpoint packed them unasked; None: packed in an unknown way.
 
     Inflation is bounded piece by piece, so that a small body which would fill the memory never does.
@@ -153,7 +167,7 @@ def _pieces(response: httpx.Response, cap: int) -> Iterator[bytes | None]:
     for packed in response.iter_raw():
         while packed:
             try:
-                data = inflater.decompress(packed, min(cap, 1 << 16) + 1)
+                data = inflater.decompress(packed, INFLATED)
             except zlib.error as error:
                 raise httpx.RemoteProtocolError(f"broken compression: {error}") from None
             packed = inflater.unconsumed_tail

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
+from remac_agents.llm.message import Raw, StrangeError, add, first_choice, message_of
 from remac_agents.llm.outcomes import ChatError
 from remac_agents.llm.refusals import refusal
 
@@ -18,15 +19,14 @@ EXCERPT = 500
 BOM = b"\xef\xbb\xbf"
 """The mark that some programs put before UTF-8."""
 
+UNDRESSED = ("message", "detail", "errors")
+"""Where an answer without choices may tell of an error besides `error`."""
+
 IN_STREAM = "in the stream: "
 """Stands before an error that came in a stream."""
 
-THINKING = ("thinking", "reasoning", "reasoning_text", "thought", "redacted_thinking")
-"""Types of parts of a content that are no answer."""
-
-LOOSE = ("text", "thinking", "reasoning", "summary", "content")
-LOOSE_DEPTH = 4
-"""Where the text of reasoning stands in an object, and how deep objects may be nested."""
+FIELDS = (b"data", b"event", b"id", b"retry", b"error", b"")
+"""Names of lines of a stream; without one it is a comment. `error` is llama.cpp's own."""
 
 
 @dataclass(frozen=True)
@@ -48,41 +48,34 @@ class Caps:
     error_bytes: int = 64 << 10
 
 
-@dataclass
-class Raw:
-    """An answer as it came, not judged yet. `done`: it was streamed, and the stream came to its end."""
-
-    content: str = ""
-    reasoning: str = ""
-    finish: str | None = None
-    refused: bool = False
-    tools: list[str] = field(default_factory=list)
-    usage: Any = None
-    model: str = ""
-    response_id: str = ""
-    fingerprint: str = ""
-    done: bool = False
-
-
-class _Strange(ValueError):
-    """An answer that is not what the protocol says."""
-
-
 def read_body(data: bytes, caps: Caps) -> Raw | ChatError:
     """An answer in one piece."""
     try:
         body = _json(data)
         raw = Raw()
         _note_origin(raw, body)
-        choice = _choice(body.get("choices"))
-        if choice is None and body.get("error"):
-            return _error_inside(body, data, "in the answer: ")
-        if choice is None:
-            raise _Strange("it holds no choice")
-        _add(raw, choice, choice.get("message"))
-    except _Strange as error:
+        choice = first_choice(body.get("choices"))
+        if choice is not None and choice.get("error"):
+            return _error_inside(choice, "in the answer: ")
+        message = None if choice is None else message_of(choice)
+        if choice is not None and message is not None:
+            add(raw, choice, message)
+        if not raw.content and (body.get("error") or any(body.get(name) for name in UNDRESSED)):
+            return _error_inside(body, "in the answer: ")
+        if message is None:
+            raise StrangeError("it holds no choice with a message")
+    except StrangeError as error:
         return ChatError("malformed", f"{error}: {data[:EXCERPT].decode('utf-8', 'replace')}")
     return raw if _length(raw) <= caps.text else _oversized(caps)
+
+
+def are_events(beginning: bytes, kind: str) -> bool:
+    """Whether an answer that begins so is a stream of events; where that does not say, its content type does."""
+    start = beginning.lstrip().removeprefix(BOM).lstrip()
+    if start.startswith((b"{", b"[")):
+        return False
+    named = re.match(rb"(?:data|event|id|retry)?:", start)
+    return named is not None or "text/event-stream" in kind.casefold()
 
 
 class StreamReader:
@@ -95,16 +88,14 @@ class StreamReader:
         self._data: list[bytes] = []
         self._texts: dict[str, list[str]] = {"content": [], "reasoning": []}
         self._length = 0
-        self._done = self._begun = False
+        self._done = self._begun = self._failed = False
 
     def feed(self, data: bytes) -> bool | ChatError:
         """Read on. True: the terminator came."""
         try:
             for line in self._lines(data):
                 if line:
-                    name, _, value = line.partition(b":")
-                    if name == b"data":
-                        self._data.append(value.removeprefix(b" "))
+                    self._field(*line.partition(b":")[::2])
                     continue
                 event, self._data = b"\n".join(self._data), []
                 if event.strip() == b"[DONE]":
@@ -113,23 +104,37 @@ class StreamReader:
                 error = self._event(event) if event.strip() else None
                 if error is not None:
                     return error
-        except _Strange as strange:
+        except StrangeError as strange:
             return ChatError("malformed", str(strange))
         size = len(self._pending) + sum(len(part) for part in self._data)
         if size > self._caps.line_bytes or self._length > self._caps.text:
             return _oversized(self._caps)
         return False
 
-    def result(self) -> Raw | ChatError:
-        """The answer, once nothing more comes. Without the terminator there is none, however whole it looks."""
-        if not self._done:
-            self.feed(b"\n\n")  # a last line may lack its end
-        if not self._done:
-            return ChatError("truncated", "the stream ended before [DONE]")
+    def result(self, *, arrived: bool = False) -> Raw | ChatError:
+        """The answer, once nothing more comes.
+
+        Args:
+            arrived: whether the transfer says itself that all of it came. If not, there is no answer without the
+                terminator, however whole it looks.
+        """
+        fault = False if self._done else self.feed(b"\n\n")  # a last line may lack its end
+        if isinstance(fault, ChatError) and fault.kind != "malformed":
+            return fault  # it told of one; what is no event is a piece of one
+        if not self._done and not (arrived and self._raw.finish):
+            return ChatError("truncated", "the stream ended before [DONE] (stream=false asks for it in one piece)")
         self._raw.content = "".join(self._texts["content"])
         self._raw.reasoning = "".join(self._texts["reasoning"])
         self._raw.done = True
         return self._raw
+
+    def _field(self, name: bytes, value: bytes) -> None:
+        """One line of an event. What is not named as one may be a piece of the answer that came damaged."""
+        if name not in FIELDS and not (name.isalpha() and name.isascii()):
+            raise StrangeError(f"a line of the stream begins with {name[:40]!r}")
+        if name in (b"data", b"error"):
+            self._data.append(value.removeprefix(b" "))
+        self._failed |= name == b"error" or (name == b"event" and value.strip() == b"error")
 
     def _lines(self, data: bytes) -> Iterator[bytes]:
         """Whole lines; \\r\\n, \\n and \\r end one. A \\r at the very end may be half of a \\r\\n and waits."""
@@ -143,14 +148,18 @@ class StreamReader:
         yield from lines
 
     def _event(self, event: bytes) -> ChatError | None:
+        if self._failed:
+            return _error_inside(_told(event), IN_STREAM)
         chunk = _json(event)
-        if chunk.get("error"):
-            return _error_inside(chunk, event, IN_STREAM)
+        choice = first_choice(chunk.get("choices"))
+        for holder in (chunk, choice or {}):
+            if holder.get("error"):
+                return _error_inside(holder, IN_STREAM)
         _note_origin(self._raw, chunk)
-        choice = _choice(chunk.get("choices"))
         if choice is not None:
             piece = Raw(finish=self._raw.finish)
-            _add(piece, choice, choice.get("delta"))
+            # A whole message after its pieces only says them again.
+            add(piece, choice, choice.get("delta") if self._length else message_of(choice))
             self._texts["content"].append(piece.content)
             self._texts["reasoning"].append(piece.reasoning)
             self._length += _length(piece)
@@ -165,7 +174,7 @@ def error_text(data: bytes) -> str:
     about, and counts of tokens; or the body's beginning."""
     try:
         body = _json(data)
-    except _Strange:
+    except StrangeError:
         return data[: 2 * EXCERPT].decode("utf-8", "replace")
     error = body.get("error", body if isinstance(body.get("message"), str) else None)
     if not isinstance(error, dict):
@@ -178,28 +187,38 @@ def error_text(data: bytes) -> str:
         told.insert(0, error_text(raw.encode("utf-8", "replace")))
     told += [f"(param: {error['param']})"] if error.get("param") else []
     told += [f"{name}={error[name]}" for name in ("n_prompt_tokens", "n_ctx") if isinstance(error.get(name), int)]
-    return "; ".join(told)[: 2 * EXCERPT]
+    return ("; ".join(told) or data.decode("utf-8", "replace"))[: 2 * EXCERPT]
 
 
-def _error_inside(body: dict[str, Any], data: bytes, where: str) -> ChatError:
+def _error_inside(body: dict[str, Any], where: str) -> ChatError:
     """An error under status 200: a refusal where it names the status of one, else a failure of the endpoint, which may
     have cost something."""
-    error = body["error"]
-    code = error.get("code", error.get("status")) if isinstance(error, dict) else None
-    status = int(code) if str(code).isdecimal() and 400 <= int(code) < 500 else None  # type: ignore[arg-type]
-    told = where + error_text(data)
-    if status is None and re.search(r"invalid_request|unsupported|context_length", told, re.IGNORECASE):
+    error = body.get("error") or body
+    codes = [error.get(name) for name in ("code", "status")] if isinstance(error, dict) else []
+    status = next((int(code) for code in map(str, codes) if re.fullmatch("4[0-9][0-9]", code)), None)
+    told = where + error_text(json.dumps(body if "error" in body else {"error": error}).encode())
+    if status is None and re.search(r"invalid_request|unsupported|context_length|badrequest", told, re.IGNORECASE):
         status = 400  # a request that was refused, by an endpoint that had begun to answer it
     return ChatError("server_error", told) if status is None else refusal(status, told, None)
+
+
+def _told(event: bytes) -> dict[str, Any]:
+    """What an event tells of an error, in whatever form."""
+    try:
+        return _json(event)
+    except StrangeError:
+        return {"error": event.decode("utf-8", "replace")}
 
 
 def _json(data: bytes) -> dict[str, Any]:
     try:
         value = json.loads(data.removeprefix(BOM))
     except (ValueError, RecursionError) as error:
-        raise _Strange(f"no JSON ({type(error).__name__})") from None
+        raise StrangeError(f"no JSON ({type(error).__name__})") from None
+    if isinstance(value, list) and len(value) == 1 and isinstance(value[0], dict) and "error" in value[0]:
+        value = value[0]  # Google's way to tell of an error
     if not isinstance(value, dict):
-        raise _Strange("no JSON object")
+        raise StrangeError("no JSON object")
     return value
 
 
@@ -210,73 +229,6 @@ def _note_origin(raw: Raw, body: dict[str, Any]) -> None:
             setattr(raw, name, value[:200])
     if body.get("usage") is not None:
         raw.usage = body["usage"]
-
-
-def _choice(choices: Any) -> dict[str, Any] | None:
-    """The first choice with index 0 (one was asked for); None if there is none, as in a chunk with usage only."""
-    if choices is None:
-        return None
-    if not isinstance(choices, list) or not all(isinstance(choice, dict) for choice in choices):
-        raise _Strange("its choices are no list of objects")
-    return next((choice for choice in choices if choice.get("index") in (0, None)), None)
-
-
-def _add(raw: Raw, choice: dict[str, Any], message: Any) -> None:
-    if message is None:
-        message = {}
-    if not isinstance(message, dict):
-        raise _Strange("its message is no object")
-    raw.content += _text(message.get("content"))
-    raw.reasoning += _reasoning(message)
-    raw.refused |= bool(message.get("refusal"))
-    raw.tools += _tools(message)
-    finish = choice.get("finish_reason")
-    if isinstance(finish, dict):
-        finish = finish.get("type")  # SGLang's own form
-    if finish is not None and not isinstance(finish, str):
-        raise _Strange("its finish_reason is no text")
-    raw.finish = raw.finish or finish
-
-
-def _text(value: Any) -> str:
-    """Text given as such, or as a list of parts."""
-    if value is None:
-        return ""
-    if isinstance(value, list) and all(isinstance(part, dict) for part in value):
-        return "".join(_text(part.get("text")) for part in value if part.get("type") not in THINKING)
-    if not isinstance(value, str):
-        raise _Strange("its content is no text")
-    return value
-
-
-def _reasoning(message: dict[str, Any]) -> str:
-    """Reasoning that comes apart from the answer: in a field of its own, in details, or as parts of the content."""
-    for name in ("reasoning_content", "reasoning", "thinking"):
-        if told := _loose(message.get(name)):
-            return told
-    content = message.get("content")
-    parts = [part for part in content if isinstance(part, dict)] if isinstance(content, list) else []
-    thought = "".join(_loose(part) for part in parts if part.get("type") in THINKING)
-    return thought or _loose(message.get("reasoning_details"))
-
-
-def _loose(value: Any, depth: int = 0) -> str:
-    """The text in a value of whatever form; what is none is passed over, for reasoning is not judged."""
-    if isinstance(value, str):
-        return value
-    if isinstance(value, list) and depth < LOOSE_DEPTH:
-        return "".join(_loose(part, depth + 1) for part in value)
-    if isinstance(value, dict) and depth < LOOSE_DEPTH:
-        return next((told for name in LOOSE if (told := _loose(value.get(name), depth + 1))), "")
-    return ""
-
-
-def _tools(message: dict[str, Any]) -> list[str]:
-    calls = message.get("tool_calls") or ([message["function_call"]] if message.get("function_call") else [])
-    if not isinstance(calls, list):
-        raise _Strange("its tool_calls are no list")
-    named = [call.get("function", call) if isinstance(call, dict) else {} for call in calls[:16]]
-    return [str(call.get("name", "?"))[:80] if isinstance(call, dict) else "?" for call in named]
 
 
 def _length(raw: Raw) -> int:

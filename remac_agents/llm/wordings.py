@@ -10,6 +10,12 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+NO_SYSTEM = (
+    r"roles must alternate|system role.{0,20}not supported|only user and assistant roles"
+    r"|'user' or 'assistant'.*\(param: messages[^)]{0,20}role\)"
+)
+"""So servers refuse what the system says whose template of a model's has no place for it, under status 500 too."""
+
 TOKEN_FIELDS = ("max_tokens", "max_completion_tokens", "max_output_tokens", "max_new_tokens")
 
 FIELDS: dict[str, str] = {
@@ -19,7 +25,8 @@ FIELDS: dict[str, str] = {
     ),
     "stream_options": r"stream[_ ]options|include_usage",
     "response_format": (
-        r"response[_ ]?format|json[_ ]?(?:object|schema|mode|output)|structured[_ ]outputs?|guided\w*|grammar"
+        r"response[_ ]?formats?|json[_ ]?(?:object|schema|mode|output)|structured[_ ]outputs?|guided\w*|grammar"
+        r"|json_validate_failed|failed_generation|generate json"
     ),
     "temperature": r"temperature",
     "seed": r"seed",
@@ -36,12 +43,18 @@ _REFUSING = re.compile(
     r"|extra (?:inputs|fields)|extra_forbidden|invalid|not valid|unavailable|not available|accept|only the default|must"
     r"|should|cannot|can't|can not|not a |isn't|not enabled|disabled|not implemented|deprecated|incompatible|compatible"
     r"|removed|failed to|expected|reject|illegal|no endpoints found|do(?:es)? not exist|additional propert|not be used"
-    r"|not used|ignored|at most|limited to|restricted|verified"
+    r"|not used|ignored|at most|limited to|restricted|verified|not one of"
 )
 _SIZE = re.compile(
     r"too (?:large|big|high|many|long)|at most|maximum|exceed|range|less than|smaller than|<=|\u2264|limit|greater than"
-    r"|larger than|more than|no more|at least|upper bound|up to|between|above|below|\bmax\b|> \d"
+    r"|larger than|more than|no more|at least|upper bound|up to|between|above|below|\bmax\b|> \d|less or equal"
 )
+_LEAST = re.compile(r"minimum|at least|must be (?:greater|larger|more) than|too (?:small|low|few)|>=|\u2265")
+_MOST = re.compile(
+    r"too (?:large|big|high|many|long)|at most|maximum|exceed|range|less than|<=|\u2264|limit|between|up to"
+)
+_MUCH = re.compile(r"too (?:large|big|high|many)|(?<!be )(?:greater|larger|more) than")
+_SPOKEN = re.compile(r"\bmax_?(output|completion|new)?_?tokens\b")
 _OTHER = re.compile(r"instead|deprecated|renamed|replaced|unsupported parameter|\buse ['\"`]?max_")
 _NUMBER = r"(\d{1,3}(?:[,_]\d{3})+|\d+)"
 _CONTEXT = (
@@ -106,9 +119,14 @@ def first_named(text: str, fields: Iterable[str]) -> str | None:
 
 def is_about_size(text: str) -> bool:
     """Whether a text is about the number of tokens."""
-    named = any(speaks_of(text, field) is not None for field in TOKEN_FIELDS)
+    named = _SPOKEN.search(text) is not None
     named = named or re.search(r"(?:completion|output|generated|new|max|maximum) tokens", text) is not None
     return named and _SIZE.search(text) is not None
+
+
+def is_too_much(text: str) -> bool:
+    """Whether a text says that the answer asked for is too long, without saying how long it may be."""
+    return is_about_size(text) and _MUCH.search(text) is not None
 
 
 def other_name(text: str, field: str) -> str | None:
@@ -131,11 +149,18 @@ def tokens_told(text: str, sent: int) -> Told:
     parts = [_number(part) for part in re.findall(_OF_INPUT, text)]
     prompt = sum(parts) if parts else prompt
     bound = None
-    if is_about_size(text) and not ("context" in text and context is not None):
+    tight = re.search(rf"limit:? {_NUMBER}, requested:? {_NUMBER}", text)
+    if tight is not None:
+        limit, requested = _number(tight[1]), _number(tight[2])
+        return Told(limit, requested - sent if sent < requested else None)
+    least = _LEAST.search(text) is not None and _MOST.search(text) is None
+    if is_about_size(text) and not least and not ("context" in text and context is not None):
         # Whatever number is less than what was asked for, in a text about its size, is the bound.
         numbers = [_number(found) for found in re.findall(rf"(?<![\w.-]){_NUMBER}(?![\w-]|\.\d)", text)]
         smaller = [number for number in numbers if 1 < number < sent and number != prompt]
         bound = max(smaller, default=None)
+        if bound is not None and f"{bound} (exclusive)" in text:
+            bound -= 1
     return Told(context, prompt, bound, "at least" in text)
 
 

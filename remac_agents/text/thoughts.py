@@ -8,6 +8,11 @@
     analysis...assistantfinal... the same where the markers were left out on the way
     <|channel>thought...<channel|>      Gemma
     Thinking... ...done thinking.       Ollama
+    Here is my thought process: ... Here is my response:                     Granite
+    Here are my reasoning steps: ... [BEGIN FINAL RESPONSE]                  Apriel
+    <unused94>thought ... <unused95>    MedGemma
+    <details type="reasoning">...</details>, ```thinking ... ```             chat front ends
+    &lt;think&gt;...&lt;/think&gt;      any tag, where a gateway made HTML of it
 What surrounds an answer alone, such as <answer>...</answer>, is taken off.
 """
 
@@ -16,9 +21,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-_WORDS = r"(?:think(?:ing)?|thoughts?|reason(?:ing)?|analysis|scratchpad|monologue|cot)"
+_WORDS = r"(?:think(?:ing)?|thoughts?|reason(?:ing)?|analysis|scratch_?pad|monologue|cot)"
 _TAG = re.compile(
-    rf"<\s{{0,4}}(?P<a>/?)\s{{0,4}}(?:\w{{1,20}}[:_-])?{_WORDS}(?:_\w{{1,20}})?(?:\s[^<>]{{0,80}})?>"
+    rf"(?:<|&lt;)\s{{0,4}}(?P<a>/?)\s{{0,4}}(?:\w{{1,20}}[:_-])?{_WORDS}(?:_\w{{1,20}})?(?:\s[^<>&]{{0,80}})?:?(?:>|&gt;)"
     rf"|\[(?P<b>/?)(?:THINK(?:ING)?|REASONING)\]"
     rf"|[\u25c1\u25c0](?P<c>/?){_WORDS}[\u25b7\u25b6]"
     rf"|<\|(?P<d>/?){_WORDS}\|>"
@@ -27,7 +32,7 @@ _TAG = re.compile(
     re.IGNORECASE,
 )
 _AROUND = re.compile(
-    r"</?(?:answer|response|final_answer|solution)>"
+    r"</?(?:answer|response|final_answer|solution)>|\[(?:BEGIN|END) FINAL RESPONSE\]"
     r"|<\|(?:begin|start|end)_(?:of_)?(?:solution|answer|response|box)\|>",
     re.IGNORECASE,
 )
@@ -45,7 +50,15 @@ _BARE_FINAL = re.compile(r"(?:assistant\s*final|final(?=[A-Z\[{]))")
 _GEMMA = re.compile(
     r"<\|channel>\s*(?:thought|thinking|analysis)?(?P<thoughts>.*?)(?:<channel\|>|(?P<open>\Z))", re.DOTALL
 )
-_OLLAMA = re.compile(r"Thinking\.\.\.[ \t\r]*\n(?P<thoughts>.*?)\.\.\.done thinking\.", re.DOTALL)
+_LEADS = re.compile(
+    r"Thinking\.\.\.[ \t\r]*\n(?P<a>.*?)\.\.\.done thinking\."
+    r"|Here(?:'s| is) my thought process:(?P<b>.*?)Here(?:'s| is) my response:"
+    r"|Here are my reasoning steps:(?P<c>.*?)\[BEGIN FINAL RESPONSE\]"
+    r"|<unused94>(?P<d>.*?)<unused95>"
+    r"|<details\s[^<>]{0,80}reasoning[^<>]{0,80}>(?P<e>.*?)</details>"
+    r"|```(?:think|thinking|thoughts?|reasoning)[ \t\r]*\n(?P<f>.*?)\n[ \t]*```",
+    re.DOTALL,
+)
 
 FINAL = "final"
 
@@ -82,10 +95,15 @@ def _tags(text: str) -> Split:
     answer: list[str] = []
     thoughts: list[str] = []
     depth = start = 0
-    for tag in _TAG.finditer(text):
+    tags = list(_TAG.finditer(text))
+    if tags and tags[0].start() == 0 and _closes(tags[-1]) and len(tags) > 2:
+        opened = sum(not _closes(tag) for tag in tags)
+        if opened > len(tags) - opened:  # one was put before it by the server, or the thoughts speak of one
+            return Split((text[tags[-1].end() :],), (text[tags[0].end() : tags[-1].start()],))
+    for tag in tags:
         (thoughts if depth else answer).append(text[start : tag.start()])
         start = tag.end()
-        if not any(tag.group(name) for name in "abcde"):
+        if not _closes(tag):
             depth += 1
         elif depth:
             depth -= 1
@@ -94,6 +112,10 @@ def _tags(text: str) -> Split:
             answer = []
     (thoughts if depth else answer).append(text[start:])
     return Split(tuple(answer), tuple(thoughts), depth > 0)
+
+
+def _closes(tag: re.Match[str]) -> bool:
+    return any(tag.group(name) for name in "abcde")
 
 
 def _channels(text: str) -> Split | None:
@@ -112,8 +134,8 @@ def _channels(text: str) -> Split | None:
     gemma = _GEMMA.search(text)
     if gemma is not None:
         return Split((text[: gemma.start()], text[gemma.end() :]), (gemma["thoughts"],), gemma["open"] is not None)
-    ollama = _OLLAMA.match(text)
-    return None if ollama is None else Split((text[ollama.end() :],), (ollama["thoughts"],))
+    lead = _LEADS.match(text)
+    return None if lead is None else Split((text[lead.end() :],), tuple(filter(None, lead.groups())))
 
 
 def _marked(text: str) -> Split:
