@@ -2,8 +2,8 @@
 
 A variant stands alone at a plain wall with worktops beside it; robots of both names do the trials of module_trials.toml
 there, every arrival off by up to 0.02 m and 0.03 rad, all links colliding. What came of it goes to
-kitchen/fixtures/certified/<body>.toml, beside the variants; layouts take no others than those of the standard body.
-`--check 5` proves a few again.
+kitchen/fixtures/certified/<body>.toml, beside the variants, or for a body from outside to certified/<body>.toml beside
+its code; layouts take no others than those of the standard body. `--check 5` proves a few again.
 """
 
 from __future__ import annotations
@@ -19,9 +19,11 @@ from module_record import Touch
 from module_trials import STATION, Found, any_layout, colliders_hash, origin, run, tables, trials, variants
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
+from remac_bench.errors import UsageError
 from remac_bench.flags import takes
 from rich.table import Table
 
+from remac_env.files import prepare_file
 from remac_env.kitchen.fixtures import Fixture, certificates
 from remac_env.kitchen.fixtures.certificates import Certificate, Skill
 from remac_env.robots import bodies
@@ -50,9 +52,10 @@ def certificate(kind: str, variant: str, found: Iterable[Found], body: str) -> C
             low=(min(x for x, _ in slots), min(y for _, y in slots), fixture.slots[0].center[2]),
             high=(max(x for x, _ in slots), max(y for _, y in slots), fixture.slots[0].center[2]),
         )
+    made = bodies.get(body)
     return Certificate(
-        body,
-        bodies.get(body).fingerprint,
+        made.name,
+        made.fingerprint,
         kind,
         variant,
         measures=certificates.measures_hash(kind, variant),
@@ -66,11 +69,13 @@ def certificate(kind: str, variant: str, found: Iterable[Found], body: str) -> C
 
 @takes(
     "certify_modules.only", "certify_modules.rounds", "certify_modules.check", "certify_modules.first_seed",
-    "certify_modules.body",
+    "script.body",
 )  # fmt: skip
 def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> None:
     """Print a table of every variant and skill, and every failure."""
-    console, file = make_console(), certificates.FOLDER / f"{bodies.get(body).name}.toml"
+    console, file = make_console(), certificates.file_of(body)
+    if file is None:
+        raise UsageError(f"the code of body {body!r} lies in no file, beside which its certificates could be written")
     wanted = [name.strip() for name in only.split(",") if name.strip()]
     chosen = [(k, m) for k, m in variants() if not wanted or k in wanted or f"{k}.{m}" in wanted]
     if check:
@@ -79,6 +84,7 @@ def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> N
             console.print(problem)
         console.print(f"{check} trials proven again, {len(problems)} differences")
         raise typer.Exit(int(bool(problems)))
+    prepare_file(file, "certificates")
     proofs: dict[tuple[str, str], Certificate] = {}
     for kind, variant in chosen:
         found = []
@@ -92,7 +98,7 @@ def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> N
     proofs = {**certificates.load(body), **proofs}
     ordered = [proofs[name] for name in variants() if name in proofs]
     file.write_text("\n".join(as_toml(ordered)) + "\n", encoding="utf-8")
-    console.print(_shown(ordered, body))
+    console.print(_shown(ordered, ordered[0].body))
 
 
 def _checked(chosen: Sequence[tuple[str, str]], count: int, seed: int, body: str) -> list[str]:

@@ -73,7 +73,7 @@ def trial(category: str, seed: int, body: str) -> str:
     return ""
 
 
-@takes("certify_objects.trials", "script.first_seed", "certify_objects.only", "certify_objects.body")
+@takes("certify_objects.trials", "script.first_seed", "certify_objects.only", "script.body")
 def main(*, trials: int, first_seed: int, only: str, body: str) -> None:
     """Print a table of categories and every failure."""
     console = make_console()

@@ -71,6 +71,7 @@ class _Job:
     style: str | None
     layout: str | None
     perception_noise: float
+    body: str
 
 
 def run_chain(
@@ -107,23 +108,17 @@ def run_chain(
 
 @takes(
     *("skills.trials", "script.first_seed", "script.only", "skills.perception_noise"),
-    *("style", "layout", "script.processes"),
+    *("style", "layout", "script.body", "script.processes"),
 )
 def main(
-    *,
-    trials: int,
-    first_seed: int,
-    only: str,
-    perception_noise: str,
-    style: str | None,
-    layout: str | None,
+    *, trials: int, first_seed: int, only: str, perception_noise: str, style: str | None, layout: str | None, body: str,
     processes: int,
 ) -> None:
     """Print a table of first-try success for every skill."""
     chains = [chain for chain in tomllib.loads(CHAINS.read_text("utf-8"))["chain"] if only in chain["name"]]
     noises = [float(value) for value in perception_noise.split(",")]
     seeds = range(first_seed, first_seed + trials)
-    jobs = [_Job(chain, seed, style, layout, noise) for noise in noises for chain in chains for seed in seeds]
+    jobs = [_Job(chain, seed, style, layout, noise, body) for noise in noises for chain in chains for seed in seeds]
     console = make_console()
     curve: dict[float, list[Trial]] = {noise: [] for noise in noises}
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
@@ -143,7 +138,7 @@ def main(
 
 def _play(job: _Job) -> list[Trial]:
     return run_chain(
-        job.chain, job.seed, style=job.style, layout=job.layout, perception_noise=job.perception_noise
+        job.chain, job.seed, style=job.style, layout=job.layout, perception_noise=job.perception_noise, body=job.body
     )
 
 

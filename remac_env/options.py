@@ -50,8 +50,9 @@ class Options:
     robots: int = option(2, f"1 to {MAX_ROBOTS}; they are called robot_0, robot_1, ...", _ROBOTS)
     backend: str = option("physics", "physics (MuJoCo decides) or symbolic (the skill table).", Choice(BACKENDS))
     body: str = option(
-        "panda", "The kind of robot: panda, or one that was registered in this process.", spoken=False
-    )
+        "panda", "The kind of robot: panda, a name that was registered, or yours: path/file.py:Name or "
+        "package.module:Name.", Word(),
+    )  # fmt: skip
     style: str | None = option(None, "Name of a style; by default the seed picks.")
     layout: str | None = option(None, "Name of a floor plan; by default the seed picks.")
     starts: str = option("paper", "paper (doors closed, all off) or mixed.", Choice(STARTS))

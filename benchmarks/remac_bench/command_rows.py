@@ -91,6 +91,10 @@ ROWS: dict[str, Row] = {
     "serving.port": Row(help="On which it listens; by default one that is free.", default=0, values=Whole(0, 65_535)),
     "replay.iteration": Row(help="Which iteration; by default the last.", values=Whole()),
     "replay.video": Row(help="Also write a video: a file that ends in .webm.", values=File()),
+    "records.bodies": Row(
+        help="A body that records name by its address, path/file.py:Name or package.module:Name, and that may be "
+        "imported; may be repeated.", values=Texts(), flag="--body",
+    ),
     "records.as_markdown": Row(help="As Markdown.", default=False, values=Switch(), flag="--markdown"),
     "report.everything": Row(
         help="Every table with every column, not only the main ones.", default=False, values=Switch(), flag="--all"

@@ -39,6 +39,12 @@ def _layouts() -> Iterable[str]:
     return layout.names(*layout.FAMILIES)
 
 
+def _bodies() -> Iterable[str]:
+    from remac_env.robots import bodies
+
+    return bodies.every_name()
+
+
 def _filling(role: str) -> Iterable[str]:
     return remac_agents.roles()[role]
 
@@ -50,6 +56,7 @@ NAMES: dict[str, Callable[[], Iterable[str]]] = {
     "suite": suites.names,
     "style": _styles,
     "layout": _layouts,
+    "body": _bodies,
     "held_out": lambda: (*_layouts(), *_styles()),
     "skills": lambda: (SCRIPTED, LEARNED),
     "learn.skills": skills,

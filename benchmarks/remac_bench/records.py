@@ -185,6 +185,8 @@ class Record(Model):
             before 2026-11-30.
         skills: skill -> "scripted", or the digest of the weights (sha256) by which it moved; empty where all of them
             were scripted.
+        body, body_digest: the name of the robots' body, and a digest of what it is (`bodies.described`); None with the
+            standard one, which is part of the code, and in records from before 2026-11-30.
         skill_cases: skill -> the cases, such as "food on surface", in which it moved by its weights; in all others it
             was scripted. Without the skills that do not depend on the case.
         suite, suite_version, suite_digest: the frozen list that the job belongs to, and the digest of its content;
@@ -256,6 +258,8 @@ class Record(Model):
     versions: dict[str, str] = Field(default_factory=dict)
     skills: dict[str, str] = Field(default_factory=dict)
     skill_cases: dict[str, list[str]] = Field(default_factory=dict)
+    body: str | None = None
+    body_digest: str | None = None
     started: str | None = None
     machine: str | None = None
     suite: str | None = None

@@ -11,7 +11,6 @@ _SEEDS = Row(help="0:50 (0 to 49), 3 or 0,4,7: starts per task.", default="0:50"
 _ONLY = Row(help="Only those whose name contains this.", default="")
 _PHYSICS = Row(help="In physics, which takes minutes.", default=False, values=Switch(), flag="--physics")
 _FIRST = Row(help="Seeds are first_seed, first_seed + 1, ...", default=0, values=Whole())
-_BODY = rows(Options)["body"].but(help="The kind of robot that is to do it.")
 
 ROWS: dict[str, Row] = {
     "script.tasks": _ALL,
@@ -19,6 +18,7 @@ ROWS: dict[str, Row] = {
     "script.seeds": _SEEDS,
     "script.only": _ONLY,
     "script.first_seed": _FIRST,
+    "script.body": rows(Options)["body"],
     "script.processes": Row(help="Worker processes.", default=2, values=_COUNT),
     "script.physics": _PHYSICS,
     "script.file": Row(help="Also write every figure to this file.", values=File(), flag="--json"),
@@ -31,8 +31,6 @@ ROWS: dict[str, Row] = {
         help="Run this many trials again and compare; writes nothing.", default=0, values=Whole()
     ),
     "certify_modules.first_seed": _FIRST.but(help="Of a variant's first trial and --check's choice.", default=44000),
-    "certify_modules.body": _BODY,
-    "certify_objects.body": _BODY,
     "certify_objects.trials": Row(help="Seeds of each category.", default=3, values=_COUNT),
     "certify_objects.only": Row(help="Categories, separated by commas; empty for all.", default=""),
     "fit_memorised.seeds": _SEEDS.but(help="Starts to fit on.", default="40000:40200"),

@@ -14,7 +14,6 @@ function is called in place of the role's only verb.
 
 from __future__ import annotations
 
-import importlib
 import inspect
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,10 +21,9 @@ from typing import TYPE_CHECKING, Any
 
 from remac_agents.roles.grants import reads_truth
 from remac_agents.text.options import FORM, read_value, split_options
-from remac_agents.text.printable import PATH, quoted, type_name, words
-from remac_agents.wiring.from_file import load_file
-from remac_env.errors import OptionError, UnknownNameError
-from remac_env.plugins import group_of, installed
+from remac_agents.text.printable import quoted
+from remac_env.errors import OptionError
+from remac_env.plugins import FORMS, find, group_of, installed, load
 from remac_env.values import python_values
 
 if TYPE_CHECKING:
@@ -83,10 +81,9 @@ VERBS = {
 """Role -> the methods that its protocol asks for."""
 
 
-FORMS = ("package.module:Name", "path/file.py:Name")
 MODEL_FORMS = ("provider:model",)
 PLANNER_FORMS = ("http://HOST:PORT/PATH", "answers:FILE.json", "policy:FILE.npz", "pddl:COMMAND")
-"""What may stand in place of a name: for every role, for those of MODEL_ROLES, and for planners alone."""
+"""What may stand in place of a name beside `remac_env.plugins.FORMS`: for roles of MODEL_ROLES, for planners alone."""
 
 PLANNERS_AT = {
     "http://": ("remac_agents.planners.http:HttpPlanner", "url"),
@@ -173,7 +170,7 @@ def _named(role: str, given: object, providers: Path | str | None) -> Any:
         return name
     name = name.partition(",")[0].strip()
     if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name, providers):
-        return _load(role, MODEL_ROLES[role])
+        return load(role, MODEL_ROLES[role])
     if role == "planner" and name.startswith(tuple(PLANNERS_AT)):
         return None
     return _find(role, name)
@@ -215,12 +212,12 @@ class FunctionRole:
 
 def _construct(role: str, name: str, options: Mapping[str, Any], models: Models | None) -> Any:
     if role in MODEL_ROLES and name not in ROLES[role] and _is_model(name, _providers(models)):
-        return _make(_load(role, MODEL_ROLES[role]), role, name, {"model": name, "models": models, **options})
+        return _make(load(role, MODEL_ROLES[role]), role, name, {"model": name, "models": models, **options})
     begins = next((text for text in PLANNERS_AT if role == "planner" and name.startswith(text)), None)
     if begins is not None:
         address, argument = PLANNERS_AT[begins]
         where = name if argument == "url" else name.removeprefix(begins)
-        return _make(_load(role, address), role, name, {argument: where, **options})
+        return _make(load(role, address), role, name, {argument: where, **options})
     found = _find(role, name)
     if inspect.isclass(found):
         return _make(found, role, name, options)
@@ -241,37 +238,9 @@ def _providers(models: Models | None) -> Path | str | None:
 
 def _find(role: str, name: str) -> Any:
     """The class, object or function of a name."""
-    address = ROLES[role].get(name) or installed(group_of(role)).get(name, name)
-    source, colon, attribute = address.rpartition(":")
-    is_module = all(part.isidentifier() for part in source.split("."))
-    if not (colon and is_module) and name not in ROLES[role] and name in installed(group_of(role)):
-        raise UnknownNameError(f"{role} {name!r}: its entry point leads to {address!r}; valid: {FORMS[0]}")
-    if not colon or not (is_module or source.endswith(".py")):
-        forms = (*FORMS, *(MODEL_FORMS * (role in MODEL_ROLES)), *(PLANNER_FORMS * (role == "planner")))
-        more = f"; options: {FORM}" if "," in name else ""
-        valid = ", ".join((*ROLES[role], *installed(group_of(role)), *forms))
-        raise UnknownNameError(f"unknown {role} {quoted(name, PATH)}; valid: {valid}{more}")
-    return _load(role, f"{source}:{attribute}", name)
-
-
-def _load(role: str, address: str, name: str = "") -> Any:
-    """What lies at `source:attribute`; `name` is what was asked for."""
-    source, _, attribute = address.rpartition(":")
-    name = name or address
-    try:
-        module = load_file(source) if source.endswith(".py") else importlib.import_module(source)
-    except (ImportError, OSError, SyntaxError, ValueError) as error:
-        raise UnknownNameError(f"{role} {quoted(name, PATH)} cannot be imported: {error}") from error
-    except (Exception, SystemExit) as error:
-        if name in ROLES[role] or name not in installed(group_of(role)):
-            raise  # what a user's own file raises is theirs to see
-        told = f"{type_name(error)}: {words(error)}"
-        raise UnknownNameError(f"{role} {name!r} cannot be imported: {told}") from error
-    if not hasattr(module, attribute):
-        public = [word for word, value in vars(module).items() if callable(value) and not word.startswith("_")]
-        there = ", ".join(public) or "nothing"
-        raise UnknownNameError(f"{role} {name!r}: {source} has no {attribute!r}; it has: {there}")
-    return getattr(module, attribute)
+    forms = (*FORMS, *(MODEL_FORMS * (role in MODEL_ROLES)), *(PLANNER_FORMS * (role == "planner")))
+    more = f"; options: {FORM}" if "," in name else ""
+    return find(role, name, own=ROLES[role], group=group_of(role), forms=forms, more=more)
 
 
 def _make(maker: Any, role: str, name: str, options: Mapping[str, Any]) -> Any:

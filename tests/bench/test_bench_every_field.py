@@ -51,7 +51,7 @@ def otherwise(record: Record, name: str) -> Any:
             "skill_cases": {"pick up": ["food on surface"]},
         }  # fmt: skip
         return dict(list(value.items())[:-1]) if value else new[name]
-    if value is None and name not in ("suite", "suite_digest", "optimum_proof"):
+    if value is None and name not in ("suite", "suite_digest", "optimum_proof", "body", "body_digest"):
         return True if name == "isolated" else 1
     return "other"
 

@@ -106,12 +106,14 @@ def _relabel_model(lines: Lines) -> None:
 
 
 def _rekey(lines: Lines) -> None:
-    """Whoever forges options works out the job's key anew, too."""
-    from remac_bench.proof.again import read_job
+    """Whoever forges options works out the job's key anew, too, and does not mind what is not known here."""
+    from remac_bench.proof import again
     from remac_bench.records import Record
 
-    for record in lines:
-        record["job"] = read_job(Record(**record)).key
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(again, "check_body", lambda kitchen: None)
+        for record in lines:
+            record["job"] = again.read_job(Record(**record)).key
 
 
 def _other_backend(lines: Lines) -> None:

@@ -96,7 +96,7 @@ def test_every_flag_of_every_command_says_what_its_row_says() -> None:
 # -- the homes ------------------------------------------------------------------------------------------------------
 
 
-UNSPOKEN = {"agent": {"limiter", "manners", "memory"}, "kitchen": {"body", "interrupts", "masks", "obs_format"}}
+UNSPOKEN = {"agent": {"limiter", "manners", "memory"}, "kitchen": {"interrupts", "masks", "obs_format"}}
 
 
 @pytest.mark.parametrize("home", HOMES)

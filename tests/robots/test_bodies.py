@@ -70,3 +70,40 @@ def test_what_is_no_body_is_refused(low: Panda) -> None:
         bodies.register_body(broken)
     with pytest.raises(UnknownNameError, match="octopus.*panda"):
         remac_env.parallel_env("OpenCabinetPnP", backend="symbolic", body="octopus")
+
+
+def test_a_body_is_had_by_the_address_of_its_class_or_object(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bodies, "_BODIES", dict(bodies._BODIES))
+    (tmp_path / "mine.py").write_text(
+        "from remac_env.robots.panda.body import Panda\n"
+        "class Low(Panda):\n"
+        "    def __init__(self):\n"
+        "        super().__init__('low', 0.62)\n"
+        "low = Low()\n",
+        "utf-8",
+    )
+    for address in (f"{tmp_path / 'mine.py'}:Low", f"{tmp_path / 'mine.py'}:low"):
+        env = remac_env.parallel_env("OpenCabinetPnP", backend="symbolic", body=address)
+        env.reset(seed=1)
+        assert env.start.body == address and bodies.get(address) is bodies.get(address)
+        assert bodies.get(address).mount_height == 0.62
+    monkeypatch.setattr(bodies, "installed", lambda group: {"lowest": f"{tmp_path / 'mine.py'}:low"})
+    assert "lowest" in bodies.every_name() and "lowest" not in bodies.names()
+    (tmp_path / "mine.py").write_text("class Short:\n    def __init__(self, height):\n        pass\n", "utf-8")
+    with pytest.raises(OptionError, match="cannot be made: missing a required argument: 'height'; valid: a class"):
+        bodies.get(f"{tmp_path / 'mine.py'}:Short")
+    with pytest.raises(OptionError, match="body 3 is not valid; valid: a text"):
+        remac_env.parallel_env("OpenCabinetPnP", backend="symbolic", body=3)
+
+
+def test_a_digest_of_a_body_is_that_of_its_measures_and_code(low: Panda) -> None:
+    assert bodies.described(bodies.STANDARD) == {}
+    told = bodies.described(low.name)
+    assert told["body"] == "low panda"
+    for change in ({"mount_height": 0.63}, {"palm": 0.06}, {"skirt": "frill"}, {"lifts": np.array([0.1])}):
+        (name, value), = change.items()
+        before = getattr(low, name)
+        setattr(low, name, value)
+        assert bodies.described(low.name) != told, name
+        setattr(low, name, before)
+    assert bodies.described(low.name) == told

@@ -9,6 +9,7 @@ from typing import Any
 
 from remac_agents.plan import Commands
 from remac_bench.judging.episodes import RESTING
+from remac_bench.playing.extensions import check_body
 from remac_bench.records import OutcomeEntry, Record
 from remac_env.errors import UnknownNameError
 from remac_env.oracle import Certificate, certify, solve
@@ -145,6 +146,7 @@ def _kitchen(record: Record) -> Iterator[Any]:
 
     options = {**record.options.get("kitchen", {}), "render_mode": None, "obs": "state"}
     options = {"backend": record.backend, "starts": record.starts, **options, "robots": record.robots}
+    check_body(options)
     env = remac_env.parallel_env(record.task, **options)
     try:
         env.reset(seed=record.seed)

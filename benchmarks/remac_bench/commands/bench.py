@@ -23,7 +23,7 @@ def run(context: typer.Context, **given: Any) -> None:
 
 
 @app.command(cls=Command)
-@takes("verify.sample", "verify.seed", "cassette", "providers", "extensions")
+@takes("verify.sample", "verify.seed", "cassette", "providers", "extensions", "records.bodies")
 def verify(folder: judge.Folder, **given: Any) -> None:
     """Play recorded jobs again and compare: re-execution is the proof. Exit code 1 where a record is contradicted."""
     from remac_bench.commands.running import verify_command
@@ -32,7 +32,7 @@ def verify(folder: judge.Folder, **given: Any) -> None:
 
 
 @app.command(cls=Command)
-@takes("replay.iteration", "replay.video", "extensions")
+@takes("replay.iteration", "replay.video", "extensions", "records.bodies")
 def replay(
     folder: judge.Folder, job: Annotated[str, typer.Argument(help="A job's key, as its page and record say it.")],
     **given: Any,

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 METHODS = ("BASE", "CC", "RE", "REMAC")
 
 
-@takes("demo.out", "demo.seeds", "backend", "workers", "demo.video", "demo.resume")
+@takes("demo.out", "demo.seeds", "backend", "body", "workers", "demo.video", "demo.resume")
 def demo(
-    *, out: str, seeds: list[str], backend: str, workers: int | None, video: bool, resume: bool
+    *, out: str, seeds: list[str], backend: str, body: str, workers: int | None, video: bool, resume: bool
 ) -> None:
     """Play four tasks with BASE, CC, RE and REMAC, one kitchen a task: the table, records, videos and pages."""
     from remac_bench.commands.progress import run_and_report
@@ -33,12 +33,12 @@ def demo(
         video_methods=("REMAC",),
         fresh=not resume,
     )
-    run_and_report(demo_jobs(parse_seeds(joined(seeds, "seeds") or "0:3"), backend), out, settings)
+    run_and_report(demo_jobs(parse_seeds(joined(seeds, "seeds") or "0:3"), backend, body), out, settings)
     _name_videos(out)
     show_pages(out)
 
 
-def demo_jobs(seeds: list[int], backend: str) -> list[Job]:
+def demo_jobs(seeds: list[int], backend: str, body: str) -> list[Job]:
     """The demo's jobs: every task of the table in one kitchen, the first style and layout of its own."""
     import remac_env
     from remac_bench.playing.job_lists import make_jobs
@@ -47,7 +47,7 @@ def demo_jobs(seeds: list[int], backend: str) -> list[Job]:
     jobs = []
     for task in (name for name in remac_env.tasks() if get(name).in_table):
         cell = {"style": get(task).styles[0], "layout": get(task).layouts[0]}
-        kitchen = {**cell, "backend": backend}
+        kitchen = {**cell, "backend": backend, "body": body}
         jobs += make_jobs(tasks=[task], methods=METHODS, seeds=seeds, kitchen=kitchen, agent={})
     return jobs
 

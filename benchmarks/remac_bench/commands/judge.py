@@ -60,8 +60,10 @@ def _parts(given: str | None) -> list[str]:
     return [part.strip() for part in (given or "").split(",") if part.strip()]
 
 
-@takes("records.as_markdown", "blame.rescue", "extensions")
-def blame(folder: Folder, *, as_markdown: bool, rescue: bool, extensions: list[str] | None) -> None:
+@takes("records.as_markdown", "blame.rescue", "extensions", "records.bodies")
+def blame(
+    folder: Folder, *, as_markdown: bool, rescue: bool, extensions: list[str] | None, bodies: list[str] | None
+) -> None:
     """Play a folder's failed episodes again, say why each failed, and write FOLDER/blame.jsonl."""
     from rich.progress import track
 
@@ -69,12 +71,11 @@ def blame(folder: Folder, *, as_markdown: bool, rescue: bool, extensions: list[s
     from remac_bench.blame.labels import failed
     from remac_bench.blame.sheet import FILE, blame_sheets, write_blames
     from remac_bench.board import Board
-    from remac_bench.playing.extensions import find_local_modules, load_extensions
+    from remac_bench.playing.extensions import load_named
     from remac_bench.report import board_markdown, board_tables, read_records
     from remac_env.files import prepare_file
 
-    find_local_modules()
-    load_extensions(extensions or ())
+    load_named(extensions, bodies)
     records = failed(read_records(folder))
     prepare_file(Path(folder) / FILE, "the file of labels")
     screen = console(stderr=True)

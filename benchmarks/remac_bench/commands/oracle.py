@@ -23,10 +23,10 @@ def oracle(*, task: str, seed: int, extensions: list[str] | None, max_rounds: in
     rounds), rounds (no plan has so few rounds) or exhausted (there is none at all).
     """
     import remac_env
-    from remac_bench.playing.extensions import load_extensions
+    from remac_bench.playing.extensions import load_named
     from remac_env.oracle import certify
 
-    load_extensions(extensions or ())
+    load_named(extensions)
     env = remac_env.parallel_env(task, **kitchen, backend="symbolic", max_rounds=max_rounds)
     env.reset(seed=seed)
     if env.options.clock == "events":

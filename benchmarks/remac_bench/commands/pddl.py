@@ -26,10 +26,10 @@ def pddl(
     in how many seconds. What actions cannot say, such as food that burns, is left out of the domain and named.
     """
     import remac_env
-    from remac_bench.playing.extensions import load_extensions
+    from remac_bench.playing.extensions import load_named
     from remac_env.pddl import play_plan, read_plan, unsaid, write_domain, write_problem
 
-    load_extensions(extensions or ())
+    load_named(extensions)
     env = remac_env.parallel_env(task, **kitchen, backend="symbolic", clock="events")
     env.reset(seed=seed)
     scene, world, goal = env.start.scene, env.world, env.goal

@@ -22,7 +22,7 @@ from remac_bench.experiments.teaching import lesson, teachers
 from remac_bench.experiments.trials import EXPERIMENTS
 from remac_bench.plans.ask import Cell, Taught
 from remac_bench.playing import agents
-from remac_bench.playing.extensions import find_local_modules, load_extensions
+from remac_bench.playing.extensions import load_named
 from remac_bench.playing.job_lists import parse_names
 from remac_env.errors import check_choice
 from remac_env.files import prepare_file
@@ -40,8 +40,7 @@ def plan_command(context: typer.Context) -> None:
         typer.Exit: 1 where the planner could not be asked.
     """
     given = context.params
-    find_local_modules()
-    load_extensions(given["extensions"] or ())
+    load_named(given["extensions"])
     cell = Cell(**{field.name: given[field.name] for field in fields(Cell) if field.name in given})
     taught, by = given["taught"], given["by"]
     own = taught and by == "own"
@@ -74,8 +73,7 @@ def experiment_command(context: typer.Context) -> None:
     """
     given = context.params
     name, file = given["name"], given["file"]
-    find_local_modules()
-    load_extensions(given["extensions"] or ())
+    load_named(given["extensions"])
     check_choice("experiment", name, EXPERIMENTS)
     chosen, where = _tasks(given), _where(given)
     reach = Reach.of(context)

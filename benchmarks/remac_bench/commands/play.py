@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 @takes(
-    *("episode.task", "play.robots", "episode.seed", "backend", "starts", "style", "layout", "naming", "feedback"),
-    *("max_rounds", "play.out", "play.terminal", "play.video", "serving.port", "extensions"),
+    *("episode.task", "play.robots", "episode.seed", "backend", "body", "starts", "style", "layout"),
+    *("naming", "feedback", "max_rounds", "play.out", "play.terminal", "play.video", "serving.port", "extensions"),
 )
 def play(
     *, task: str, robots: int, seed: int, out: str, terminal: bool, video: bool, port: int,
@@ -22,10 +22,9 @@ def play(
 ) -> None:  # fmt: skip
     """Play an episode yourself, and write its record into OUT like any agent's (agent: human)."""
     from remac_bench.live.episode import person_job, refuse_played
-    from remac_bench.playing.extensions import find_local_modules, load_extensions
+    from remac_bench.playing.extensions import load_named
 
-    find_local_modules()
-    load_extensions(extensions or ())
+    load_named(extensions)
     job = person_job(task, seed=seed, robots=robots, kitchen={**kitchen, "render_mode": "rgb_array"})
     refuse_played(job, out)
     if terminal:

@@ -15,7 +15,7 @@ from remac_bench.errors import UsageError
 from remac_bench.judging.endings import ending
 from remac_bench.playing import agents
 from remac_bench.playing.agents import Access
-from remac_bench.playing.extensions import find_local_modules, load_extensions
+from remac_bench.playing.extensions import load_named
 from remac_bench.playing.job_lists import make_jobs, parse_names, parse_seeds
 from remac_bench.playing.jobs import Job
 from remac_bench.playing.settings import Settings
@@ -33,8 +33,7 @@ def run_command(context: typer.Context) -> None:
         UsageError, UnknownNameError, OptionError: for flags that are not valid, or do not go together.
     """
     given = context.params
-    find_local_modules()
-    load_extensions(given["extensions"] or ())
+    load_named(given["extensions"])
     if given["out"] is None and given["suite"] is None:
         raise UsageError("--out is missing: a folder for the records; only a suite has one of its own")
     access = Access(**{name: given[name] for name in rows(Access)})
@@ -62,6 +61,7 @@ def verify_command(
     sample: int | None,
     seed: int,
     extensions: list[str] | None = None,
+    bodies: list[str] | None = None,
     cassette: str | None = None,
     providers: str | None = None,
 ) -> None:
@@ -73,8 +73,7 @@ def verify_command(
     """
     from remac_bench.proof.verify import verify
 
-    find_local_modules()
-    load_extensions(extensions or ())
+    load_named(extensions, bodies)
     verdict = verify(folder, sample=sample, seed=seed, cassette=cassette, providers=providers)
     if not (verdict.jobs or verdict.findings):
         raise UsageError(f"no finished jobs in {folder!r}; give the --out of a `remac bench run`")
@@ -95,7 +94,8 @@ def verify_command(
 
 
 def replay_command(
-    folder: str, job: str, *, iteration: int | None, video: Path | None, extensions: list[str] | None = None
+    folder: str, job: str, *, iteration: int | None, video: Path | None, extensions: list[str] | None = None,
+    bodies: list[str] | None = None,
 ) -> None:
     """Print the rounds of one episode as they are played again.
 
@@ -105,8 +105,7 @@ def replay_command(
     """
     from remac_bench.proof.replay import find, replay
 
-    find_local_modules()
-    load_extensions(extensions or ())
+    load_named(extensions, bodies)
     record = find(folder, job, iteration)
     told = replay(record, video=video)
     screen = console()

@@ -24,9 +24,9 @@ def tasks(context: typer.Context, *, as_json: bool, extensions: list[str] | None
     """List the tasks with their styles and layouts; `generate` makes more of them."""
     if context.invoked_subcommand is not None:
         return
-    from remac_bench.playing.extensions import load_extensions
+    from remac_bench.playing.extensions import load_named
 
-    load_extensions(extensions or ())
+    load_named(extensions)
     entries = list_tasks()
     if as_json:
         typer.echo(json.dumps(entries))

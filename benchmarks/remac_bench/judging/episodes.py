@@ -48,6 +48,8 @@ def setting(record: Record, *, but: Sequence[str] = ()) -> str:
     skipped += ["obs"] if record.options.get("viewers") else []  # pictures for a role are the agent's own matter
     defaults: dict[str, Any] = {name: f.default for name, f in Options.__dataclass_fields__.items()}
     changed = {n: v for n, v in kitchen.items() if n not in skipped and n in defaults and v != defaults[n]}
+    if record.body_digest is not None:  # by what it is, wherever its file lies
+        changed["body"] = f"{record.body} {record.body_digest}"
     return ", ".join([*parts, *(f"{name}={value}" for name, value in sorted(changed.items()))])
 
 

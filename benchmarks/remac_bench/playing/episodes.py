@@ -28,6 +28,7 @@ from remac_bench.records import ErrorEntry, OutcomeEntry, Record, SpanEntry, Vid
 from remac_bench.redaction import printable_values, redact
 from remac_env.errors import ActionError
 from remac_env.oracle import Certificate, certify, problem_id
+from remac_env.robots import bodies
 
 FRAMES_MAX = 12
 """Frames of an exception's traceback in a record."""
@@ -90,6 +91,7 @@ class Course:
     timeline: list[SpanEntry] = field(default_factory=list)
     skills: Mapping[str, str] = field(default_factory=dict)
     skill_cases: Mapping[str, list[str]] = field(default_factory=dict)
+    body: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def shared(self) -> Mapping[str, Any]:
@@ -166,6 +168,7 @@ def _report(agent: Agent, folder: Path) -> _Report:
 def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, *, optimum: bool) -> None:
     observations, course.infos = env.reset(seed=job.seed)
     course.skills, course.skill_cases = getattr(env, "skills", {}), getattr(env, "skill_cases", {})
+    course.body = bodies.described(job.options.body)
     course.progress = env.progress
     course.worlds.append(as_values(env.world))
     course.problem = problem_id(env.start.scene, env.world, env.goal)
@@ -257,6 +260,7 @@ def make_record(
         versions=versions(),
         skills=dict(course.skills),
         skill_cases=dict(course.skill_cases),
+        **course.body,
         started=course.started,
         machine=machine(),
         **({} if job.suite is None else job.suite.fields),

@@ -8,6 +8,7 @@ from typing import Any
 
 from remac_bench.playing import agents, sight
 from remac_bench.playing.agents import Access
+from remac_bench.playing.extensions import check_body
 from remac_bench.playing.jobs import MOST_ITERATIONS, Job, SuiteMark
 from remac_bench.playing.shared import Shared
 from remac_bench.playing.worker import Work, play_job
@@ -40,10 +41,11 @@ def read_job(record: Record) -> Job:
     """The job that a record belongs to, by the options that the record holds.
 
     Raises:
-        RemacError, TypeError, KeyError: for options that no version knows.
+        RemacError, TypeError, KeyError: for options that no version knows, and a body that is not known here.
     """
     known = {f.name for f in fields(Options)}
     kitchen = {name: value for name, value in record.options["kitchen"].items() if name in known}
+    check_body(kitchen)
     told = record.options.get("access", {})
     job = Job(
         method=record.method,

@@ -18,12 +18,13 @@ from remac_bench.proof.again import NOT_PROVEN, check_key, compare, read_job
 from remac_bench.records import CheckEntry, Record
 from remac_env.errors import RemacError
 from remac_env.oracle import certify, problem_id
+from remac_env.robots import bodies
 from remac_env.state import WorldState
 
 PLAYED: tuple[str, ...] = (
     *("style", "layout", "digest", "problem", "success", "end", "progress", "phases", "rounds", "outcomes", "worlds"),
     *("sim_seconds", "robot_contacts", "near_misses", "physics_steps", "littered", "goal", "timeline", "orders"),
-    *("skills", "skill_cases", "pre_checks", "post_checks", "template", "known_rounds"),
+    *("skills", "skill_cases", "body", "body_digest", "pre_checks", "post_checks", "template", "known_rounds"),
     *("optimum_rounds", "optimum_lower", "optimum_proof", "optimum_seconds", "optimum_seconds_lower"),
 )
 """Fields that come out the same when the recorded subtasks are played again, whoever chose them. Of checks that is the
@@ -125,6 +126,7 @@ def play_rounds(env: Any, row: Record, *, searched: bool = False) -> dict[str, A
         **{name: _noted(row, name, episode) for name in ("template", "known_rounds")},
         "skills": dict(getattr(env, "skills", {})),
         "skill_cases": dict(getattr(env, "skill_cases", {})),
+        "body": None, "body_digest": None, **bodies.described(env.start.body),
         **_optimum(env, row, start, searched=searched),
         **{name: _truths(getattr(row, name), env, states) for name in ("pre_checks", "post_checks")},
         "orders": [{robot: each.model_dump() for robot, each in step.items()} for step in book.orders],
