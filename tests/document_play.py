@@ -26,7 +26,7 @@ from typer.testing import CliRunner
 from remac_agents.llm.provider_files import read_catalogue
 from remac_agents.memory import Memory, Run
 from remac_agents.wiring.catalogue import ROLES
-from remac_env.plugins import TASKS, group_of
+from remac_env.plugins import BODIES, TASKS, group_of
 
 KEYS = "REMAC_TEST_KEY"
 
@@ -128,7 +128,7 @@ class Play:
         path.write_text(block.code)
         told = tomllib.loads(block.code)
         if "project" in told:  # of a package: only what it says to us can be wrong
-            assert set(told["project"]["entry-points"]) <= {TASKS, *(group_of(role) for role in ROLES)}
+            assert set(told["project"]["entry-points"]) <= {TASKS, BODIES, *(group_of(role) for role in ROLES)}
         elif "providers" in told:
             read_catalogue(path)
         else:
