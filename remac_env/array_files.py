@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import zipfile
 import zlib
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from remac_env import files
 from remac_env.errors import OptionError
 
 UNREADABLE = (
@@ -27,9 +29,12 @@ def read_bytes(path: str | Path, most: int) -> bytes:
         OptionError: if it has more.
         OSError: if it cannot be read.
     """
-    if Path(path).stat().st_size > most:
-        raise OptionError(f"it has more than {most} bytes")
-    return Path(path).read_bytes()
+    try:
+        return files.read_bytes(path, most)
+    except OSError as error:
+        if error.errno == errno.EFBIG:
+            raise OptionError(str(error.strerror)) from error
+        raise
 
 
 def unpacked(data: bytes, most: int) -> dict[str, NDArray[Any]]:

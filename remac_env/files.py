@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import errno
 import os
 from pathlib import Path
 
@@ -19,14 +20,31 @@ _MARKS = (
 """Byte order mark -> the encoding that it announces. Editors put one before texts."""
 
 
+MOST_BYTES = 256 << 20
+"""What is read at a time at most: more is no text that anyone wrote, or a device that never ends."""
+
+
 def read_text(path: str | os.PathLike[str]) -> str:
     """A file's text: UTF-8, or what its byte order mark says, which is no part of it.
 
     Raises:
-        OSError: if it cannot be read.
+        OSError: if it cannot be read, or has more than MOST_BYTES.
         UnicodeDecodeError: if it is not in that encoding.
     """
-    return decode(Path(path).read_bytes())
+    return decode(read_bytes(path))
+
+
+def read_bytes(path: str | os.PathLike[str], most: int = MOST_BYTES) -> bytes:
+    """A file's bytes. Its size is not asked for but met: devices say that they have none.
+
+    Raises:
+        OSError: if it cannot be read, or has more than `most` bytes.
+    """
+    with Path(path).open("rb") as file:
+        data = file.read(most + 1)
+    if len(data) > most:
+        raise OSError(errno.EFBIG, f"it has more than {most} bytes", os.fspath(path))
+    return data
 
 
 def decode(data: bytes) -> str:

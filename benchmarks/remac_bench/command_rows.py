@@ -115,7 +115,7 @@ ROWS: dict[str, Row] = {
     "submit.name": Row(help="The name under which it is listed on boards.", default=NEEDED),
     "submit.contact": Row(help="Whom to contact.", default=""),
     "submit.kind": Row(
-        help="standard, or custom: with your own roles or code.", default="standard",
+        help="standard, or custom: with your own providers.", default="standard",
         values=Choice(("standard", "custom")),
     ),
     "accept.reask": Row(help="Jobs whose models are asked again, with your keys.", default=0, values=Whole()),

@@ -59,6 +59,8 @@ class Cassette:
         self._played: dict[str, int] = {}
         self._requests: dict[str, Mapping[str, Any]] = {}
         try:
+            if self.path.exists() and not self.path.is_file():
+                raise OSError("it is no file")
             if mode != "record" and (mode == "replay" or self.path.exists()):
                 self._load()
             if mode != "replay":

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from remac_env.files import unmarked
+from remac_env.files import read_bytes, unmarked
 from remac_env.locks import lock
 
 
@@ -27,7 +27,7 @@ class MemoryFile:
             found = self._path.stat()
             now = (found.st_ino, found.st_size, found.st_mtime_ns)
             if now != self._seen:
-                lines = self._path.read_bytes().split(b"\n")
+                lines = read_bytes(self._path).split(b"\n")
                 self._entries = tuple(entry for line in lines if (entry := _parse(line)) is not None)
                 self._seen = now
         except FileNotFoundError:

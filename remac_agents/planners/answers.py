@@ -14,7 +14,7 @@ from typing import Any
 from remac_agents.plan import PlanError
 from remac_agents.roles import PlanRequest
 from remac_env.errors import OptionError
-from remac_env.files import read_text
+from remac_env.files import decode, read_bytes
 
 MAX_BYTES = 50_000_000
 
@@ -54,12 +54,8 @@ class AnswersPlanner:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise OptionError(f"answers {str(path)!r} has more than {MAX_BYTES} bytes")
-        answers = json.loads(read_text(path))
+        answers = json.loads(decode(read_bytes(path, MAX_BYTES)))
     except (OSError, ValueError, RecursionError) as error:
-        if isinstance(error, OptionError):
-            raise
         raise OptionError(f"answers {str(path)!r} cannot be read: {error}") from error
     if not isinstance(answers, dict):
         raise OptionError(f"answers {str(path)!r} is no JSON object; valid: task/seed/iteration -> answer")

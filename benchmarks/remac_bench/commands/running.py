@@ -52,7 +52,23 @@ def run_command(context: typer.Context) -> None:
     jobs = suite.jobs(entries, backend=_explicit(context, "backend"), access=access)
     folder = given["out"] or f"results/{suite.name}"
     prepare_folder(folder, "--out")
+    if why := _never_accepted(given["suite"], jobs, access):
+        typer.echo(f"note: others cannot accept this run as a submission: {plain(why)}", err=True)
     run_and_report(jobs, folder, _settings(given))
+
+
+def _never_accepted(suite: str, jobs: list[Job], access: Access) -> str:
+    """Why a run of a suite cannot be submitted, to be told before it is paid for; "" where it can."""
+    from remac_bench.playing.suites import names
+    from remac_bench.proof.submission import refused
+
+    if suite not in names():
+        return f"{suite} is a suite of your own, which they do not have"
+    agent_of = [job.agent for job in jobs]
+    if why := next(refused(agent_of, access.providers), ""):
+        return why
+    asked = any(agents.asked_models(agent, providers=access.providers) for agent in agent_of)
+    return "the models' answers are kept nowhere; give --cassette FILE" if asked and access.cassette is None else ""
 
 
 def verify_command(

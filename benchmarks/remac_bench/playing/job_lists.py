@@ -32,6 +32,7 @@ def make_jobs(
     iterations: int | None = None,
     access: Access | None = None,
     checked: bool = True,
+    viewers: Mapping[str, tuple[str, ...]] | None = None,
 ) -> list[Job]:
     """Every combination of tasks, methods and seeds.
 
@@ -41,6 +42,7 @@ def make_jobs(
         robots, iterations: None means the method's own; methods without a memory play iteration 0 alone.
         access: see Job.
         checked: build one kitchen and one agent of each sort, so that bad names come out now.
+        viewers: method -> its roles that must be shown pictures, where that is known and nobody shall be asked.
 
     Raises:
         UnknownNameError, OptionError: for names and numbers that are not valid, of any of the jobs.
@@ -52,10 +54,10 @@ def make_jobs(
     for task in tasks:
         for method in methods:
             named = sight.with_checker(method, agents.with_planner(method, given), access)
-            viewers = sight.viewers(method, named, access)
+            seeing = sight.viewers(method, named, access) if viewers is None else viewers.get(method, ())
             team = agents.default_robots(method) if robots is None else robots
-            wanted = sight.pictures_for(viewers, named, access)
-            options = Options(**sight.kitchen_for(viewers, kitchen, wanted), robots=team)
+            wanted = sight.pictures_for(seeing, named, access)
+            options = Options(**sight.kitchen_for(seeing, kitchen, wanted), robots=team)
             last = agents.default_iterations(method)
             last = iterations if last and iterations is not None else last
             for seed in seeds:
@@ -67,10 +69,10 @@ def make_jobs(
                     agent=named,
                     iterations=last,
                     access=access,
-                    viewers=viewers,
+                    viewers=seeing,
                 )
                 jobs[job.key] = job
-    if checked:
+    if checked and viewers is None:
         check_jobs(list(jobs.values()))
     return list(jobs.values())
 

@@ -95,6 +95,7 @@ class Suite:
         backend: str | None = None,
         access: Access | None = None,
         checked: bool = True,
+        viewers: Mapping[str, tuple[str, ...]] | None = None,
     ) -> list[Job]:
         """The jobs of every entry.
 
@@ -102,7 +103,7 @@ class Suite:
             entries: keywords of `remac_agents.make` that make an entry what it is; {} is the suite's own agent.
             backend: in place of the suite's.
             access: how models are reached.
-            checked: see `make_jobs`.
+            checked, viewers: see `make_jobs`.
 
         Raises:
             UnknownNameError, OptionError, UsageError: for an entry that is not valid.
@@ -113,13 +114,12 @@ class Suite:
             agent = {**given, **{name: value for name, value in entry.items() if value is not None}}
             mark = SuiteMark(name=self.name, version=self.version, digest=self.digest, given=given)
             for block in self.blocks:
-                for job in _block_jobs(block, agent, backend, access):
+                for job in _block_jobs(block, agent, backend, access, viewers):
                     jobs[job.key] = replace(job, suite=mark)
         jobs |= {job.key: job for job in self._floor_jobs(backend) if job.key not in jobs}
-        if checked:
+        if checked and viewers is None:
             check_jobs(list(jobs.values()))
         return list(jobs.values())
-
 
     def _floor_jobs(self, backend: str | None) -> list[Job]:
         mark = SuiteMark(name=self.name, version=self.version, digest=self.digest, given={})
@@ -159,7 +159,8 @@ def _folder() -> Path:
 
 
 def _block_jobs(
-    block: Block, agent: Mapping[str, Any], backend: str | None, access: Access | None
+    block: Block, agent: Mapping[str, Any], backend: str | None, access: Access | None,
+    viewers: Mapping[str, tuple[str, ...]] | None = None,
 ) -> list[Job]:
     jobs = []
     for task in block.tasks:
@@ -175,6 +176,7 @@ def _block_jobs(
                 iterations=block.iterations,
                 access=access,
                 checked=False,
+                viewers=viewers,
             )
     return jobs
 

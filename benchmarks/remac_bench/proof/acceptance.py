@@ -14,9 +14,18 @@ from remac_bench.playing.agents import Access, asked_models
 from remac_bench.playing.code import code_digest
 from remac_bench.playing.job_lists import check_jobs
 from remac_bench.playing.worker import Work, play_job
-from remac_bench.proof.again import asks_only_models, read_job, repeatable
+from remac_bench.proof.again import read_job
 from remac_bench.proof.seal import is_sealed, seal
-from remac_bench.proof.submission import CASSETTE, PROVIDERS, Entry, changed_files, read_entry, submission_digest
+from remac_bench.proof.submission import (
+    CASSETTE,
+    PROVIDERS,
+    Entry,
+    agents_of,
+    changed_files,
+    read_entry,
+    refused,
+    submission_digest,
+)
 from remac_bench.proof.verify import verify
 from remac_bench.records import Record
 from remac_bench.store import Store
@@ -78,7 +87,10 @@ def accept(folder: str | Path, *, reask: int = 0, seed: int = 0, access: Access 
     if reasons:
         return Acceptance(entry, tuple(reasons))
     records = Store(path).read()
-    reasons += _of_the_whole(entry, records)
+    reasons = [*refused(agents_of(records), _providers(path))]
+    if reasons:  # nothing that a stranger's records name is run, and nothing else can prove them
+        return Acceptance(entry, tuple(reasons))
+    reasons += _of_the_whole(entry, records, _providers(path))
     cassette = path / CASSETTE
     verdict = verify(path, cassette=cassette if cassette.is_file() else None, providers=_providers(path))
     reasons += [f"made with {told}" for told in verdict.strange]
@@ -122,7 +134,7 @@ def _text(facts: Mapping[str, object]) -> str:
     return json.dumps(facts, sort_keys=True, default=str)
 
 
-def _of_the_whole(entry: Entry, records: Sequence[Record]) -> list[str]:
+def _of_the_whole(entry: Entry, records: Sequence[Record], providers: str | None) -> list[str]:
     """What entry.toml and the records must agree on."""
     reasons = []
     if not any(record.scored for record in records):
@@ -131,12 +143,12 @@ def _of_the_whole(entry: Entry, records: Sequence[Record]) -> list[str]:
         reasons.append("its records are of no suite: which jobs are missing cannot be told")
     if entry.code != code_digest():
         reasons.append(f"it was played by code {entry.code or '(unknown)'}, and this is {code_digest()}")
-    if entry.kind == "standard" and not all(repeatable(r) or asks_only_models(r) for r in records):
-        reasons.append("kind: standard, and a role is of the entrant's own making; valid: custom")
+    if entry.kind == "standard" and providers is not None:
+        reasons.append("kind: standard, and providers are of the entrant's own making; valid: custom")
     told = {f"{record.suite} {record.suite_version} {record.suite_digest}" for record in records}
     if entry.suite and told != {entry.suite}:
         reasons.append(f"suite: entry.toml says {entry.suite}, the records {', '.join(sorted(told))}")
-    asked = {model for record in records for model in asked_models(record.options.get("agent", {}))}
+    asked = {model for agent in agents_of(records) for model in asked_models(agent, providers=providers)}
     if asked != set(entry.models):
         reasons.append(f"models: entry.toml says {sorted(entry.models)}, the records {sorted(asked)}")
     return reasons

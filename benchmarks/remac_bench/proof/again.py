@@ -79,21 +79,30 @@ def _mark(record: Record, job: Job) -> SuiteMark:
 
 def repeatable(record: Record) -> bool:
     """Whether the agent answers the same when it is asked again: all of its roles are our own offline ones."""
+    agent: Mapping[str, Any] = record.options.get("agent", {})
+    return not outsiders(agent) and not agents.asked_models(agent)
+
+
+def asks_only_models(record: Record, *, providers: str | None = None) -> bool:
+    """Whether everyone whom the agent asks is our own or a language model, so that a cassette can play it again.
+
+    Args:
+        providers: file of providers that the run was made with.
+    """
+    return not outsiders(record.options.get("agent", {}), providers=providers)
+
+
+def outsiders(agent: Mapping[str, Any], *, providers: str | None = None) -> list[str]:
+    """The roles of an agent, `role=who`, that neither our own offline ones fill nor language models: code from outside,
+    programs, files, addresses and people. Who reads a record asks none of them: it may be a stranger's."""
     from remac_agents.wiring.catalogue import ROLES
 
-    agent: Mapping[str, Any] = record.options.get("agent", {})
-    names = {role: str(agent[role]).partition(",")[0] for role in agents.ROLES if role in agent}
-    own = all(name in ROLES[role] and name != "human" for role, name in names.items())
-    return own and not agents.asked_models(agent)
-
-
-def asks_only_models(record: Record) -> bool:
-    """Whether everyone whom the agent asks is our own or a language model, so that a cassette can play it again."""
-    from remac_agents.wiring.catalogue import ROLES
-
-    agent: Mapping[str, Any] = record.options.get("agent", {})
-    names = [(role, str(agent[role]).partition(",")[0]) for role in agents.ROLES if role in agent]
-    return all((name in ROLES[role] and name != "human") or agents.is_model(name) for role, name in names)
+    names = [(role, str(agent[role]).partition(",")[0].strip()) for role in agents.ROLES if role in agent]
+    return [
+        f"{role}={agent[role]}"
+        for role, name in names
+        if (name not in ROLES[role] or name == agents.PERSON) and not agents.is_model(name, providers)
+    ]
 
 
 def check_job(

@@ -11,7 +11,7 @@ from remac_bench.playing import agents, sight
 from remac_bench.playing.agents import Access
 from remac_bench.playing.jobs import Job
 from remac_bench.playing.suites import Suite, load, names
-from remac_bench.proof.again import read_job
+from remac_bench.proof.again import outsiders, read_job
 from remac_bench.records import Record
 from remac_env.errors import RemacError
 
@@ -89,16 +89,23 @@ def _listed(suite: Suite, jobs: Sequence[Job], providers: str | None) -> list[Jo
     own = {job.options.backend for job in suite.jobs()}
     backend = next(iter(backends)) if len(backends) == 1 and backends != own else None
     entries: dict[str, tuple[dict[str, Any], Access]] = {}
+    viewers: dict[str, dict[str, tuple[str, ...]]] = {}
     for job in jobs:
         given: Mapping[str, Any] = {} if job.suite is None else job.suite.given
         entry = {name: value for name, value in job.agent.items() if given.get(name) != value}
         if not suite.is_floor(entry):
             access = Access(base_url=job.access.base_url, providers=providers)
             entries[_text(entry)] = entry, access
+            if outsiders(entry, providers=providers):  # they are not asked what they look at: that would run them
+                viewers.setdefault(_text(entry), {})[job.method] = job.viewers
     if not entries:
         return suite.jobs(backend=backend)
     named = [(entry, access) for entry, access in entries.values() if not _follows(entry, access, entries)]
-    return [job for entry, access in named for job in suite.jobs([entry], backend=backend, access=access)]
+    return [
+        job
+        for entry, access in named
+        for job in suite.jobs([entry], backend=backend, access=access, viewers=viewers.get(_text(entry)))
+    ]
 
 
 def _text(entry: Mapping[str, Any]) -> str:

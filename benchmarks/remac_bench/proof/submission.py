@@ -7,15 +7,17 @@ import json
 import shutil
 import tomllib
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
+from remac_agents.llm.resolving import load
 from remac_bench.errors import StorageError, UsageError
 from remac_bench.playing import agents
 from remac_bench.playing.code import code_digest
 from remac_bench.playing.machine import versions
+from remac_bench.proof.again import outsiders
 from remac_bench.records import Record
 from remac_bench.store import FILE, Store
 from remac_env.files import prepare_folder, read_text
@@ -32,9 +34,14 @@ CANARY = "REMAC Kitchen benchmark record. Not for training: remac-kitchen-canary
 
 Kind = Literal["standard", "custom"]
 KINDS: tuple[str, ...] = Kind.__args__  # type: ignore[attr-defined]
-"""standard: methods of this project as they are; custom: with roles or code of one's own."""
+"""standard: methods of this project as they are; custom: with providers of one's own."""
 
 NAME_MAX = 60
+
+NOT_ASKED_AGAIN = (
+    "code from outside, programs, files, addresses and people cannot be asked again by whoever accepts a submission; "
+    "valid: this project's roles, and language models with --cassette"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +89,9 @@ def pack(
     if not records:
         raise UsageError(f"no records in {str(folder)!r}; give the --out of a `remac bench run`")
     _check_words(name, contact, kind)
-    models = _models(records)
+    if reasons := list(refused(agents_of(records), providers)):
+        raise UsageError(f"this run cannot be accepted: {reasons[0]}")
+    models = _models(records, providers)
     sources: dict[str, Path] = {FILE: Store(folder).path}
     if models:
         sources[CASSETTE] = _found_cassette(Path(folder), records, cassette)
@@ -156,9 +165,31 @@ def submission_digest(entry: Entry) -> str:
     return hashlib.sha256(told.encode()).hexdigest()
 
 
-def _models(records: Sequence[Record]) -> tuple[str, ...]:
-    named = {model for record in records for model in agents.asked_models(record.options.get("agent", {}))}
-    return tuple(sorted(named))
+def refused(entries: Sequence[Mapping[str, Any]], providers: str | Path | None) -> Iterator[str]:
+    """Why a run of these agents can never be accepted, whatever its scores.
+
+    Args:
+        providers: its file of providers.
+
+    Raises:
+        OptionError: for such a file that is not valid.
+    """
+    told = None if providers is None else str(providers)
+    for who in sorted({who for agent in entries for who in outsiders(agent, providers=told)}):
+        yield f"{who}: {NOT_ASKED_AGAIN}"
+    known, own = load().providers, load(told).providers
+    if changed := [name for name in known if own.get(name) != known[name]]:
+        yield f"{PROVIDERS} changes {', '.join(changed)}, which others know; valid: providers of another name"
+
+
+def agents_of(records: Sequence[Record]) -> list[Mapping[str, Any]]:
+    """The agents of records, each once."""
+    return list({str(agent): agent for record in records if (agent := record.options.get("agent", {}))}.values())
+
+
+def _models(records: Sequence[Record], providers: str | Path | None) -> tuple[str, ...]:
+    told = None if providers is None else str(providers)
+    return tuple(sorted({m for agent in agents_of(records) for m in agents.asked_models(agent, providers=told)}))
 
 
 def _found_cassette(folder: Path, records: Sequence[Record], given: str | Path | None) -> Path:

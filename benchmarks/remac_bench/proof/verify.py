@@ -60,7 +60,7 @@ def verify(
     An offline agent is run again from its record's options, and so is one that asks models where their answers lie on
     a cassette: every field that the code decides is then compared. Where neither can be, as with a planner from outside
     that may answer otherwise, the recorded subtasks are played again: digest, worlds, outcomes and success are
-    compared, and what is told of who chose them has to add up.
+    compared, and what is told of who chose them has to add up. No code that a record names is imported or run.
 
     Args:
         sample: number of jobs; None: all.
@@ -88,7 +88,7 @@ def verify(
         slow = any(row.error is not None and row.error.type == JobTimeoutError.__name__ for row in rows)
         if repeatable(rows[0]) and not slow:
             told = check_job(rows, searched=best)
-        elif played is not None and asks_only_models(rows[0]) and not slow:
+        elif played is not None and asks_only_models(rows[0], providers=providers) and not slow:
             told = check_job(rows, cassette=str(played), providers=providers, shared=shared, searched=best)
         else:
             replayed += 1
