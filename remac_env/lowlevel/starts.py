@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.backends.physics.controllers.learned.cases import case_of
+from remac_env.backends.physics.controllers.learned.cases import EMPTY_HANDED, case_of
 from remac_env.errors import SamplingError, UnknownNameError, check_choice
 from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.worlds import TaskWorlds
@@ -109,11 +109,12 @@ def _draw(
     names = [name for name in public_scene(start.scene).names(skill.target) if name in targets(skill)]  # type: ignore[arg-type]
     if target is None:
         names = [names[index] for index in chance.permutation(len(names))]
+    laden = bool(cases) and EMPTY_HANDED not in cases
     for name in names if target is None else [target] * (target in names):
-        found = _brought_about(start, Subtask(skill.name, name), chance)
+        found = _brought_about(start, Subtask(skill.name, name), chance, laden=laden)
         if found is not None:
             start, before = found
-            if skill.moves and chance.random() >= _FROM_PARKING:
+            if skill.moves and not before and chance.random() >= _FROM_PARKING:
                 before = (_elsewhere(start.scene, name, chance), *before)
             begun = Subtask(skill.name, name)
             case = _case(worlds, start, begun, before)
@@ -140,12 +141,16 @@ def _speaks_of(spec: TaskSpec, target: str) -> bool:
 
 
 def _brought_about(
-    start: Start, subtask: Subtask, chance: np.random.Generator
+    start: Start, subtask: Subtask, chance: np.random.Generator, *, laden: bool
 ) -> tuple[Start, tuple[Subtask, ...]] | None:
-    """The start with doors and switches as the skill needs them, and what the robot does before it; None: no way."""
+    """The start with doors and switches as the skill needs them, and what the robot does before it; None: no way.
+
+    ``laden``: a drive is to begin with something in the hand.
+    """
     scene = start.scene
     names = list(scene.objects)
-    for held in (None, *(names[index] for index in chance.permutation(len(names)))):
+    empty = [] if laden and subtask.moves else [None]
+    for held in (*empty, *(names[index] for index in chance.permutation(len(names)))):
         before = _plan(scene, start.world, subtask, held)
         if before is None:
             continue

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -12,11 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from learned_kit import CHUNK, SKILL, network, weights
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.learned.controller import Learned
 from remac_env.backends.physics.controllers.learned.library import file_name, learned_skills
-from remac_env.backends.physics.controllers.learned.network import COMMANDED, Network
+from remac_env.backends.physics.controllers.learned.network import COMMANDED
 from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.controllers.learned.weights import (
     SEVERAL,
@@ -30,32 +29,6 @@ from remac_env.errors import OptionError
 from remac_env.lowlevel.starts import ROBOT, get_ready
 from remac_env.rules.skills import SKILLS
 
-SKILL = "turn on"
-CHUNK = 4
-
-
-def network(skill: str = SKILL, *, seed: int = 0, travel: float = 0.0) -> Network:
-    """A small network; `travel`: m or rad by which it wants every joint moved, whatever it sees."""
-    rng, inputs = np.random.default_rng(seed), len(entries(SKILLS[skill]))
-
-    def numbers(*shape: int) -> Any:
-        return rng.normal(0.0, 0.1, shape).astype(np.float32)
-
-    zeros = travel != 0.0
-    last = (np.zeros((CHUNK * COMMANDED, 8), np.float32) if zeros else numbers(CHUNK * COMMANDED, 8))
-    return Network(
-        numbers(inputs), np.ones(inputs, np.float32), ((numbers(8, inputs), numbers(8), numbers(8), numbers(8)),),
-        (last, np.full(CHUNK * COMMANDED, travel, np.float32)), np.zeros((CHUNK, COMMANDED), np.float32),
-        np.full((CHUNK, COMMANDED), 1.0 if zeros else 1e-4, np.float32),
-    )  # fmt: skip
-
-
-def weights(skill: str = SKILL, **more: Any) -> Weights:
-    rng = np.random.default_rng(1)
-    sample = rng.normal(size=(2, len(entries(SKILLS[skill])))).astype(np.float32)
-    about = About(skill=skill, targets=("faucet",), execute=CHUNK)
-    return Weights(about=about, network=network(skill, **more), sample=sample)
-
 
 def test_what_is_saved_says_the_same_when_it_is_read(tmp_path: Path) -> None:
     save_weights(tmp_path / "TurnOn.npz", weights())
@@ -63,87 +36,6 @@ def test_what_is_saved_says_the_same_when_it_is_read(tmp_path: Path) -> None:
     assert again.about.skill == SKILL and len(again.sha256) == 64
     for seen in again.sample:
         assert np.allclose(again.network.commands(seen), weights().network.commands(seen), atol=1e-3)
-
-
-def edited(change: Callable[[dict[str, Any]], None]) -> Callable[[Path], None]:
-    """A change of what the file says of itself."""
-
-    def edit(path: Path) -> None:
-        with np.load(path) as file:
-            arrays = {name: file[name] for name in file.files}
-        about = json.loads(str(arrays["about"]))
-        change(about)
-        np.savez(path, **(arrays | {"about": np.array(json.dumps(about))}))
-
-    return edit
-
-
-def with_array(name: str, change: Callable[[Any], Any]) -> Callable[[Path], None]:
-    def edit(path: Path) -> None:
-        with np.load(path) as file:
-            arrays = {key: file[key] for key in file.files}
-        arrays[name] = change(arrays[name])
-        np.savez(path, **arrays)
-
-    return edit
-
-
-def cut(path: Path) -> None:
-    data = path.read_bytes()
-    path.write_bytes(data[: len(data) // 2])
-
-
-def pickled(path: Path) -> None:
-    with np.load(path) as file:
-        arrays: dict[str, Any] = {name: file[name] for name in file.files}
-    np.savez(path, **(arrays | {"mean": np.array([object()] * len(arrays["mean"]), dtype=object)}))
-
-
-def bomb(path: Path) -> None:
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("mean.npy", b"0" * 30_000_000)
-
-
-def flipped(values: Any) -> Any:
-    changed = values.copy()
-    changed.flat[3] += 1
-    return changed
-
-
-BAD = {
-    "of another observation": (edited(lambda about: about.update(observation="0" * 12)), "made for observation"),
-    "of another body": (edited(lambda about: about.update(body="0" * 12)), "made for body"),
-    "of other code": (edited(lambda about: about.update(format="remac-skill-0")), "made for format"),
-    "of no skill": (edited(lambda about: about.update(skill="juggle")), "valid: navigate to"),
-    "that says more than it may": (edited(lambda about: about.update(run="rm")), "valid: "),
-    "that says nothing": (edited(lambda about: about.clear()), "made for format"),
-    "with too long steps": (edited(lambda about: about.update(execute=99)), "execute 99"),
-    "of texts": (with_array("last_weight", lambda values: values.astype(str)), "holds <U"),
-    "with an endless number": (with_array("weight_0", lambda values: values + np.float16(np.inf)), "finite"),
-    "that divides by nothing": (with_array("std", lambda values: values * 0.0), "fit together"),
-    "that says no number": (with_array("answer", lambda values: values * np.nan), "damaged"),
-    "that is about a list of skills": (edited(lambda about: about.update(skill=[SKILL])), "valid: navigate to"),
-    "whose steps are a text": (edited(lambda about: about.update(execute="8")), "execute '8'"),
-    "with a number that is none": (with_array("last_bias", lambda values: values * np.nan), "finite"),
-    "with another network": (with_array("last_weight", lambda values: values[:, :4]), "fit together"),
-    "with one number changed": (with_array("last_bias", flipped), "damaged"),
-    "without a sample": (with_array("sample", lambda values: values[:0]), "sample"),
-    "that is cut off": (cut, "cannot be read"),
-    "that is pickled": (pickled, "cannot be read"),
-    "that is a bomb": (bomb, "bytes"),
-    "that is not there": (Path.unlink, "cannot be read"),
-}
-
-
-@pytest.mark.parametrize("case", BAD)
-def test_a_file_is_refused(case: str, tmp_path: Path) -> None:
-    path = tmp_path / "TurnOn.npz"
-    save_weights(path, weights())
-    spoil, told = BAD[case]
-    spoil(path)
-    with pytest.raises(OptionError, match=told) as caught:
-        read_weights(path)
-    assert "TurnOn.npz" in str(caught.value)
 
 
 def played(made: Weights) -> tuple[Any, PhysicsBackend]:

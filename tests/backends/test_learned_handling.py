@@ -125,7 +125,9 @@ def test_a_policy_that_goes_on_when_all_is_done_is_ended_once_its_hand_is_empty(
     skill = SKILLS["pick up"]
     ready, backend = get_ready({}, skill, "vegetable", 3, style="modern_1", layout="one_wall_large")
     sensing = backend.by_hand(ROBOT, ready.subtask).sensing
-    aim = SimpleNamespace(achieved=lambda: achieved, over=lambda: False, update=lambda: None, patience=999)
+    aim = SimpleNamespace(
+        achieved=lambda: achieved, over=lambda: False, update=lambda: None, patience=999, by_hand=True
+    )
     aim.stand = aim_of(ready.subtask, sensing).stand
     for name, value in (("aim_of", lambda *told: aim), ("feels", lambda body: holds), ("observe", lambda *told: [0.0])):
         monkeypatch.setattr(controller, name, value)
@@ -135,6 +137,20 @@ def test_a_policy_that_goes_on_when_all_is_done_is_ended_once_its_hand_is_empty(
     commands = list(run)
     assert (len(commands) == 12 * CHUNK) == (achieved and not holds)
     assert len(commands) in (12 * CHUNK, controller.LONGEST)
+
+
+@pytest.mark.parametrize(("began", "opening", "wanted", "told"), [
+    (0.029, 0.062, (0.030, 0.0309, 0.028), (0.029, 0.029, 0.029)),  # held as it was, whatever drifts
+    (0.029, 0.062, (0.030, 0.033, 0.030), (0.029, 0.033, 0.030)),  # let go, and then as the network says
+    (0.037, 0.078, (0.0384, 0.0388), (0.037, 0.0388)),  # hardly thinner than the hand opens
+    (0.040, 0.080, (0.030, 0.001), (0.030, 0.001)),  # nothing is held: the hand closes
+    (0.000, 0.0, (0.001,), (0.001,)),
+])  # fmt: skip
+def test_what_is_held_stays_held_until_it_is_let_go_for_certain(
+    began: float, opening: float, wanted: tuple[float, ...], told: tuple[float, ...]
+) -> None:
+    grip = controller._Grip(SimpleNamespace(commanded_opening=began, opening=opening))  # type: ignore[arg-type]
+    assert [grip.told(each) for each in wanted] == pytest.approx(list(told))
 
 
 @pytest.mark.parametrize(("noun", "away", "held"), [

@@ -25,6 +25,7 @@ from remac_env.seeding import digest
 
 _HAND = [number for number, entry in enumerate(entries(taught()[0])) if entry.name in ("hand_x", "hand_y", "hand_z")]
 _TURN, _ROUND = 2, 2.0 * np.pi  # the heading among a command's numbers, and a whole turn, rad
+_ARM = 3  # from where on a command's numbers are about lift, arm and fingers
 _AFTER = 24  # frames that are shown after an object was taken or put, while the hand goes clear
 _MOVED = 2e-4  # rad or m by which a command differs from the one before it where it counts as motion
 _LITTLE = 1e-3  # added to deviations: of numbers that hardly vary
@@ -116,6 +117,8 @@ def frames(demos: Iterable[Demo], chunk: int, words: Sequence[str] = (), *, hand
         seen.append(np.concatenate([demo.observations[shown], said], axis=1))
         change = commands[following] - start[:, None]
         change[..., _TURN] -= _ROUND * np.rint(change[..., _TURN] / _ROUND)  # headings are told within half a turn
+        if SKILLS[demo.skill].moves:
+            change[..., _ARM:] = 0.0  # it stays as it is, and nobody asks what a drive says of it
         wanted.append(change)
     return Frames(np.concatenate(seen), np.concatenate(wanted).astype(np.float32), sorted(blind))
 

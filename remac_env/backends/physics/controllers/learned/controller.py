@@ -6,7 +6,7 @@ from collections.abc import Generator
 
 import numpy as np
 
-from remac_env.backends.physics.controllers.base import Command, Sensing
+from remac_env.backends.physics.controllers.base import Command, Proprioception, Sensing
 from remac_env.backends.physics.controllers.learned.aim import feels
 from remac_env.backends.physics.controllers.learned.aims import aim_of
 from remac_env.backends.physics.controllers.learned.cases import case_of
@@ -23,6 +23,7 @@ _STANDARD = bodies.get()
 LONGEST = 700  # control periods, 35 s: three times as long as scripted skills take
 _FINGERS = COMMANDED - 1  # where their travel stands in a command
 _DONE = 12  # chunks on end, 5 s, in which it is done with an empty hand, and then has ended however the hand moves
+_LET_GO = 0.002  # m by which fingers have to open, as a network says, to let go of what they held
 _STILL = 0.02  # rad or m that commands change at most while the robot stands still
 
 
@@ -54,6 +55,7 @@ class Learned:
         if subtask.skill not in about.known:
             return failure("invalid", f"these weights are for {', '.join(about.known)!r}")
         aim, words = aim_of(subtask, sensing), bag(about.words, subtask.text)
+        arm, grip = sensing.body.commanded[3:], _Grip(sensing.body)
         rests = done = 0
         for _ in range(LONGEST // about.execute):
             shown = np.concatenate([observe(sensing, aim, subtask.row), words])
@@ -64,9 +66,11 @@ class Learned:
             for change in chunk:
                 q = aim.stand.moved(start, change[:_FINGERS])
                 q[3:] = np.clip(q[3:], _STANDARD.lower[3:], _STANDARD.upper[3:])
-                if len(change) == WITH_HAND:
+                if not aim.by_hand:  # as it was told to be held when the drive began, whatever it carries
+                    q[3:] = arm
+                elif len(change) == WITH_HAND:
                     q = towards_hand(self._kinematics, aim.stand, q, hand, change)
-                yield Command(q, float(np.clip(change[_FINGERS], 0.0, _STANDARD.finger_travel)))
+                yield Command(q, grip.told(float(change[_FINGERS])) if aim.by_hand else grip.began)
                 aim.update()
             done = done + 1 if aim.achieved() and not feels(sensing.body) else 0
             if aim.over() or done >= _DONE:
@@ -76,3 +80,24 @@ class Learned:
             if rests >= aim.patience:
                 return failure("slipped", "it came to rest with nothing done") if aim.missed() else Outcome("success")
         return failure("timeout", f"the policy did not come to rest within {LONGEST} control periods")
+
+
+class _Grip:
+    """What fingers are told. What they hold when a subtask begins they go on holding as they do until it is let go.
+
+    A network says by how much they are open within a millimetre or two, which is as much as a held object is squeezed
+    by; and where it opens them a little, it sees them open, and opens them further.
+
+    Attributes:
+        began: what they were told when the subtask began, m.
+    """
+
+    def __init__(self, body: Proprioception) -> None:
+        self.began = body.commanded_opening
+        self._loose = min(_LET_GO, 0.5 * (_STANDARD.finger_travel - self.began))
+        self._holds = feels(body)
+
+    def told(self, wanted: float) -> float:
+        """What they are told where a network wants this, m."""
+        self._holds &= wanted <= self.began + self._loose
+        return self.began if self._holds else float(np.clip(wanted, 0.0, _STANDARD.finger_travel))

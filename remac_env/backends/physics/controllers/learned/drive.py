@@ -2,6 +2,7 @@
 
 Which way it goes is found, not learnt: the quickest of those that scripted drives choose from that has room for the
 base and the folded arm on the floor plan. Ranges around the base alone do not say on which side a peninsula is passed.
+What a hand carries goes over worktops and needs no room of its own there.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -58,9 +59,17 @@ def weights_of(folder: Path, skill: str) -> Weights | None:
     """
     for name in (skill, SEVERAL):
         path = folder / file_name(name)
-        if path.exists() and skill in (known := _read(path, path.stat().st_mtime_ns)).about.known:
+        if os.path.lexists(path) and skill in (known := _read(path, _changed(path))).about.known:
             return known
     return None
+
+
+def _changed(path: Path) -> int:
+    """When a file was changed last, ns; 0 for a link that leads nowhere, which is refused when it is read."""
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return 0
 
 
 def makers(weights: dict[str, Weights]) -> dict[str, MakeController]:

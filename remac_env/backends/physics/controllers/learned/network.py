@@ -20,6 +20,9 @@ WITH_HAND = COMMANDED + 9
 LARGEST = 20_000_000
 """Bytes of all arrays together."""
 
+DEEPEST = 16
+"""Layers at most: each takes its time whenever a robot looks, however small it is."""
+
 _EPSILON = 1e-5  # of the normalisation, as in torch
 
 
@@ -46,8 +49,10 @@ class Network:
         for name, array in arrays.items():
             if not np.issubdtype(array.dtype, np.floating) or not np.isfinite(array).all():
                 raise OptionError(f"array {name!r} of the network is not made of finite numbers")
+        if len(self.layers) > DEEPEST:
+            raise OptionError(f"the network has {len(self.layers)} layers; valid: at most {DEEPEST}")
         size = self.mean.shape[0] if self.mean.ndim == 1 else -1
-        fits = self.std.shape == self.mean.shape and bool((self.std > 0.0).all())
+        fits = self.std.shape == self.mean.shape and bool((self.std > 0.0).all() and (self.out_std > 0.0).all())
         for weights, *others in self.layers:
             fits &= weights.ndim == 2 and weights.shape[1] == size
             fits &= all(other.shape == weights.shape[:1] for other in others)
@@ -90,7 +95,11 @@ class Network:
         return made
 
     def commands(self, observation: Numbers) -> Numbers:
-        """The next commands, shaped as ``out_mean``, for what is seen now, shape (n,)."""
+        """The next commands, shaped as ``out_mean``, for what is seen now, (n,); not finite where that overflows."""
+        with np.errstate(all="ignore"):
+            return self._commands(observation)
+
+    def _commands(self, observation: Numbers) -> Numbers:
         values = (observation - self.mean) / self.std
         for weights, bias, gain, shift in self.layers:
             values = weights @ values + bias

@@ -79,13 +79,12 @@ _TARGET = (
     *(Entry(f"skill_{skill.name.replace(' ', '_')}", "", 0.0, 1.0) for skill in taught()),
 )  # fmt: skip
 _AROUND = tuple(Entry(f"range_{360 * number // RANGES}", "m", 0.0, FARTHEST) for number in range(RANGES))
-_FAR = math.asinh(_ROOM / FINE)
+_FAR, _CORNER = math.asinh(_ROOM / FINE), "corner"
 _WAY = tuple(
-    Entry(f"corner{number}_{name}", "", -far, far)
+    Entry(f"{_CORNER}{number}_{name}", "", -far, far)
     for number in range(CORNERS)
     for name, far in (("right", 1.0), ("to_wall", 1.0), ("far", _FAR), ("turn", _FAR))
 )
-_OF_THE_ROBOT = ("torso", "joint", "finger_command", "opening", "hand_feels", "corner")
 
 
 def entries(skill: Skill, body: str = STANDARD) -> tuple[Entry, ...]:
@@ -98,10 +97,11 @@ def entries(skill: Skill, body: str = STANDARD) -> tuple[Entry, ...]:
 def overlooked(skill: Skill) -> list[int]:
     """Which numbers of its observation a network does not look at, so that what it learns in one kitchen holds in all.
 
-    Of a drive they are where in the kitchen it is and what is around, as that is different in each: its way is enough.
+    Of a drive they are where in the kitchen it is and what is around, as that is different in each, and how the arm is
+    held, which is not moved: its way is enough.
     """
     names = [entry.name for entry in entries(skill)]
-    return [number for number, name in enumerate(names) if skill.moves and not name.startswith(_OF_THE_ROBOT)]
+    return [number for number, name in enumerate(names) if skill.moves and not name.startswith(_CORNER)]
 
 
 def observe(sensing: Sensing, aim: Aim, skill: Skill, kind: str = STANDARD) -> NDArray[np.float32]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -21,14 +21,16 @@ from remac_env.backends.physics.controllers.learned.network import LARGEST, Netw
 from remac_env.backends.physics.controllers.learned.seen import VERSION, Entry, entries, taught
 from remac_env.errors import OptionError
 from remac_env.files import prepare_file
+from remac_env.quoting import quoted
 from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
 from remac_env.seeding import digest
 
-FORMAT = "remac-skill-1"
+FORMAT = "remac-skill-2"
 """Raised whenever the same numbers would move a robot otherwise."""
 
 SUFFIX = ".npz"
+_MOST = 64  # observations of the sample at most
 _SAME = 1e-2  # standard deviations by which what it says to the sample may differ from machine to machine
 
 
@@ -171,7 +173,8 @@ def _numbers(name: str, array: Any) -> Numbers:
     """An array as it is calculated with; texts and whole numbers, which it might be cast from, are refused."""
     if not np.issubdtype(array.dtype, np.floating):
         raise OptionError(f"array {name!r} holds {array.dtype}; valid: numbers with a point")
-    return np.asarray(array, np.float32)
+    with np.errstate(all="ignore"):  # what is too large becomes infinite, which no network may hold
+        return np.asarray(array, np.float32)
 
 
 def _about(told: Any) -> About:
@@ -193,11 +196,38 @@ def _about(told: Any) -> About:
         raise OptionError(f"it says {', '.join(sorted(told))}; valid: {', '.join(sorted(known))}")
     given: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in told.items()}
     made = About(**given)
+    for name, (is_one, valid) in _KINDS.items():
+        if not is_one(getattr(made, name)):
+            raise OptionError(f"{name} {quoted(getattr(made, name))} is not valid; valid: {valid}")
     if made.skill == SEVERAL and not (made.skills and set(made.skills) <= set(skills)):
         raise OptionError(f"skills {made.skills!r} are not valid; valid: {', '.join(skills)}")
-    if not isinstance(made.words, tuple) or not all(isinstance(word, str) for word in made.words):
-        raise OptionError(f"words {made.words!r} are not valid; valid: a list of words")
     return made
+
+
+def _is_count(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 0
+
+
+def _are_texts(value: object) -> bool:
+    return isinstance(value, tuple) and all(isinstance(each, str) for each in value)
+
+
+def _are_trials(value: object) -> bool:
+    """Whether it says how often each of some sets of trials succeeded."""
+    return isinstance(value, dict) and all(
+        isinstance(each, dict) and set(each) == {"trials", "successes"} and all(map(_is_count, each.values()))
+        and each["successes"] <= each["trials"]
+        for each in value.values()
+    )  # fmt: skip
+
+
+_KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
+    **dict.fromkeys(("targets", "layouts", "styles", "skills", "words", "cases"), (_are_texts, "a list of texts")),
+    **dict.fromkeys(("seeds", "data", "code"), (lambda value: isinstance(value, str), "a text")),
+    "demonstrations": (_is_count, "a number of them"),
+    "measured": (_are_trials, "trials and successes of each set"),
+}
+"""What fields of `About` hold beside those that are compared with what they have to be."""
 
 
 _FIRST = {each.name for each in fields(About)} - {"skills", "words", "cases"}
@@ -210,8 +240,9 @@ def _check_fit(about: About, network: Network, sample: Numbers, answer: Numbers)
         raise OptionError(f"its network takes {len(network.mean)} numbers; valid: {size}")
     whole = isinstance(about.execute, int) and not isinstance(about.execute, bool)
     if not whole or not 1 <= about.execute <= network.chunk:
-        raise OptionError(f"execute {about.execute!r} is not valid; valid: 1..{network.chunk}")
-    if sample.ndim != 2 or sample.shape[1] != size or not len(sample) or answer.shape[1:] != network.out_mean.shape:
+        raise OptionError(f"execute {quoted(about.execute)} is not valid; valid: 1..{network.chunk}")
+    shapes = sample.shape[1:], answer.shape[1:]
+    if shapes != ((size,), network.out_mean.shape) or not 1 <= len(sample) <= _MOST:
         raise OptionError("it has no sample of what its network says")
     found = np.array([network.commands(seen) for seen in sample])
     if found.shape != answer.shape or not np.allclose(found / network.out_std, answer / network.out_std, atol=_SAME):
