@@ -1,4 +1,5 @@
-"""For the reference: functions whose keywords come from the table of options are shown with all of them."""
+"""For the reference: functions whose keywords come from the table of options are shown with all of them, and each
+option of a dataclass with what its row says."""
 
 from __future__ import annotations
 
@@ -6,6 +7,8 @@ import inspect
 from typing import Any
 
 import griffe
+
+from remac_env.option_rows import rows, told
 
 
 class OptionsInDocstrings(griffe.Extension):
@@ -29,6 +32,16 @@ class OptionsInDocstrings(griffe.Extension):
                 for name, parameter in inspect.signature(made).parameters.items()
             )
         )
+
+
+    def on_class_members(self, *, cls: griffe.Class, **kwargs: Any) -> None:
+        """What the row of an option says becomes its docstring."""
+        said = {name: each for name, each in cls.attributes.items() if str(each.value).startswith(("option(", "same("))}
+        if not said:
+            return
+        for name, row in rows(griffe.dynamic_import(cls.path)).items():
+            if name in said:
+                said[name].docstring = griffe.Docstring(told(row), parent=said[name])
 
 
 def _said(annotation: Any) -> str | None:

@@ -66,7 +66,7 @@ class PlanError:
 
 @dataclass(frozen=True)
 class Plan:
-    """For each robot its subtasks, one a round. A robot whose row has ended waits."""
+    """`rows`: for each robot its subtasks, one a round. A robot whose row has ended waits."""
 
     rows: FrozenMap[tuple[Subtask, ...]]
 

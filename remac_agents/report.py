@@ -16,8 +16,9 @@ from remac_env.state import WorldState
 class Check:
     """One verdict (None: the checker cannot tell) beside the truth (None where the kitchen did not tell it).
 
-    `round` counts rounds played before it; `asked` marks a question of the adjuster's, which is no pre-check
-    itself; `reason` is the checker's, where it gives one; `unmatched` marks words that no predicate says.
+    `round` counts rounds played before it; `robot` is about to run `subtask`, or has run it, and `condition` is the
+    sentence that was judged (`verdict`, beside `truth`); `asked` marks a question of the adjuster's, which is no pre-
+    check itself; `reason` is the checker's, where it gives one; `unmatched` marks words that no predicate says.
     """
 
     round: int
@@ -59,7 +60,10 @@ class Check:
 
 @dataclass(frozen=True)
 class Step:
-    """A subtask that was run. `done`: its post-conditions then held. `retry`: not its first try."""
+    """A `subtask` that `robot` ran in a `round` (from 0). `status`: success or failure, None where it was cut short.
+
+    `done`: its post-conditions then held. `retry`: not its first try.
+    """
 
     round: int
     robot: str

@@ -268,16 +268,24 @@ def takes_options(
 def described(home: Any, *, indent: int = 8) -> str:
     """The options of a dataclass as the lines of a docstring."""
     edge = " " * indent
-    lines = [f"{name}: {_going_on(row.help)}" for name, row in rows(home).items()]
+    lines = [f"{name}: {_going_on(told(row))}" for name, row in rows(home).items()]
     return "\n".join(
         textwrap.fill(line, 120, initial_indent=edge, subsequent_indent=f"{edge}    ", break_on_hyphens=False)
         for line in lines
     )
 
 
+def told(row: Row) -> str:
+    """What an option does, and the range of a number where its help does not say it."""
+    least, most = getattr(row.values, "least", None), getattr(row.values, "most", None)
+    if least is None or f"{least} to " in row.help or f"{least}, " in row.help or f"{least}: " in row.help:
+        return row.help
+    return f"{row.help} {least:g} {f'to {most:,g}' if most and most < 1e9 else 'or more'}."
+
+
 def _going_on(sentence: str) -> str:
     """A sentence as it stands behind a colon; a first word in capitals keeps them."""
-    return sentence if sentence[:2].isupper() else sentence[0].lower() + sentence[1:]
+    return sentence if sentence[1:2].isupper() else sentence[0].lower() + sentence[1:]
 
 
 def _number(text: Any, kind: type) -> Any:

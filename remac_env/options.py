@@ -12,12 +12,26 @@ from remac_env.thinking import ThinkValues
 from remac_env.values import python_fields
 
 BACKENDS = ("physics", "symbolic")
+"""Who decides what comes of a round."""
+
 STARTS = ("paper", "mixed")
+"""How kitchens begin."""
+
 KNOWLEDGE = ("full", "seen")
+"""What robots know of where objects are."""
+
 GRADES = (1, 2, 3, 4, 5)
+"""Grades of generated tasks."""
+
 MOST_QUIRKS = 3
+"""Quirks that a generated task has at most."""
+
 TEXTS = ("plain", "states")
+"""What planners are told."""
+
 FEEDBACKS = ("status", "reason")
+"""What planners are told about a failure."""
+
 NAMINGS = ("role", "category")
 """What objects are called that play a task's role: by the role's noun ("vegetable"), or as what they are ("carrot")."""
 
@@ -25,6 +39,8 @@ WORDINGS = (1, 2, 3)
 """1: word order follows the subtasks; 2: it does not; 3: the simplest sentence (paper, appendix)."""
 
 OBSERVATIONS = ("state", "state+images")
+"""Without pictures, or with."""
+
 CAMERAS = ("front", "wrist", "side", "station")
 """Pictures of a robot: what each shows, `remac_env.sights` says."""
 
@@ -32,13 +48,22 @@ USUAL_CAMERAS = CAMERAS[:3]
 """Those that observations have unless others are asked for, and that controllers look at."""
 
 REWARDS = ("sparse", "progress", "distance", "nearest")
+"""See `remac_env/rewards.py`."""
+
 MASKS = ("grammar", "feasible")
+"""Which tokens masks mark."""
+
 OBS_FORMATS = ("dict", "flat")
+"""How observations come."""
+
 CLOCKS = ("rounds", "events")
 """rounds: all robots begin and end together; events: each is asked again when what it does has ended."""
 
 RENDER_MODES = (None, "rgb_array", "work", "human")
+"""How an environment is looked at; None: not at all."""
+
 MAX_ROBOTS = 4
+"""Robots of a team at most."""
 
 _ROBOTS, _WORDING = Whole(1, MAX_ROBOTS), Whole(min(WORDINGS), max(WORDINGS))
 

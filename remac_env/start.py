@@ -13,7 +13,7 @@ from remac_env.state import WorldState
 
 @dataclass(frozen=True, slots=True)
 class Offset:
-    """A pose relative to the middle of a slot, vessel or parking place: metres and radians in the world frame."""
+    """A pose relative to the middle of a slot, vessel or parking place: `dx`, `dy` m, `yaw` rad, in the world frame."""
 
     dx: float = 0.0
     dy: float = 0.0

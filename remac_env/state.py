@@ -24,18 +24,23 @@ OPEN_MIN = 0.90
 """A door at least this far open is open, rad (released threshold)."""
 
 Relation = Literal["slot", "vessel", "held", "floor"]
+"""How an object is where it is."""
+
 Door = Literal["closed", "ajar", "open"]
+"""How far a door is open: see CLOSED_MAX and OPEN_MIN."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where an object is: in a slot, on or in a vessel, held by a robot (`where` names it), or on the floor."""
+    """Where an object is by its `relation`: in a slot, on or in a vessel, held by a robot (`where` names it), or on the
+    floor."""
 
     relation: Relation
     where: str = ""
 
 
 FLOOR = Place("floor")
+"""The one place without a name."""
 
 HAND = "hand"
 """The hand of a robot that has one."""
@@ -43,7 +48,7 @@ HAND = "hand"
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
-    """A robot's station (`aside` when away from all) and what its gripper holds."""
+    """A robot's `station` (`aside` when away from all) and what its gripper holds: `holding`, None for nothing."""
 
     station: str = ASIDE
     holding: str | None = None
@@ -56,7 +61,7 @@ class RobotState:
 
 @dataclass(frozen=True, slots=True)
 class ObjectState:
-    """An object's place, and the marks of what has happened to it that its place does not show."""
+    """An object's `place`, and the `marks` of what has happened to it that its place does not show."""
 
     place: Place
     marks: frozenset[str] = frozenset()
@@ -64,7 +69,7 @@ class ObjectState:
 
 @dataclass(frozen=True, slots=True)
 class FixtureState:
-    """A fixture's door (None where it has none) and the switches that are on."""
+    """A fixture's `door` (None where it has none) and the switches that are `on`."""
 
     door: Door | None = None
     on: frozenset[str] = frozenset()
@@ -76,7 +81,7 @@ _KEPT = "(what it holds)"
 
 @dataclass(frozen=True)
 class WorldState:
-    """The changeable part of a kitchen at rest."""
+    """The changeable part of a kitchen at rest: the states of its `robots`, `objects` and `fixtures`, by name."""
 
     robots: FrozenMap[RobotState]
     objects: FrozenMap[ObjectState]

@@ -41,7 +41,10 @@ def _uses() -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Noun:
-    """A word that commands may name. `uses` are skills beside those that every noun has (`navigate to`)."""
+    """A `name` that commands may say, of a `kind`: fixture or object.
+
+    `uses` are skills beside those that every noun has (`navigate to`).
+    """
 
     name: str
     kind: Literal["fixture", "object"]
@@ -59,6 +62,11 @@ class Vocabulary:
         nouns: in the order of their tokens. One that comes again has further uses: their tokens come there, so that
             those before do not move.
         words: tokens after all others that are no subtasks and no command of a planner, such as `continue`.
+
+    Attributes:
+        entries, nouns: the nouns as given, and each once with all its uses.
+        version: raised whenever a token comes to mean something else.
+        words: as given.
     """
 
     def __init__(self, nouns: Iterable[Noun], *, version: int, words: Iterable[str] = ()) -> None:

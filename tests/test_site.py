@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import re
 import sys
+from dataclasses import dataclass, fields, is_dataclass
 from inspect import isclass, isfunction
 from pathlib import Path
 from types import ModuleType
@@ -84,6 +85,45 @@ def test_the_reference_has_every_module_that_users_import(maker: ModuleType) -> 
         for name in getattr(made, "__all__", ()):
             there = getattr(made, name)
             assert not (isclass(there) or isfunction(there)) or there.__doc__, f"{module}.{name} says nothing of itself"
+
+
+def test_every_field_of_the_reference_says_what_it_is(maker: ModuleType) -> None:
+    """In the docstring of its class, or on its row where it is an option."""
+    modules = sorted({module for _, modules in maker.REFERENCE.values() for module in modules} - APART)
+    shown = {made for module in modules for made in offered(importlib.import_module(module)) if isclass(made)}
+    silent = {f"{c.__module__}.{c.__name__}": told for c in shown if (told := unsaid(c))}
+    assert len(shown) > 100 and not silent
+
+
+def offered(module: ModuleType) -> list[object]:
+    """What users import from a module: what it lists, else what it defines."""
+    there = {name: made for name, made in vars(module).items() if getattr(made, "__module__", "").startswith(OURS)}
+    own = [name for name, made in there.items() if made.__module__ == module.__name__ and name[0] != "_"]
+    return [there[name] for name in getattr(module, "__all__", own) if name in there]
+
+
+OURS = ("remac_", __name__)
+
+
+def unsaid(made: type) -> list[str]:
+    """The public fields of a dataclass or of a record that nothing is said of."""
+    if is_dataclass(made):
+        names = [each.name for each in fields(made) if "row" not in each.metadata]
+    else:
+        names = list(getattr(made, "model_fields", ()))
+    said = "\n".join(base.__doc__ or "" for base in made.__mro__ if base.__module__.startswith(OURS))
+    return [name for name in names if name[0] != "_" and not re.search(rf"\b{name}\b", said)]
+
+
+def test_a_field_of_which_nothing_is_said_is_found() -> None:
+    @dataclass
+    class Thing:
+        """A thing. `size`: m."""
+
+        size: float
+        depth: float
+
+    assert unsaid(Thing) == ["depth"]
 
 
 def test_what_a_page_would_fetch_from_elsewhere_is_found(maker: ModuleType, tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ class Cell:
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """A column: its key in the rows, its heading, and what the heading means. `numeric`: set to the right."""
+    """A column: its `key` in the rows, its `title`, and in `help` what that means. `numeric`: set to the right."""
 
     key: str
     title: str
@@ -58,7 +58,7 @@ class Sheet:
 
 @dataclass(frozen=True, kw_only=True)
 class Board:
-    """All tables of a folder of records. `note`: of which code they are."""
+    """All tables of a folder of records, `sheets`. `title`: what they are of; `note`: of which code."""
 
     title: str
     note: str = ""

@@ -18,13 +18,15 @@ ALL_TASKS = "all tasks"
 """Stands in place of a task's name in a row over all of them."""
 
 Spot = tuple[object, ...]
+"""What the episodes of a row share: setting, task, agent and the like."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
     """One agent on one task (or on all) in one setting. None stands where nothing was measured.
 
-    Attributes ending in `_all` are free of survivor bias: a failure counts with the cap, not at all as a success.
+    Attributes ending in `_all` (`seconds_all`, `ipl_all`, `fpl_all`, `rounds_all`, `optimum_all`) are free of survivor
+    bias: a failure counts with the cap, not at all as a success.
 
     Attributes:
         setting, task, agent, method, robots: what was played, and by whom.

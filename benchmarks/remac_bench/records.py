@@ -20,9 +20,10 @@ class Model(BaseModel):
 
 
 class OutcomeEntry(Model):
-    """How one robot's subtask of one round ended; `seconds` is simulated time.
+    """How one robot's `subtask` of one round ended: `status`, and for a failure its `reason` and `detail`.
 
-    `began`, `ended`: on the kitchen's clock, s since the start; None in records from before they were kept.
+    `seconds` is simulated time. `began`, `ended`: on the kitchen's clock, s since the start; None in records from
+    before they were kept.
     """
 
     subtask: str
@@ -35,7 +36,7 @@ class OutcomeEntry(Model):
 
 
 class OrderEntry(Model):
-    """What a robot was told that had to decide: its command, and what went into it.
+    """What a robot was told that had to decide: its `command`, and what went into it.
 
     `tokens`, `seconds`: what language models wrote and took; `declared`: seconds that other roles say they take.
     """
@@ -49,8 +50,8 @@ class OrderEntry(Model):
 class SpanEntry(Model):
     """Something that lasted from `began` to `ended`, s on the kitchen's clock.
 
-    `kind`: subtask, wait, thought or process; `who`: the robot, or what a process is about; `status` "cut": the episode
-    was over first.
+    `kind`: subtask, wait, thought or process; `who`: the robot, or what a process is about; `what`: the command, or the
+    process; `status` "cut": the episode was over first; `reason`: of a failure.
     """
 
     who: str
@@ -65,8 +66,9 @@ class SpanEntry(Model):
 class CheckEntry(Model):
     """A checker's verdict on one condition beside the truth (None where the kitchen did not tell it).
 
-    `verdict` None: the checker cannot tell. `round` counts the rounds played before it; `asked` marks a question of the
-    adjuster's; `reason` is the checker's own, if any; `unmatched` marks a model's words that no predicate says.
+    `condition` is the sentence, of the `subtask` of a `robot`. `verdict` None: the checker cannot tell; `truth`
+    likewise. `round` counts the rounds played before it; `asked` marks a question of the adjuster's; `reason` is the
+    checker's own, if any; `unmatched` marks a model's words that no predicate says.
     """
 
     round: int
@@ -81,7 +83,10 @@ class CheckEntry(Model):
 
 
 class ErrorEntry(Model):
-    """An exception. `agent`: planner or method crashed: a failure. `infrastructure`: not scored."""
+    """An exception. `kind` agent: planner or method crashed: a failure; infrastructure: not scored.
+
+    `type` and `message` are the exception's; `where` is where it was raised, a line a call, the innermost last.
+    """
 
     kind: Literal["agent", "infrastructure"]
     type: str
@@ -92,6 +97,7 @@ class ErrorEntry(Model):
 class UsageEntry(Model):
     """What an episode took of language models. `calls` are questions; `requests` what was sent for them, repeated and
     failed requests included. `money`: US dollars, of the requests whose price is known; `unpriced` counts the others.
+    `prompt_tokens` and `completion_tokens` are of all of them, `seconds` what they took, added up.
 
     `repeats`: questions that were not put because the same had been answered in this episode.
     """
@@ -107,11 +113,14 @@ class UsageEntry(Model):
 
 
 class ExchangeEntry(Model):
-    """One question to a language model and its answer, long texts cut.
+    """One question of a `role` to a language model, its `messages` (who speaks, text) and the `reply`; long texts are
+    cut.
 
-    `round` counts the rounds played before it; `pictures` are digests of the images shown, which lie in the records'
-    folder as pictures/<digest>.png; `error` is the kind of a failed call; `requests` how often it had to be sent;
-    `adaptations` how it was sent otherwise than asked.
+    `label` says what about; `reasoning` is what the model showed of its thoughts; `tokens` of prompt and answer
+    together, `money` US dollars (None: not known), `seconds` until the answer was there. `round` counts the rounds
+    played before it; `pictures` are digests of the images shown, which lie in the records' folder as
+    pictures/<digest>.png; `error` is the kind of a failed call; `requests` how often it had to be sent; `adaptations`
+    how it was sent otherwise than asked.
     """
 
     round: int
@@ -132,7 +141,7 @@ class ExchangeEntry(Model):
 class VideoEntry(Model):
     """The video of an episode, its path relative to the records' folder, or why there is none.
 
-    `rounds`: when each round begins in it, seconds of the video.
+    `path` None: none, for the reason `error`. `rounds`: when each round begins in it, seconds of the video.
     """
 
     path: str | None = None
@@ -147,6 +156,7 @@ class Record(Model):
         schema_version: written as `schema`.
         job: key of the job that the episode belongs to; `iteration` counts from 0 within it.
         agent: the method with the options in which it departs from its defaults; `method` is its bare name.
+        task, style, layout, starts, seed, robots, backend: the kitchen, as the options of those names say.
         goal: the goal's sentence, as the planner was told it; empty where the episode never began.
         digest: name of the exact start; None, like style and layout, where the episode never began.
         scored: this is the job's last iteration and no infrastructure error; only scored records count.
@@ -156,8 +166,10 @@ class Record(Model):
         phases: phase -> whether it was reached, in order, for tasks that have phases.
         initial_plan_length, final_plan_length: in rounds; the latter of the plan in force at the end,
             retries not counted. None where the agent reports none.
+        initial_plan, final_plan: those plans, robot -> commands.
         subtasks_done: rounds of the plan in force whose subtasks' post-conditions all held.
         rounds: rounds played, retries included. sim_seconds: each round as long as its slowest robot.
+        wall_seconds: what the episode took on the clock on the wall. physics_steps: control steps.
         outcomes: a round an entry, robot -> how its subtask ended.
         robot_contacts, near_misses: control steps in which robots touched, or were within 0.05 m.
         worlds: the WorldState at the start and after each round, as plain values.
@@ -165,6 +177,9 @@ class Record(Model):
             stands in that at which its subtask had ended.
         orders: what the robots that were ready were told in each step, and `timeline`: what lasted how long; both empty
             with rounds.
+        pre_checks, post_checks: verdicts before and after subtasks, beside the truth.
+        adjusted: whether the plan was changed on the way. retries: subtasks that were tried again.
+        reflections: what was learnt, in words.
         truth_readers, rule_readers: the roles that were given the WorldState, and those that were given what the skill
             table enforces or advises; older records say nothing of the latter.
         weights: role -> the digest (sha256) of the file of numbers by which it answered.
@@ -173,6 +188,8 @@ class Record(Model):
         adaptations: how questions were sent otherwise than asked, because of what endpoints refuse, such as
             "max_tokens -> max_completion_tokens"; each once.
         planner_errors: replies of the planner that were no plans.
+        video: the video, or why there is none; None where none was asked for.
+        error: the exception that ended the episode. versions: package -> version.
         optimum_rounds: length of the shortest plan, where it was asked for and is known; `optimum_proof` says how it
             is known, and `optimum_lower` how long it is at least (`remac_env.oracle.Certificate`).
         optimum_seconds: the shortest makespan under the event clock, s, where it was asked for and is known;

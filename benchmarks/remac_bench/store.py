@@ -18,16 +18,23 @@ from remac_bench.records import SCHEMA, Record
 from remac_env.files import read_text
 
 FILE = "records.jsonl"
+"""The records, in a run's folder."""
+
 VIDEOS = "videos"
+"""The folder of videos beside the records."""
+
 PICTURES = "pictures"
+"""The folder of pictures that models were shown."""
+
 VIDEO_PATH = re.compile(rf"{VIDEOS}/[A-Za-z0-9_.-]+\.webm")
+"""Where a record's video may lie."""
+
 SUITE = "suite.json"
-"""Beside the records: folders of videos and of pictures that models were shown, where in them a record's video may lie,
-and which suite they belong to."""
+"""Which suite the records belong to."""
 
 
 class Store:
-    """The records of a folder."""
+    """The records of a `folder`, in the file `path` in it."""
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)

@@ -10,7 +10,15 @@ from remac_agents.text.options import MOST_SPENT, check_number
 
 @dataclass(frozen=True)
 class Spent:
-    """What has been spent. `unpriced` calls are those whose cost is not known; their tokens are estimates."""
+    """What has been spent.
+
+    Attributes:
+        calls: requests that were sent, those that failed included.
+        tokens: of prompts and answers together, thoughts included.
+        money: US dollars, of the calls whose price is known.
+        seconds: that the calls took, added up.
+        unpriced: calls whose cost is not known; their tokens are estimates.
+    """
 
     calls: int = 0
     tokens: int = 0

@@ -40,6 +40,12 @@ class Cassette:
     Equal requests are played in the order in which they were recorded. Played are replies, and errors that lie with
     the model (such as a refused answer); an outage is written down but never played: it was nobody's answer. A line
     that is torn, or was changed by hand, is not played either.
+
+    Attributes:
+        path: the file.
+        mode: one of the three.
+        damaged: lines of the file that are not played, for what they are.
+        misses: requests in "fill" that were not on it.
     """
 
     def __init__(self, path: Path | str, *, mode: Mode = "record") -> None:

@@ -36,7 +36,13 @@ class Unset(Enum):
 
 
 class ChatClient:
-    """Calls one model. Thread-safe; one for a run, or several that share a limiter, a budget and a cassette."""
+    """Calls one model. Thread-safe; one for a run, or several that share a limiter, a budget and a cassette.
+
+    Attributes:
+        endpoint: what is called, with the settings in force.
+        settings: how the model is asked.
+        limiter, budget, cassette: as given; a limiter and a budget of its own where none was.
+    """
 
     def __init__(
         self,

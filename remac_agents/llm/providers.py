@@ -21,12 +21,22 @@ AUTO = "auto"
 
 @dataclass(frozen=True)
 class Model:
-    """A model at a provider; the fields are described in providers.toml.
+    """A model at a provider, as `providers.toml` says it.
 
-    Prices are US dollars per million tokens; None: unknown. `context`, `max_tokens_bound` 0: unknown. `seconds`: how
-    long a call may take where nobody says otherwise. `reasoning_tokens`: about how many tokens it thinks a call, for
-    estimates alone.
-    `extra`: fields that are sent with every request.
+    Attributes:
+        name: what requests call it.
+        images: whether it takes pictures.
+        response_format: which formats it can be held to, of "json_object" and "json_schema".
+        stream, stream_only: whether it can, or must, answer in pieces; stream_usage: and then count tokens.
+        temperature: whether it takes one.
+        max_tokens_field: how it calls the bound on an answer.
+        context: tokens of prompt and answer together; 0: unknown.
+        max_tokens: the bound that is asked for first; max_tokens_bound: to which it may be raised, 0: unknown.
+        seconds: how long a call may take where nobody says otherwise.
+        reasoning_tokens: about how many tokens it thinks a call, for estimates alone.
+        extra: fields that are sent with every request.
+        price_in, price_out: US dollars per million tokens, None: unknown; priced_on: as of this date.
+        note: what users should know, for tables.
     """
 
     name: str
@@ -61,7 +71,15 @@ class Model:
 
 @dataclass(frozen=True)
 class Provider:
-    """An OpenAI-compatible endpoint. `default` is what holds for models that are not in `models`."""
+    """An OpenAI-compatible endpoint, as `providers.toml` says it.
+
+    Attributes:
+        name, title: what model names begin with, and what people call it.
+        base_url: where it is; movable: users may say another address.
+        key: the environment variable of its key; key_required: without one nothing is sent.
+        default: what holds for models that are not in `models`; any_model: whether there may be such.
+        models: by name.
+    """
 
     name: str
     title: str
@@ -80,7 +98,7 @@ class Provider:
 
 @dataclass(frozen=True)
 class Endpoint:
-    """A model ready to be called."""
+    """A model ready to be called: at which provider, and at the address `base_url`, to which paths are added."""
 
     provider: Provider
     model: Model

@@ -12,16 +12,24 @@ from remac_agents.memory.file import MemoryFile
 from remac_env.errors import whole_number
 
 MAX_LESSONS = 40
+"""How many lessons of the memory go into one prompt at most; the newest are kept."""
+
 MAX_CHARACTERS = 6000
-"""How much of the memory goes into one prompt at most; the newest lessons are kept."""
+"""And how many characters."""
 
 
 @dataclass(frozen=True)
 class Run:
     """One episode, in the eight fields of the paper's appendix.
 
-    `initial_plan` maps robots to commands; `action_list`, `pre_check_results` and `post_check_results` have
-    one entry an event, in order; the lines of `action_list` are those of `remac_agents.roles.accounts.Ran`.
+    Attributes:
+        task_description: the task's name.
+        task_goal: the sentence.
+        initial_plan: robot -> commands.
+        action_list: what was run, in order, in the lines of `remac_agents.roles.accounts.Ran`.
+        pre_check_results, post_check_results: an entry for each verdict, in order.
+        success: whether the goal was reached.
+        reflection: what was learnt.
     """
 
     task_description: str

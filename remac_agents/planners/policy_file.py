@@ -26,9 +26,13 @@ from remac_env.options import MASKS, MAX_ROBOTS
 from remac_env.vocabulary import Noun, Vocabulary
 
 Numbers = NDArray[np.float32]
+"""Weights (units, inputs), or a bias (units,)."""
+
 Layer = tuple[Numbers, Numbers]
+"""Weights and bias."""
 
 FORMAT = "remac-policy-1"
+"""What the file calls itself."""
 
 MAX_BYTES = 100_000_000
 """Bytes of all arrays together, unpacked; a larger file is refused unread."""

@@ -22,6 +22,7 @@ class Ran:
 
     Attributes:
         round: of the episode, from 1; 0 where nobody wrote it down.
+        robot, command: who ran what.
         succeeded: as the kitchen reported it, None where it said nothing.
         reason: why it failed, only where the kitchen's feedback gives it.
     """
@@ -62,6 +63,7 @@ class Attempt:
     """A step of this episode as its planner hears of it.
 
     Attributes:
+        robot, subtask: whose step it is, and which.
         ran: False for a step that was only proposed and then refused.
         succeeded: how it ended, None where nobody said.
         false: what the checker found false about it.
@@ -78,7 +80,13 @@ class Attempt:
 
 @dataclass(frozen=True)
 class PreviousTry:
-    """The iteration before this one: its first plan (robot -> commands), whether it reached the goal, what was run."""
+    """The iteration before this one.
+
+    Attributes:
+        plan: its first plan, robot -> commands.
+        success: whether it reached the goal.
+        ran: what was run, in order.
+    """
 
     plan: Mapping[str, tuple[str, ...]]
     success: bool
@@ -105,7 +113,7 @@ class PreviousTry:
 
 @dataclass(frozen=True)
 class Repair:
-    """An answer that could not be used, as text ("" where none came), and everything that is wrong with it."""
+    """An `answer` that could not be used, as text ("" where none came), and all its `problems`, each a sentence."""
 
     answer: str
     problems: tuple[str, ...]

@@ -103,7 +103,8 @@ class Summariser(Protocol):
 
 @dataclass(frozen=True)
 class Roles:
-    """A method's roles, filled."""
+    """A method's roles, filled: `planner`, `conditions`, `checker`, `adjuster`, `reflector`, `handover` and
+    `summariser`, each by a value that has the method of its protocol above."""
 
     planner: Planner
     conditions: Conditions

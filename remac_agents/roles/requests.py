@@ -27,7 +27,13 @@ Images = Mapping[str, Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Report:
-    """How a robot's last subtask ended, why where the kitchen's feedback says it, and which it was ("": not known)."""
+    """How a robot's last subtask ended.
+
+    Attributes:
+        status: success or failure.
+        reason: why it failed, where the kitchen's feedback says it.
+        subtask: which it was; "": not known.
+    """
 
     status: str
     reason: str | None = None
@@ -36,8 +42,10 @@ class Report:
 
 @dataclass(frozen=True)
 class View:
-    """What a role sees at one moment. `holding` is what every robot feels in its own gripper.
+    """What a role sees at one moment: the `goal`'s sentence, and the `scene`, which names all that can be named.
 
+    `holding` is what every robot feels in its own gripper; `reports` how its last subtask ended, None before the first;
+    `images` are the pictures of a role that asks for them, robot -> camera -> uint8 (size, size, 3).
     `text`: what the kitchen says of itself now, "" where nobody passed it on. `rules` and `world`: for roles that need
     them. `robot`, `ran`: whose subtask is checked ("": nobody's), and what was run so far, for checkers.
     `ready`: the robots that are to decide now; under the event clock `clock` is what it shows, s, and `running` what
@@ -128,8 +136,10 @@ class PlanRequest:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A checker's answer to one condition, and why where it says so. `value` None: it cannot tell, which is not false:
-    the method goes on, and the record holds None beside the truth."""
+    """A checker's answer to one `condition`, and the `reason` where it gives one.
+
+    `value` None: it cannot tell, which is not false: the method goes on, and the record holds None beside the truth.
+    """
 
     condition: Condition
     value: bool | None
@@ -187,7 +197,15 @@ class Advice:
 
 @dataclass(frozen=True)
 class ReflectRequest:
-    """A failed pre-check and what was made of it. `held` is what the robot held then."""
+    """A pre-check that failed, and what was made of it.
+
+    Attributes:
+        goal: the sentence.
+        failed: the conditions that were called false, before `subtask` of `robot`.
+        held: what the robot held then.
+        advice: what the adjuster said.
+        view: what was seen then.
+    """
 
     goal: str
     failed: tuple[Condition, ...]
@@ -203,9 +221,11 @@ class HandoverRequest:
     """A single-robot plan that succeeded, to be shared by a team.
 
     Attributes:
-        plan: the leading robot's row of the single-robot plan.
+        goal: the sentence.
+        plan: the row of the leading robot, `lead`, of the single-robot plan.
         helper: the robot that helps, or the first of those that do.
         reflections: the recorded lessons that shaped it.
+        commands: what can be said in this kitchen.
         view: the start of this episode.
         helpers: further robots that help.
         untried: no other iteration follows, and no team has done this task yet.

@@ -12,7 +12,7 @@ from remac_env.rules.subtasks import Subtask
 
 @dataclass(frozen=True)
 class SeenStep:
-    """A step that was run, between what was seen just before and just after it."""
+    """A `subtask` that `robot` ran in a `round` (from 0), between what was seen just `before` and just `after` it."""
 
     round: int
     robot: str
@@ -23,7 +23,7 @@ class SeenStep:
 
 @dataclass(frozen=True)
 class Summary:
-    """An episode in words: one line a step, and one a subgoal (the last try of each step)."""
+    """An episode in words: `events`, a line a step, and `subgoals`, a line a subgoal (the last try of each step)."""
 
     events: tuple[str, ...]
     subgoals: tuple[str, ...]
@@ -34,6 +34,8 @@ class ExplainRequest:
     """An episode that failed.
 
     Attributes:
+        goal: the sentence.
+        summary: the episode in words.
         steps: the last try of each step, in order; `summary.subgoals` has one line for each.
         reached: whether the checker found each subgoal met; None where it cannot tell.
         false_before: index of a step -> its pre-conditions that the checker finds false, seen at that moment.
@@ -50,7 +52,8 @@ class ExplainRequest:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Why an episode failed; `step` is the index of the step at fault, None where no step was."""
+    """Why an episode failed: the `reason`, in words; `step`, the index of the step at fault, None where no step was;
+    `false`, which of its conditions were."""
 
     reason: str
     step: int | None = None

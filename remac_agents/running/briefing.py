@@ -12,7 +12,8 @@ from remac_env.tasks.goals import Goal
 
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
-    """Where a method stops trying. `rounds`: in all; `retries`: of one subtask; `replies`: of the planner."""
+    """Where a method stops trying. `rounds`: in all; `retries`: of one subtask; `adjustments`: questions to
+    the adjuster; `replies`: of the planner, for one plan."""
 
     rounds: int = 60
     retries: int = 2

@@ -21,7 +21,17 @@ Turns = Generator[dict[str, Subtask], View, None]
 
 
 class MethodRun:
-    """What a method has in hand. It calls the verbs below and those of `running.checks`; the agent calls `observe`."""
+    """What a method has in hand. It calls the verbs below and those of `running.checks`; the agent calls `observe`.
+
+    Attributes:
+        briefing, roles, book, bounds, memory: as given.
+        commands: what can be said in this kitchen.
+        state: where the episode is now.
+        lessons: what the memory says of this task; reflecting: whether failures are to be learnt from.
+        won: the first try at this episode that reached the goal, None before.
+        thoughts: robot -> what its last decision took; spent: tokens and seconds of models so far; declared: seconds
+            that other roles said they take.
+    """
 
     def __init__(
         self, briefing: Briefing, roles: Roles, book: Bookkeeper, *, bounds: Bounds, memory: Memory

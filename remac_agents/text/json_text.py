@@ -37,7 +37,7 @@ _PLAIN = {
 
 @dataclass(frozen=True)
 class Answer:
-    """A JSON value. `repaired`: it was taken out of other text."""
+    """A JSON `value`. `repaired`: it was taken out of other text."""
 
     value: Any
     repaired: bool = False
@@ -45,7 +45,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class BadAnswer:
-    """Why a text holds no JSON, in words that can be sent back to the model."""
+    """Why a text holds no JSON: the `problem`, in words that can be sent back to the model."""
 
     problem: str
 

@@ -15,7 +15,10 @@ from remac_env.vocabulary import Vocabulary
 
 
 class KitchenAECEnv(OrderEnforcingWrapper[str, Any, Any]):
-    """PettingZoo's conversion, which refuses a malformed token at once and not when the round is run."""
+    """PettingZoo's conversion, which refuses a malformed token at once and not when the round is run.
+
+    `vocabulary` says what tokens say; all else is PettingZoo's.
+    """
 
     _has_reset: bool  # of the wrapper, which says no type
 

@@ -28,6 +28,11 @@ class KitchenEnv(gymnasium.Env[Any, Any]):
     the keys `robot_0_observation`, `robot_0_action_mask` ... (names that PyTorch's modules may have); with
     obs_format="flat" one vector, the robots' one after the other. `info["robots"][name]` is what the parallel
     environment tells that robot.
+
+    Attributes:
+        parallel: that environment.
+        vocabulary: what tokens say.
+        action_space, observation_space, metadata, render_mode: as Gymnasium has them.
     """
 
     metadata = {"render_modes": ["rgb_array", "work", "human"], "render_fps": 1}

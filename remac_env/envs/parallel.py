@@ -36,7 +36,10 @@ UNSEEDED_BELOW = 900_000
 """Seeds drawn for reset(seed=None) stay below this; the rest is kept for judging."""
 
 Seen = dict[str, Any]
+"""Robot -> its observation."""
+
 Told = dict[str, dict[str, Any]]
+"""Robot -> its info."""
 
 
 class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
@@ -45,6 +48,11 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
     Made by `remac_env.parallel_env`, which documents the options. Actions are tokens of `vocabulary`; observations are
     `{"observation": float32 (n,) in 0..1, "action_mask": int8 (N,)}` and, with obs="state+images", the pictures of
     `cameras`: uint8 (size, size, 3). With obs_format="flat" they are the vector alone, and infos have `action_mask`.
+
+    Attributes:
+        vocabulary: what tokens say. options, metadata, render_mode: as it was made.
+        possible_agents, agents: all robots, and those that play on. observation_spaces, action_spaces: theirs, by name.
+        skills: skill -> who moves robots in it; skill_cases: skill -> the cases in which its weights do.
     """
 
     def __init__(self, spec: TaskSpec, options: Options) -> None:
@@ -106,14 +114,10 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         wanted = reset_options(options)
         worlds = self.worlds.of(seed)
         start, names = worlds.start(
-            seed, style=wanted.get("style", self.options.style),
-            layout=wanted.get("layout", self.options.layout),
-            starts=self.options.starts,
-            robots=self.options.robot_names,
+            seed, style=wanted.get("style", self.options.style), layout=wanted.get("layout", self.options.layout),
+            starts=self.options.starts, robots=self.options.robot_names, body=self.options.body,
+            naming=self.options.naming, knowledge=self.options.knowledge,
             perception_noise=self.options.perception_noise,
-            body=self.options.body,
-            naming=self.options.naming,
-            knowledge=self.options.knowledge,
         )
         if self._backend is None:
             self._backend = make_backend(self.options, self.worlds)
@@ -127,9 +131,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self._reward.begin(start.scene, self.goal, self.world)
         return self._observations(), self._infos()
 
-    def step(
-        self, actions: Mapping[str, int]
-    ) -> tuple[Seen, dict[str, float], dict[str, bool], dict[str, bool], Told]:
+    def step(self, actions: Mapping[str, int]) -> tuple[Seen, dict[str, float], dict[str, bool], dict[str, bool], Told]:
         """Run one round.
 
         Args:
@@ -154,10 +156,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         terminated = episode.end is not None and not truncated
         outputs = (
             self._observations(),
-            dict.fromkeys(self.agents, reward),
-            dict.fromkeys(self.agents, terminated),
-            dict.fromkeys(self.agents, truncated),
-            self._infos(),
+            dict.fromkeys(self.agents, reward), dict.fromkeys(self.agents, terminated),
+            dict.fromkeys(self.agents, truncated), self._infos(),
         )
         if episode.end is not None:
             self.agents = []

@@ -59,7 +59,13 @@ def vec_env(task: str, *, robots: int = 2, copies: int = 1, seed: int | None = N
 
 
 class TeamVecEnv(VecEnv):
-    """The robots of some kitchens, the first kitchen's first. Made by `vec_env`."""
+    """The robots of some kitchens, the first kitchen's first. Made by `vec_env`.
+
+    Attributes:
+        kitchens: the environments.
+        robots: (kitchen, robot) of each copy.
+        render_mode: of all of them.
+    """
 
     def __init__(self, kitchens: Sequence[KitchenParallelEnv]) -> None:
         self.kitchens = list(kitchens)

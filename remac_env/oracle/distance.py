@@ -22,7 +22,7 @@ class Distances:
     """Exact distances in rounds (an object that falls counts as LITTER_ROUNDS more), remembered over episodes.
 
     Every plan that is found gives the distance of each world on its way. Where the search gives up (several robots,
-    far from the goal), the least that is proven counts.
+    far from the goal), the least that is proven counts. `searched` says how many searches there were.
     """
 
     def __init__(self, *, max_states: int | None = None) -> None:

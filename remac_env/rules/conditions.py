@@ -17,7 +17,7 @@ from remac_env.state import WorldState
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """A predicate (a key of PREDICATES) with its arguments, all names of robots, fixtures or objects."""
+    """A `predicate` (a key of PREDICATES) with its arguments `args`, all names of robots, fixtures or objects."""
 
     predicate: str
     args: tuple[str, ...]

@@ -13,7 +13,10 @@ ASIDE = "aside"
 
 @dataclass(frozen=True, slots=True)
 class SlotFacts:
-    """A place on a surface that can hold one object. `across`: the station on its other side, "" for none."""
+    """A place on a surface that can hold one object: its `name`, its `fixture`, the `station` from which it is used.
+
+    `across`: the station on its other side, "" for none.
+    """
 
     name: str
     fixture: str
@@ -28,7 +31,8 @@ class SlotFacts:
 
 @dataclass(frozen=True, slots=True)
 class FixtureFacts:
-    """Something that stays where it is. `switches` are what `turn on` and `turn off` act on.
+    """Something that stays where it is: its `name`, its `kind`, the `station` from which it is used, and whether it
+    has a `door`. `switches` are what `turn on` and `turn off` act on; `slots` what it can hold.
 
     A fixture that has one switch per slot (a stove) lists its slots. `shut_to_run`: it can only be switched on with its
     door closed. `wets`: where its water runs. `gives`: the mark that it leaves on what is in it while it works.
@@ -52,7 +56,7 @@ class FixtureFacts:
 
 @dataclass(frozen=True, slots=True)
 class ObjectFacts:
-    """An object that can be carried.
+    """An object that can be carried: its `name`, and the `category` that it is of.
 
     `needs_vessel_in`, `vessel_in`, `too_big_for`, `too_deep_in` name fixture kinds: meat needs a vessel in a sink, a
     bowl is one, a plate leaves no room for a hand in a microwave, and no hand reaches into a bowl in a cabinet.
@@ -74,7 +78,8 @@ class ObjectFacts:
 
 @dataclass(frozen=True, slots=True)
 class Quirk:
-    """A fact about one kitchen that nobody can guess: a row of `remac_env.rules.quirks`, and what it is about."""
+    """A fact about one kitchen that nobody can guess: its `kind`, a row of `remac_env.rules.quirks`, and what it is
+    `about`, with the `other` thing where there are two."""
 
     kind: str
     about: str
@@ -83,10 +88,14 @@ class Quirk:
 
 @dataclass(frozen=True, slots=True)
 class Process:
-    """Something that takes its time by itself: a row of `remac_env/rules/processes.toml`, which says what each means.
+    """Something that takes its time by itself: a row of `remac_env/rules/processes.toml`, by `name`.
 
-    `during`: while what is so; `about`: the objects or fixtures that it is about, all where empty; `shows`: what
-    pictures show of it.
+    Attributes:
+        during: while what is so; where that ends, it begins anew. needs: marks that the object must have.
+        does: "mark", "shut" or "off", after so many `seconds` (simulated). mark: the one that it leaves.
+        spoils: what is so marked is lost for every goal that names it.
+        shows: what pictures show of it. text, told: it in words, and what is said of it while it goes on.
+        about: the objects or fixtures that it is about, all where empty.
     """
 
     name: str
@@ -111,6 +120,8 @@ class Rules:
     """Everything about a kitchen that an episode cannot change.
 
     Attributes:
+        robots: their names.
+        fixtures, slots, objects: by name.
         conflicts: pairs of stations that two robots cannot use at the same time.
         quirks: facts of this kitchen alone. Only who is given the truth is given them (`without_quirks`).
         orders: pairs of marks, (first, then), of which it is noted where they come the other way round.

@@ -22,6 +22,8 @@ Reason = Literal[
     "invalid",
     "interrupted",
 ]
+"""Why a subtask did not succeed."""
+
 REASONS: tuple[str, ...] = Reason.__args__  # type: ignore[attr-defined]
 """The closed list of failure reasons."""
 
@@ -30,7 +32,8 @@ REASONS: tuple[str, ...] = Reason.__args__  # type: ignore[attr-defined]
 class Outcome:
     """How one robot's subtask of a round ended.
 
-    `reason` is None on success; `seconds` is simulated time. `refused`: the controller declined, and nothing moved.
+    `status` is success or failure; `reason` is None on success, `detail` says more of it in words; `seconds` is
+    simulated time. `refused`: the controller declined, and nothing moved.
     `began` and `ended` are on the kitchen's clock: simulated seconds since the start, rests between rounds included.
     """
 

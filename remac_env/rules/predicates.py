@@ -19,12 +19,20 @@ from remac_env.rules.tables import by_name
 from remac_env.state import Place, WorldState, base_place, contents, inside, supports
 
 Kind = Literal["seen", "felt", "known", "ran"]
+"""What an answer comes from: see `Predicate`."""
+
 KINDS: tuple[str, ...] = Kind.__args__  # type: ignore[attr-defined]
+"""All of them."""
 
 Test = Callable[..., bool]
+"""(rules, world, *arguments) -> whether it is true."""
+
 Feel = Callable[..., bool]
+"""(shakers, what the robot holds, *arguments) -> what it feels."""
 
 ArgumentKind = NameKind | Literal["mark"]
+"""One of ABOUT."""
+
 ABOUT: tuple[str, ...] = (*NAME_KINDS, "mark")
 """What an argument can be: a kind of name, or what has happened to an object."""
 

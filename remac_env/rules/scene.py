@@ -15,13 +15,16 @@ from remac_env.frozen import FrozenMap
 from remac_env.rules.facts import ASIDE, Rules
 
 NameKind = Literal["robot", "thing", "object", "food", "vessel", "surface", "fixture", "door", "switch"]
+"""A kind of names."""
+
 NAME_KINDS: tuple[NameKind, ...] = NameKind.__args__  # type: ignore[attr-defined]
 """Kinds of names: what commands and sentences are about."""
 
 
 @dataclass(frozen=True, slots=True)
 class PublicFixture:
-    """Something that stays where it is: where robots stand to use it, and whether it can be opened or switched.
+    """Something that stays where it is, by `name`: the `stations` where robots stand to use it, and whether it has a
+    `door` or a `switch`.
 
     `room`: how many objects it takes side by side, what they carry not counted; 0 for one that takes none.
     """
@@ -35,7 +38,8 @@ class PublicFixture:
 
 @dataclass(frozen=True, slots=True)
 class PublicObject:
-    """An object that can be carried. `vessel`: other objects can be placed on or in it; `seasons`: it is a shaker."""
+    """An object that can be carried, by `name`. `vessel`: other objects can be placed on or in it; `seasons`: it is a
+    shaker."""
 
     name: str
     vessel: bool = False
@@ -44,7 +48,10 @@ class PublicObject:
 
 @dataclass(frozen=True)
 class PublicScene:
-    """A kitchen without its rules. `conflicts`: pairs of stations that two robots cannot use at the same time."""
+    """A kitchen without its rules: the names of `robots`, and `fixtures` and `objects` by name.
+
+    `conflicts`: pairs of stations that two robots cannot use at the same time.
+    """
 
     robots: tuple[str, ...]
     fixtures: FrozenMap[PublicFixture]

@@ -50,8 +50,8 @@ _ROLE = {"name": NAME, "nouns": several(NAME, least=1), "at": NAME, "needs": _TE
 class Role:
     """An object the task needs. One of `nouns` is drawn; its category plays the noun's role in the catalogue.
 
-    `at` names the fixture in whose slots it stands at the start. `needs` are attributes that its category must have
-    (`catalogue.Attribute`).
+    `name` is what wordings and goals call it, in braces. `at` names the fixture in whose slots it stands at the
+    start. `needs` are attributes that its category must have (`catalogue.Attribute`).
     """
 
     name: str
