@@ -231,10 +231,13 @@ def _tables(sheet: Sheet, columns: Sequence[Column], across: int) -> list[Table]
 
 
 def _parts(sheet: Sheet, used: Sequence[Column], across: int) -> list[tuple[Column, ...]]:
-    """The columns in parts, each with the first words."""
+    """The columns in parts, each with the first words; all in one where these leave no room, to be shown as lists."""
     front = tuple(itertools.takewhile(lambda column: not column.numeric, used))
-    rest, room = used[len(front) :], across - sum(_width(sheet, column) for column in front)
-    return [(*front, *part) for part in in_parts([(column, _width(sheet, column)) for column in rest], room)]
+    room = across - sum(_width(sheet, column) for column in front)
+    rest = [(column, _width(sheet, column)) for column in used[len(front) :]]
+    if room < max((width for _, width in rest), default=0):
+        return [tuple(used)]
+    return [(*front, *part) for part in in_parts(rest, room)]
 
 
 def _width(sheet: Sheet, column: Column) -> int:

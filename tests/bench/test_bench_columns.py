@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import io
 import re
 from pathlib import Path
 
 import pytest
+from remac_bench.board import Board, Cell, Column, Sheet
 from remac_bench.cli import app
 from remac_bench.columns import in_parts, laid_out
+from remac_bench.commands.progress import Bar
 from remac_bench.commands.tasks import list_tasks
+from remac_bench.report import board_tables
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -58,6 +62,27 @@ def test_parts_are_few_and_about_as_wide() -> None:
     assert in_parts(numbers, 75) == [list("abcd"), list("efgh")]  # and no column alone on its line
     assert in_parts(numbers, 80) == [list("abcdefgh")] and in_parts([], 80) == [[]]
     assert in_parts([("a", 5), ("wide", 90), ("b", 5)], 80) == [["a"], ["wide"], ["b"]]
+
+
+def test_rows_whose_words_fill_the_terminal_are_shown_once_with_all_their_numbers() -> None:
+    columns = (Column(key="setting", title="Setting", numeric=False), *(Column(key=k, title=k.upper()) for k in "abc"))
+    cells = {"setting": Cell(text="s" * 70)} | {key: Cell(text="99.9") for key in "abc"}
+    board = Board(title="", sheets=(Sheet(key="wide", title="Wide", columns=columns, rows=(cells, cells)),))
+    (made,) = board_tables(board, everything=True, across=79)  # and not one part for each number
+    assert isinstance(made, Table) and len(made.columns) == 4
+    assert "\n".join(printed(made, 80)).count("Setting: sss") == 2
+
+
+@pytest.mark.parametrize("width", [80, 120])
+def test_the_line_of_progress_keeps_its_numbers_and_cuts_the_agents_name(width: int) -> None:
+    screen = Console(width=width, file=io.StringIO(), force_terminal=True, color_system=None)
+    made = Bar(screen=screen)
+    made.progress.add_task("OpenMicrowavePnP CC (planner=my_planner.py:plan)", total=120, completed=24,
+                           told="8 failed, 1 broken, 12.5/s, $3.20")  # fmt: skip
+    screen.print(made.progress)
+    (line,) = screen.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    assert len(line) <= width and line.startswith("OpenMi") and "…" in line
+    assert "24/120 episodes 8 failed, 1 broken, 12.5/s, $3.20 0:00:00 left -:--:--" in line
 
 
 @pytest.mark.long  # looks for a graphics driver

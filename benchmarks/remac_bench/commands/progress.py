@@ -9,7 +9,17 @@ from pathlib import Path
 import typer
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    Task,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Column
+from rich.text import Text
 
 from remac_bench.columns import across, show
 from remac_bench.console import FAILED, INTERRUPTED, console, plain
@@ -23,6 +33,9 @@ from remac_bench.prices import dollars
 from remac_bench.records import Record
 from remac_bench.report import main_table
 from remac_bench.store import FILE
+
+_BESIDE = 90
+"""Letters of a line that are left to what stands beside the bar; in a terminal that has no more there is none."""
 
 
 def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None:
@@ -73,15 +86,28 @@ def _preflight(jobs: Sequence[Job], folder: str) -> None:
         check_jobs_models(left)
 
 
+class _Cut(TextColumn):
+    """What gives way where the line is too short; no number does."""
+
+    def render(self, task: Task) -> Text:
+        """On one line."""
+        text = super().render(task)
+        text.no_wrap, text.overflow = True, "ellipsis"
+        return text
+
+
 class Bar(Listener):
     """A progress bar, in episodes, from the moment that there is something to do: done, failed, rate, ETA, money."""
 
     def __init__(self, *, screen: Console | None = None, shown: bool = True) -> None:
         """Args: screen: where it is drawn; None: stderr; shown: whether it is drawn at all."""
-        counts = (MofNCompleteColumn(), TextColumn("episodes"), TextColumn("{task.fields[told]}"))
-        times = (TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
         self._screen = screen or console(stderr=True)
-        columns = (TextColumn("{task.description}"), BarColumn(), *counts, *times)
+        whole = [Column(no_wrap=True) for _ in range(3)]
+        counts = (MofNCompleteColumn(table_column=whole[0]), TextColumn("episodes"), TextColumn("{task.fields[told]}"))
+        elapsed, left = TimeElapsedColumn(table_column=whole[1]), TimeRemainingColumn(table_column=whole[2])
+        bar = [BarColumn(bar_width=min(40, self._screen.width - _BESIDE))] if self._screen.width > _BESIDE else []
+        what = _Cut("{task.description}", table_column=Column())
+        columns = (what, *bar, *counts, elapsed, TextColumn("left"), left)
         self.progress = Progress(*columns, console=self._screen, disable=not shown)
         self.tally = Tally()
         self._running = False
