@@ -106,6 +106,7 @@ class Play:
         port = _free_port()
         address = f"http://127.0.0.1:{port}/plan"
         self.served["http://127.0.0.1:8000/plan"] = address
+        self.served["http://127.0.0.1:8000/v1"] = f"http://127.0.0.1:{port}/v1"
         path.write_text(code.replace("8000", str(port)))
         self._serve(path, address, block.where)
 

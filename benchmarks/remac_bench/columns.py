@@ -85,6 +85,7 @@ def _lists(table: Table, heads: Sequence[str], columns: Sequence[Sequence[str]])
             yield Text(mark.rstrip(), overflow="ignore")
     if table.caption:
         yield Text(f"\n{_text(table.caption)}", style="dim")
+    yield Text("")
 
 
 def _text(cell: RenderableType | None) -> str:

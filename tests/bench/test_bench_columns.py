@@ -54,7 +54,7 @@ def test_what_has_no_head_stands_before_what_comes_next() -> None:
     made.add_row("ok", "opencv-python-headless", "", "5.0")
     made.add_row("-", "", "[dim]both[/dim]", "")
     lines = [line.rstrip() for line in printed(made, 40)]
-    assert lines == ["", "ok What: opencv-python-headless", "Here: 5.0", "", "- both"]
+    assert lines == ["", "ok What: opencv-python-headless", "Here: 5.0", "", "- both", ""]
 
 
 def test_parts_are_few_and_about_as_wide() -> None:
