@@ -113,8 +113,7 @@ class UsageEntry(Model):
 
 
 class ExchangeEntry(Model):
-    """One question of a `role` to a language model, its `messages` (who speaks, text) and the `reply`; long texts are
-    cut.
+    """One question of a `role` to a language model: its `messages` (who speaks, text) and the `reply`, cut where long.
 
     `label` says what about; `reasoning` is what the model showed of its thoughts; `tokens` of prompt and answer
     together, `money` US dollars (None: not known), `seconds` until the answer was there. `round` counts the rounds
