@@ -31,11 +31,11 @@ def read_bytes(path: str | Path, most: int) -> bytes:
     """A file that has no more bytes than it may have.
 
     Raises:
-        OptionError: if it has more, or is no file: a pipe would be waited for.
+        OptionError: if it has more, or is a pipe, which would be waited for.
         OSError: if it cannot be read.
     """
-    if not stat.S_ISREG(Path(path).stat().st_mode):
-        raise OptionError("it is no file")
+    if stat.S_ISFIFO(Path(path).stat().st_mode):
+        raise OptionError("it is a pipe, and no file")
     try:
         return files.read_bytes(path, most)
     except OSError as error:

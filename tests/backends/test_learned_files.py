@@ -175,9 +175,9 @@ BAD = {
     "that needs a password": (locked, "packed or locked"),
     "that is packed otherwise": (with_member("more.npy", b"0" * 99, zipfile.ZIP_LZMA), "packed or locked"),
     "whose header lies": (lying, "cannot be read"),
-    "that is a folder": (replaced(Path.mkdir), "no file"),
-    "that is a pipe": (replaced(os.mkfifo), "no file"),
-    "that never ends": (replaced(lambda path: path.symlink_to("/dev/zero")), "no file"),
+    "that is a folder": (replaced(Path.mkdir), "cannot be read"),
+    "that is a pipe": (replaced(os.mkfifo), "a pipe"),
+    "that never ends": (replaced(lambda path: path.symlink_to("/dev/zero")), "more than"),
     "that is a link to itself": (replaced(lambda path: path.symlink_to(path)), "cannot be read"),
     "that is a link to nowhere": (replaced(lambda path: path.symlink_to("/nowhere")), "cannot be read"),
 }
