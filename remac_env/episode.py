@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -50,7 +50,7 @@ class Terms:
         """The facts of this kitchen."""
         return self.start.scene
 
-    @property
+    @cached_property
     def max_seconds(self) -> float:
         """When the episode is over under the event clock, s."""
         return max_seconds(self.spec, self.options)
@@ -166,29 +166,47 @@ class Episode:
         """The fraction of the goal's parts that hold, 0..1."""
         return progress(self.terms.goal, self.terms.scene, self.world)
 
-    def info(self, robot: str) -> dict[str, Any]:
-        """What `infos[robot]` holds: each key always of one type, as vector environments need it."""
-        terms, done = self.terms, self.phases_done
+    def infos(self, robots: Iterable[str]) -> dict[str, dict[str, Any]]:
+        """What infos hold of each of these robots: each key always of one type, as vector environments need it."""
+        alike = self._alike()
+        return {robot: {**alike, **self._own(robot)} for robot in robots}
+
+    def _alike(self) -> dict[str, Any]:
+        """What all robots are told alike, and in which order: that each is told of its own stands in it as None."""
+        terms = self.terms
         return {
-            "outcome": self._outcome(robot),
-            "text": self._text(robot),
+            "outcome": None,
+            "text": None,
             "goal": terms.sentence,
-            "episode": dict(terms.label),
+            "episode": None,
             "success": self.end == "success",
             "end": self.end or "",
             "world": self.world,
             "scene": terms.scene,
-            "commands": dict(terms.commands),
+            "commands": None,
             "goal_test": terms.goal,
-            "verbs": dict(terms.spec.verbs),
-            "unseen": sorted(self.unseen),
+            "verbs": None,
+            "unseen": None,
             "feedback": terms.options.feedback,
-            "phases": {name: index < done for index, (name, _) in enumerate(terms.phases)},
+            "phases": None,
             "round": self.rounds,
             "seconds": float(self.seconds),
             "robot_contacts": int(self.counters.robot_contacts),
             "near_misses": int(self.counters.near_misses),
             "physics_steps": int(self.counters.physics_steps),
+        }
+
+    def _own(self, robot: str) -> dict[str, Any]:
+        """What a robot is told of itself, and copies of its own of what can be changed."""
+        terms, done = self.terms, self.phases_done
+        return {
+            "outcome": self._outcome(robot),
+            "text": self._text(robot),
+            "episode": dict(terms.label),
+            "commands": dict(terms.commands),
+            "verbs": dict(terms.spec.verbs),
+            "unseen": sorted(self.unseen),
+            "phases": {name: index < done for index, (name, _) in enumerate(terms.phases)},
         }
 
     def _judge(self) -> End | None:

@@ -67,23 +67,33 @@ class EventEpisode(Episode):
         """Whether the episode is as long as it may be."""
         return self.clock.over
 
-    def info(self, robot: str) -> dict[str, Any]:
-        """What `infos[robot]` holds: that of an episode in rounds, and what time adds to it."""
-        doing, now, last = self.clock.doing(robot), self.seconds, self._decisions[robot]
-        told = super().info(robot)
+    def _alike(self) -> dict[str, Any]:
+        told = super()._alike()
         if self.stops is not None:
             told["stop"] = self.stops
         told.update({
-            "ready": doing is None and self.end is None,
-            "running": "" if doing is None else doing.text,
-            "elapsed": 0.0 if doing is None else round(now - doing.since, 6),
-            "tau": round(now - last.at, 6),
-            "return": float(last.gained),
-            "decision": last.count,
+            "ready": None,
+            "running": None,
+            "elapsed": None,
+            "tau": None,
+            "return": None,
+            "decision": None,
             "continue": self.continues,
             "max_seconds": float(self.terms.max_seconds),
-            "processes": self.clock.going_on if self.terms.scene.processes else {},
+            "processes": None,
         })
+        return told
+
+    def _own(self, robot: str) -> dict[str, Any]:
+        doing, now, last = self.clock.doing(robot), self.seconds, self._decisions[robot]
+        told = super()._own(robot)
+        told["ready"] = doing is None and self.end is None
+        told["running"] = "" if doing is None else doing.text
+        told["elapsed"] = 0.0 if doing is None else round(now - doing.since, 6)
+        told["tau"] = round(now - last.at, 6)
+        told["return"] = float(last.gained)
+        told["decision"] = last.count
+        told["processes"] = self.clock.going_on if self.terms.scene.processes else {}
         return told
 
     @property

@@ -36,7 +36,9 @@ class FrozenMap(dict[str, Value]):
 
     def with_(self, key: str, value: Value) -> FrozenMap[Value]:
         """A copy in which `key` has `value`."""
-        return FrozenMap({**self, key: value})
+        copy = FrozenMap(self)
+        dict.__setitem__(copy, key, value)
+        return copy
 
     def __or__(self, other: Mapping[str, Value]) -> NoReturn:  # type: ignore[override]
         self._refuse()

@@ -120,8 +120,11 @@ class Vocabulary:
         Raises:
             UnknownNameError: if no command reads so; the message offers the nearest ones.
         """
-        known = isinstance(text, str)
-        token = self._tokens.get(normalise(text), self._word_tokens.get(text)) if known else None
+        token = None
+        if isinstance(text, str):
+            # Most are written as they are here, and to find the plain form of one takes most of the time.
+            token = self._tokens.get(text)
+            token = self._tokens.get(normalise(text), self._word_tokens.get(text)) if token is None else token
         if token is None:
             raise UnknownNameError(f"unknown subtask {quoted(text)}; {self._nearest(text)}")
         return token

@@ -28,6 +28,8 @@ class ReflectionHandover:
         """A plan for the team, or None where nothing is gained."""
         if self._careful and request.untried:
             return None
+        if request.kept:
+            return _prerequisites_first(request)
         names, facts = request.team, request.view.scene
         plans = [_prerequisites_first(request), share_out(parts_of(request.plan), names, facts, places=True)]
         found = [plan for plan in plans if plan is not None and plan.length < len(request.plan)]
@@ -42,7 +44,8 @@ def _prerequisites_first(request: HandoverRequest) -> Plan | None:
     prerequisites, main = _split(request.plan, obj)
     if not any(step.skill != "navigate to" for step in prerequisites):
         return None
-    return schedule(request.lead, main, request.helper, prerequisites, request.view.scene)
+    stays = any(step in request.kept for step in prerequisites)
+    return schedule(request.lead, main, request.helper, prerequisites, request.view.scene, stays=stays)
 
 
 def main_object(request: HandoverRequest) -> str | None:

@@ -43,6 +43,8 @@ class SearchHandover:
             raise ValueError(
                 "the searching hand-over was not given the WorldState; infos[robot]['world'] is missing"
             )
+        if request.kept:  # the search knows of nothing that happens by itself
+            return self._fallback.share(request)
         scene, world = for_robots(request.view.rules, request.view.world, request.team)
         wanted = _result(scene, _simulate(scene, world, request.lead, request.plan))
         found = search_plan(

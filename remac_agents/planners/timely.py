@@ -1,7 +1,9 @@
 """The planner for what takes its time, by rule: what goes on by itself is started first, the rest is done meanwhile.
 
 The goal is taken part by part, each by one robot with the shortest way to that part alone. It looks no further: where a
-deadline is short it may be late, and where one robot has to hold something open for another it knows no way.
+deadline is short it may be late. Who has opened what falls shut stays there until another robot comes with what it is
+for; and a robot alone begins nothing after which it would come too late to what spoils
+(`remac_agents.planning.lasting`).
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from dataclasses import dataclass, replace
 
 from remac_agents.plan import Commands, Plan, PlanError
 from remac_agents.planners.oracle import for_robots
+from remac_agents.planning.lasting import in_time, keeps_open
 from remac_agents.roles import PlanRequest
 from remac_env import oracle
 from remac_env.events.makespan import set_up
@@ -23,6 +26,9 @@ from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 from remac_env.state import WorldState
 from remac_env.tasks.compound import Not
 from remac_env.tasks.goals import All, DoorIs, Goal, Inside, Marked, Released, SwitchedOn
+
+NOTHING: Mapping[str, float] = {}
+"""Nothing goes on by itself."""
 
 ROUNDS = 60
 """Rounds of a plan at most: more than the nine tasks take by far."""
@@ -54,25 +60,36 @@ class TimelyPlanner:
             known = Commands(request.commands)
             mates = {name: known.parse(text) or WAIT for name, text in request.teammates.items()}
             robot = request.lead
-            return Plan.of({robot: [next_step(request.rules, request.world, goal, robot, mates)]})
+            return Plan.of({robot: [next_step(request.rules, request.world, goal, robot, mates, request.slow)]})
         rules, world = for_robots(request.rules, request.world, request.robots)
         return Plan.of(_rows(rules, world, goal))
 
 
 def next_step(
-    rules: Rules, world: WorldState, goal: Goal, robot: str, mates: Mapping[str, Subtask]
+    rules: Rules,
+    world: WorldState,
+    goal: Goal,
+    robot: str,
+    mates: Mapping[str, Subtask],
+    slow: Mapping[str, float] = NOTHING,
 ) -> Subtask:
-    """What a robot does next, the others being at what they are at; WAIT where there is nothing for it."""
+    """What a robot does next, the others being at what they are at; WAIT where there is nothing for it.
+
+    `slow`: what goes on by itself, as "process object" -> for how long already, s.
+    """
     held = world.robots[robot].holding
     parts = sorted(_parts(rules, world, goal), key=lambda part: held is None or held not in part.about)
     for part in parts:
         if not part.about & _busy_with(world, robot, mates):
             for step in _steps(rules, world, part, robot):
                 if _may(rules, world, robot, step, mates):
-                    return step
-    if world.robots[robot].station != ASIDE and feasible(rules, world, robot, STEP_ASIDE):
-        return STEP_ASIDE if mates or len(rules.robots) > 1 else WAIT
-    return WAIT
+                    if keeps_open(rules, world, goal, robot, step, mates):
+                        return WAIT
+                    return in_time(rules, world, goal, step, slow) if rules.robots == (robot,) else step
+    leaves = world.robots[robot].station != ASIDE and feasible(rules, world, robot, STEP_ASIDE)
+    if not leaves or keeps_open(rules, world, goal, robot, STEP_ASIDE, mates):
+        return WAIT
+    return STEP_ASIDE if mates or len(rules.robots) > 1 else WAIT
 
 
 def _parts(rules: Rules, world: WorldState, goal: Goal) -> Iterator[Part]:
@@ -141,15 +158,22 @@ def _may(rules: Rules, world: WorldState, robot: str, step: Subtask, mates: Mapp
 
 
 def _rows(rules: Rules, world: WorldState, goal: Goal) -> dict[str, list[Subtask]]:
-    """The rows of a plan in rounds, with as many waits as it takes by the table's seconds."""
+    """The rows of a plan in rounds, with as many waits as it takes by the table's seconds.
+
+    Where it comes to nothing, as when one robot alone cannot keep a door open, those of the shortest plan if nothing
+    happened by itself.
+    """
 
     def choose(now: WorldState, going_on: Mapping[str, float]) -> dict[str, Subtask] | None:
         if goal.holds(rules, now):
             return None
         joint: dict[str, Subtask] = {}
         for robot in rules.robots:
-            joint[robot] = next_step(rules, now, goal, robot, joint)
+            joint[robot] = next_step(rules, now, goal, robot, joint, going_on)
         return joint
 
     played = rehearse(rules, world, choose, rounds=ROUNDS)
+    if len(played) == ROUNDS:
+        still = oracle.solve(replace(rules, processes=()), world, goal, max_states=MOST_STATES)
+        played = played if still is None else list(still.rounds)
     return {robot: [joint[robot] for joint in played] for robot in rules.robots}

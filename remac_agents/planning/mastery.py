@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from remac_agents.memory import Run
 from remac_agents.plan import Commands
+from remac_agents.planning.lasting import undone_by_itself
 from remac_agents.planning.rewriting import tidy
 from remac_agents.planning.whereabouts import hands
 from remac_agents.roles import Ran
@@ -65,6 +66,32 @@ def late_plan(runs: Sequence[Run], commands: Commands) -> Steps | None:
         elif not run.success:
             late = None
     return late or None
+
+
+def unkept_plan(runs: Sequence[Run], commands: Commands, facts: Rules) -> tuple[Steps, Steps] | None:
+    """A single-robot plan with which nothing is wrong but that what it does comes undone by itself, and the steps that
+    do; or None.
+
+    In the last run by one robot such a step of the plan had succeeded, and was done once more though nobody had undone
+    it. A run by several robots that failed takes it away again.
+    """
+    found: tuple[Steps, Steps] | None = None
+    for run in runs:
+        if len(run.initial_plan) > 1:
+            found = found if run.success else None
+            continue
+        planned = _read([text for row in run.initial_plan.values() for text in row], commands) or ()
+        entries = [ran for line in run.action_list if (ran := Ran.read(line)) is not None]
+        done = _read([ran.command for ran in entries if ran.succeeded], commands) or ()
+        twice = [step for step in dict.fromkeys(planned) if undone_by_itself(facts, step) and _twice(step, done)]
+        found = (planned, tuple(twice)) if twice and not run.success else None
+    return found
+
+
+def _twice(step: Subtask, done: Steps) -> bool:
+    """Whether a step was done, and then once more though nothing else had been done to its target that lasts."""
+    worked = [each for each in done if each.row.lasting and each.target == step.target]
+    return any(first == step == then for first, then in zip(worked, worked[1:], strict=False))
 
 
 def _cut_short(run: Run) -> Sequence[str]:

@@ -42,6 +42,7 @@ def as_json(request: PlanRequest, iteration: int = 0) -> dict[str, Any]:
         "skills": {robot: list(skills) for robot, skills in request.skills.items()},
         "subtasks": [dict(subtask) for subtask in request.subtasks],
         "teammates": dict(request.teammates),
+        "slow": dict(request.slow),
         "verbs": {verb: list(commands) for verb, commands in request.verbs.items()},
         "episode": {str(key): value for key, value in request.episode.items() if _plain(value)},
         "iteration": iteration,

@@ -101,6 +101,7 @@ class PlanRequest:
             and the decomposition that is to be allocated, a mapping a subtask (docs/planners.md). "act": only the
             leading robot's next command is wanted (ReAct).
         teammates: robot -> the command that it is at or has just been given, where a robot is asked for by itself.
+        slow: what takes its time by itself, in words -> for how long it has gone on, s.
     """
 
     goal: str
@@ -132,6 +133,7 @@ class PlanRequest:
     skills: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     subtasks: tuple[Mapping[str, Any], ...] = ()
     teammates: Mapping[str, str] = field(default_factory=dict)
+    slow: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -229,6 +231,7 @@ class HandoverRequest:
         view: the start of this episode.
         helpers: further robots that help.
         untried: no other iteration follows, and no team has done this task yet.
+        kept: steps of the plan that come undone by themselves unless a robot stays there.
     """
 
     goal: str
@@ -240,6 +243,7 @@ class HandoverRequest:
     view: View
     helpers: tuple[str, ...] = ()
     untried: bool = False
+    kept: tuple[Subtask, ...] = ()
 
     @property
     def team(self) -> tuple[str, ...]:

@@ -67,6 +67,7 @@ def plan_request(
         executed=book.ledger.executed(),
         ran=ran_so_far(book.moments),
         holding=view.holding,
+        slow=view.slow,
         images=view.images,
         verbs=briefing.verbs,
         episode={"task": briefing.task},

@@ -171,7 +171,8 @@ class SymbolicBackend:
     @property
     def clock(self) -> float:
         """Simulated seconds since the start."""
-        self._begun("clock")
+        if self._start is None:
+            self._begun("clock")
         return self._clock
 
     @property
@@ -208,8 +209,10 @@ class SymbolicBackend:
         if refused:
             accepted = {robot: subtask for robot, subtask in accepted.items() if robot not in refused}
         outcomes, results = attempts(scene, world, accepted, stations)
-        every = {robot: carried(run.before, run.after, world) for robot, run in running.items()} if running else {}
-        merged = merge(world, every | results if every else results)
+        every = results
+        if running:
+            every = {robot: carried(run.before, run.after, world) for robot, run in running.items()} | results
+        merged = merge(world, every)
         if merged is None:
             outcomes, results, merged = contradicted(results), dict.fromkeys(results, world), world
         outcomes |= refused
@@ -220,16 +223,19 @@ class SymbolicBackend:
 
     def _next(self, until: float = math.inf) -> dict[str, Outcome]:
         """Let the subtasks end whose time is over first; water has not run yet."""
-        first = min((run.outcome.ended for run in self._running.values()), default=math.inf)
-        if self._world is None or first > until or math.isinf(first):
+        running, world, first = self._running, self._world, math.inf
+        for run in running.values():
+            first = min(first, run.outcome.ended)
+        if world is None or first > until or math.isinf(first):
             self._clock = self._clock if math.isinf(until) else max(self._clock, until)
             return {}
         self._clock = first
-        ended = {robot: run for robot, run in self._running.items() if run.outcome.ended == self._clock}
-        for robot, run in ended.items():
-            self._world = carried(run.before, run.after, self._world)
-            del self._running[robot]
-        return {robot: run.outcome for robot, run in ended.items()}
+        ended = {robot: run.outcome for robot, run in running.items() if run.outcome.ended == first}
+        for robot in ended:
+            run = running.pop(robot)
+            world = carried(run.before, run.after, world)
+        self._world = world
+        return ended
 
     def _came_to_rest(self, start: Start) -> WorldState:
         """Water runs over what stands under it, and whatever else happens by itself."""

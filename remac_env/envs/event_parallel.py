@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.actions import check_actions, check_robot, decode
+from remac_env.actions import check_actions, decode
 from remac_env.backends.base import Backend
 from remac_env.envs.parallel import KitchenParallelEnv, Seen, Told
 from remac_env.episode import Episode, Terms, max_seconds
@@ -68,10 +68,8 @@ class KitchenEventEnv(KitchenParallelEnv):
         if episode.terms.scene.hides:
             subtasks, refused = held_back(subtasks, episode.unseen, invalid)
         thoughts, self._thoughts = self._thoughts, {}
-        orders = {
-            robot: Order(subtask, self._cost(subtask, thoughts.get(robot, NO_THOUGHT)), refused.get(robot))
-            for robot, subtask in subtasks.items()
-        }
+        costs = {robot: self._cost(subtask, thoughts.get(robot)) for robot, subtask in subtasks.items()}
+        orders = {robot: Order(subtask, costs[robot], refused.get(robot)) for robot, subtask in subtasks.items()}
         episode.decided()
         outcomes = episode.clock.run(orders, self._stopped(tokens, orders))
         episode.arrive(backend.world, outcomes, backend.counters)
@@ -102,20 +100,15 @@ class KitchenEventEnv(KitchenParallelEnv):
             raise OptionError(f"thought {quoted(thought)} is not valid; valid: a remac_env.thinking.Thought")
         self._thoughts[robot] = thought
 
-    def action_mask(self, agent: str) -> NDArray[np.int8]:
-        """The tokens that this robot may choose now; 1 or 0, shape (N,). Never without a 1."""
-        check_robot(agent, self.possible_agents)
-        if self._timed().clock.doing(agent) is None:
-            return super().action_mask(agent)
-        return self._busy.copy()
-
     def _stopped(self, tokens: Mapping[str, int], orders: Mapping[str, Order]) -> list[str]:
         """The robots that are busy and told to stop."""
         return [robot for robot in self.agents if robot not in orders and tokens[robot] == self._stop]
 
-    def _cost(self, subtask: Subtask, thought: Thought) -> float:
+    def _cost(self, subtask: Subtask, thought: Thought | None) -> float:
         """What a command costs, s; to go on waiting without a thought costs nothing."""
-        return 0.0 if subtask.row.still and thought == NO_THOUGHT else thinking_seconds(self.options.think, thought)
+        if subtask.row.still and (thought is None or thought == NO_THOUGHT):
+            return 0.0
+        return thinking_seconds(self.options.think, thought or NO_THOUGHT)
 
     def _words(self) -> Vocabulary:
         return self.worlds.vocabulary.with_words((CONTINUE, *((STOP,) if self.options.interrupts else ())))
@@ -155,13 +148,18 @@ class KitchenEventEnv(KitchenParallelEnv):
         return reward
 
     @property
-    def _size(self) -> int:
-        return self._facts.size + self._time.size
+    def _room(self) -> int:
+        return self._time.size
 
-    def _vectors(self) -> dict[str, NDArray[np.float32]]:
-        episode = self._timed()
-        time = self._time.vectors(self.agents, episode.clock, episode.world)
-        return {robot: np.concatenate((facts, time[robot])) for robot, facts in super()._vectors().items()}
+    def _vectors(self, episode: Episode) -> dict[str, NDArray[np.float32]]:
+        seen = super()._vectors(episode)
+        self._time.write(seen, self._timed().clock, episode.world)
+        return seen
+
+    def _mask_of(self, episode: Episode, robot: str) -> NDArray[np.int8]:
+        """That of the rounds for a robot that is ready; never without a 1."""
+        ready = self._timed().clock.doing(robot) is None
+        return super()._mask_of(episode, robot) if ready else self._busy.copy()
 
     @cached_property
     def _time(self) -> TimeFacts:

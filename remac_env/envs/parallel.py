@@ -65,11 +65,11 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self.render_mode, self.skills, self.skill_cases = options.render_mode, told_skills(options), told_cases(options)
         self.possible_agents = list(options.robot_names)
         self.agents: list[str] = []
-        self._facts = Facts(self.vocabulary, options.robots, self.worlds.marks)
+        self._facts = Facts(self.vocabulary, options.robots, self.worlds.marks, room=self._room)
         self._reward = make_reward(options.reward)
         self.action_spaces = {name: spaces.Discrete(len(self.vocabulary)) for name in self.possible_agents}
-        sizes, names = {"facts": self._size, "tokens": len(self.vocabulary)}, self.possible_agents
-        self.observation_spaces = {name: observation_space(options, **sizes) for name in names}
+        sizes = {"facts": self._facts.size + self._room, "tokens": len(self.vocabulary)}
+        self.observation_spaces = {name: observation_space(options, **sizes) for name in self.possible_agents}
         self._backend: Backend | None = None
         self._episode: Episode | None = None
         self._pictures = Pictures(self.worlds)
@@ -129,7 +129,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self._legal = {token: self.vocabulary.subtask(token) for token in self._episode.terms.commands.values()}
         self.agents = list(self.possible_agents)
         self._reward.begin(start.scene, self.goal, self.world)
-        return self._observations(), self._infos()
+        return self._observations(self._episode), self._infos(self._episode)
 
     def step(self, actions: Mapping[str, int]) -> tuple[Seen, dict[str, float], dict[str, bool], dict[str, bool], Told]:
         """Run one round.
@@ -155,9 +155,9 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         truncated = episode.end == "truncated"
         terminated = episode.end is not None and not truncated
         outputs = (
-            self._observations(),
+            self._observations(episode),
             dict.fromkeys(self.agents, reward), dict.fromkeys(self.agents, terminated),
-            dict.fromkeys(self.agents, truncated), self._infos(),
+            dict.fromkeys(self.agents, truncated), self._infos(episode),
         )
         if episode.end is not None:
             self.agents = []
@@ -188,7 +188,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         """The facts as each robot sees them, one after the other; shape (robots * n,)."""
         episode = self._running()
         scene = episode.terms.scene
-        return np.concatenate(list(self._facts.vectors(scene, episode.known, scene.robots).values()))
+        seen = self._facts.vectors(scene, episode.known, scene.robots)
+        return np.concatenate([values[: self._facts.size] for values in seen.values()])
 
     def close(self) -> None:
         """Free the simulator and the renderer. May be called twice."""
@@ -204,13 +205,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             LifecycleError: before reset or after close.
         """
         episode = self._running()
-        check_robot(agent, self.possible_agents)
-        mask = self._mask.copy()
-        if self.options.masks == "feasible":
-            for token, subtask in self._legal.items():
-                known = feasible(episode.terms.scene, episode.world, agent, subtask)
-                mask[token] = known and subtask.target not in episode.unseen
-        return mask
+        return self._mask_of(episode, check_robot(agent, self.possible_agents))
 
     # -- what the episode is ----------------------------------------------------------------------------------------
 
@@ -275,26 +270,33 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         return self._reward.pay(episode.world, success=episode.end == "success")
 
     @property
-    def _size(self) -> int:
-        return self._facts.size
+    def _room(self) -> int:
+        """Figures that follow the facts in an observation."""
+        return 0
 
-    def _vectors(self) -> dict[str, NDArray[np.float32]]:
-        episode = self._running()
+    def _vectors(self, episode: Episode) -> dict[str, NDArray[np.float32]]:
         return self._facts.vectors(episode.terms.scene, episode.known, self.agents)
 
-    def _observations(self) -> Seen:
-        facts = self._vectors()
+    def _mask_of(self, episode: Episode, robot: str) -> NDArray[np.int8]:
+        mask = self._mask.copy()
+        if self.options.masks == "feasible":
+            for token, subtask in self._legal.items():
+                known = feasible(episode.terms.scene, episode.world, robot, subtask)
+                mask[token] = known and subtask.target not in episode.unseen
+        return mask
+
+    def _observations(self, episode: Episode) -> Seen:
+        facts = self._vectors(episode)
         if self.options.obs_format == "flat":
             return dict(facts)
-        seen: Told = {n: {"observation": facts[n], "action_mask": self.action_mask(n)} for n in self.agents}
+        seen: Told = {n: {"observation": facts[n], "action_mask": self._mask_of(episode, n)} for n in self.agents}
         for name in self.agents if self.options.pictures else ():
             seen[name] |= self._look(name, self.options.pictures)
         return seen
 
-    def _infos(self) -> Told:
-        episode = self._running()
-        told = {name: episode.info(name) for name in self.agents}
+    def _infos(self, episode: Episode) -> Told:
+        told = episode.infos(self.agents)
         if self.options.obs_format == "flat":
             for name, info in told.items():
-                info["action_mask"] = self.action_mask(name)
+                info["action_mask"] = self._mask_of(episode, name)
         return told

@@ -23,6 +23,8 @@ IDLE = 5.0
 REFUSAL = 1.0
 """s that a command takes which is refused or means nothing: less than any subtask (6 s and more), and not nothing."""
 
+_STILL = (WAIT, DONE)
+
 Kind = Literal["thinking", "working", "waiting", "declined"]
 
 
@@ -151,27 +153,23 @@ class EventClock:
         Returns:
             The outcomes of what ended, each told once; its robots are ready now.
         """
-        now = self.now
+        backend, now = self._backend, self.now
         for robot in stops:
             self._stop(robot)
-        for robot, order in orders.items():
-            due = round(now + order.think, DIGITS)
-            self._doing[robot] = Doing("thinking", order.subtask, now, due, order.invalid)
+        for robot, (subtask, think, invalid) in orders.items():
+            self._doing[robot] = Doing("thinking", subtask, now, round(now + think, DIGITS), invalid)
         self._take_effect()
+        told: dict[str, Outcome] = {}
         while not self._all_done():
-            told = self._told(self._backend.advance(until=self._limit()))
-            happened = self._happen()
+            told = self._told(backend.advance(until=self._limit()))
+            happened = self._processes.known and self._happen()
             arrived = self._take_effect()
             if told or happened or arrived or self.over or self._idle():
                 break
-        else:
-            told = {}
-        return told | self._waited()
+        return self._waited(told)
 
     def _happen(self) -> bool:
         """Let processes begin and end as the world is now; whether one has come to its end."""
-        if not self._processes.known:
-            return False
         now, any_yet = self.now, False
         self._look()
         while ended := self._processes.over(now):
@@ -191,30 +189,31 @@ class EventClock:
 
     def _take_effect(self) -> bool:
         """Let orders begin whose thinking is over; whether a thought has arrived that took its time."""
-        now, thoughts = self.now, self._doing.items()
-        due = {robot: each for robot, each in thoughts if each.kind == "thinking" and each.until <= now}
+        now, doing = self.now, self._doing
+        due = [(robot, each) for robot, each in doing.items() if each.kind == "thinking" and each.until <= now]
         if not due:
             return False
-        batch: dict[str, Subtask] = {}
-        for robot, each in due.items():
-            if each.until > each.since:
-                self._spans.append(Span(robot, "thought", each.subtask.text, each.since, now))
-            if each.outcome is not None:
-                self._decline(robot, each.subtask, each.outcome)
-            elif each.subtask in (WAIT, DONE):
-                self._doing[robot] = Doing("waiting", each.subtask, now)
+        arrived, batch = False, dict[str, Subtask]()
+        for robot, (_, subtask, since, until, outcome) in due:
+            if until > since:
+                self._spans.append(Span(robot, "thought", subtask.text, since, now))
+                arrived = True
+            if outcome is not None:
+                self._decline(robot, subtask, outcome)
+            elif subtask in _STILL:
+                doing[robot] = Doing("waiting", subtask, now)
             else:
-                self._doing[robot] = Doing("working", each.subtask, now)
-                batch[robot] = each.subtask
+                doing[robot] = Doing("working", subtask, now)
+                batch[robot] = subtask
             # Who has said `done` stays done for as long as it waits.
-            if each.subtask == DONE:
+            if subtask == DONE:
                 self.done |= {robot}
-            elif robot in self.done and (each.subtask != WAIT or each.outcome is not None):
+            elif robot in self.done and (subtask != WAIT or outcome is not None):
                 self.done -= {robot}
         if batch:
             for robot, refused in self._backend.begin(batch).items():
                 self._decline(robot, batch[robot], refused)
-        return any(each.until > each.since for each in due.values())
+        return arrived
 
     def _stop(self, robot: str) -> None:
         """A thought ends in a moment without a command; what has begun ends at its controller's next safe pose."""
@@ -248,25 +247,30 @@ class EventClock:
 
     def _note(self, robot: str, kind: str, outcome: Outcome) -> None:
         """What a robot was at has ended."""
-        what, span = self._doing.pop(robot).subtask.text, (outcome.began, outcome.ended)
-        self._spans.append(Span(robot, kind, what, *span, outcome.status, outcome.reason))
+        what = self._doing.pop(robot).subtask.text
+        self._spans.append(
+            Span(robot, kind, what, outcome.began, outcome.ended, outcome.status, outcome.reason)
+        )
 
-    def _waited(self) -> dict[str, Outcome]:
-        """At a decision point those are asked again that have waited for it."""
-        now, over, told = self.now, self._all_done(), dict[str, Outcome]()
-        for robot, each in self._doing.items():
-            if each.kind == "waiting" and (each.since < now or over):
-                told[robot] = Outcome("success", seconds=round(now - each.since, DIGITS), began=each.since, ended=now)
-        for robot, outcome in told.items():
-            self._note(robot, "wait", outcome)
+    def _waited(self, told: dict[str, Outcome]) -> dict[str, Outcome]:
+        """What was told, and that those are asked again that have waited for this decision point."""
+        now, over = self.now, self._all_done()
+        waits = [
+            (robot, each.since)
+            for robot, each in self._doing.items()
+            if each.kind == "waiting" and (each.since < now or over)
+        ]
+        for robot, since in waits:
+            told[robot] = Outcome("success", None, "", round(now - since, DIGITS), False, since, now)
+            self._note(robot, "wait", told[robot])
         return told
 
     def _limit(self) -> float:
         """What the clock shows at most before something is due."""
-        due = [each.until for each in self._doing.values()]
-        if self._idle():
-            due.append(round(self.now + IDLE, DIGITS))
-        return min(*due, self._processes.next, self._deadline)
+        first = min(self._processes.next, self._deadline)
+        for each in self._doing.values():
+            first = min(first, each.until)
+        return min(first, round(self.now + IDLE, DIGITS)) if self._idle() else first
 
     def _idle(self) -> bool:
         return all(each.kind == "waiting" for each in self._doing.values())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,8 @@ LONG = 60.0
 """s that what a robot is at has taken when the figure for it is 1: after so long a controller gives up."""
 
 _CLOCK, _ROBOT = 1, 4
-_KINDS = ((1, "thinking"), (2, "working"))
+_READY = [(0, 1.0)]
+_KINDS = {"thinking": 1, "working": 2}
 
 
 class TimeFacts:
@@ -46,23 +47,19 @@ class TimeFacts:
         }
         self.size = _CLOCK + _ROBOT * len(robots) + len(self._places)
 
-    def vectors(
-        self, robots: Iterable[str], clock: EventClock, world: WorldState
-    ) -> dict[str, NDArray[np.float32]]:
-        """Time as each of `robots` sees it; shape (size,), values 0..1. What they see alike is worked out once."""
-        now, told = clock.now, dict[str, NDArray[np.float32]]()
+    def write(self, seen: Mapping[str, NDArray[np.float32]], clock: EventClock, world: WorldState) -> None:
+        """Write time as each robot sees it, values 0..1, where the last `size` figures of what it has seen are 0."""
+        now, start = clock.now, -self.size
         over, at_work = min(now / self._deadline, 1.0), self._at_work(clock, now)
         slow = self._slow(clock, world, now) if self._processes else ()
-        for robot in robots:
-            values = told[robot] = np.zeros(self.size, np.float32)
-            values[0], block = over, _CLOCK
+        for robot, values in seen.items():
+            values[start], block = over, start + _CLOCK
             for name in self._orders[robot]:
                 for place, value in at_work[name]:
                     values[block + place] = value
                 block += _ROBOT
             for place, value in slow:
-                values[place] = value
-        return told
+                values[start + place] = value
 
     def _at_work(self, clock: EventClock, now: float) -> dict[str, list[tuple[int, float]]]:
         """Of each robot, the places in its block that are not 0, and what stands there."""
@@ -70,10 +67,11 @@ class TimeFacts:
         for name in self._orders:
             each = clock.doing(name)
             if each is None:
-                found[name] = [(0, 1.0)]
-            else:
-                kinds = [(place, 1.0) for place, kind in _KINDS if each.kind == kind]
-                found[name] = [*kinds, (_ROBOT - 1, min((now - each.since) / LONG, 1.0))]
+                found[name] = _READY
+                continue
+            kind = _KINDS.get(each.kind)
+            since = (_ROBOT - 1, min((now - each.since) / LONG, 1.0))
+            found[name] = [since] if kind is None else [(kind, 1.0), since]
         return found
 
     def _slow(self, clock: EventClock, world: WorldState, now: float) -> list[tuple[int, float]]:

@@ -79,8 +79,12 @@ def merge(world: WorldState, results: Mapping[str, WorldState]) -> WorldState | 
 
 
 def _set(world: WorldState, part: str, name: str, value: object) -> WorldState:
-    data = {field: getattr(world, field) for field in ("robots", "objects", "fixtures")}
-    return WorldState(**(data | {part: data[part].with_(name, value)}))
+    """The world with another state of one robot, object or fixture."""
+    changed = getattr(world, part).with_(name, value)
+    robots, objects = world.robots, world.objects
+    if part == "robots":
+        return WorldState(changed, objects, world.fixtures)
+    return WorldState(robots, changed, world.fixtures) if part == "objects" else WorldState(robots, objects, changed)
 
 
 def carried(before: WorldState, after: WorldState, now: WorldState) -> WorldState:
@@ -92,8 +96,10 @@ def carried(before: WorldState, after: WorldState, now: WorldState) -> WorldStat
         if getattr(after, part) is old:
             continue
         for name, value in getattr(after, part).items():
-            if value != old[name]:
-                now = _set(now, part, name, _changed(old[name], value, getattr(now, part)[name]))
+            was = old[name]
+            if value is not was and value != was:
+                is_now = getattr(now, part)[name]
+                now = _set(now, part, name, value if is_now is was else _changed(was, value, is_now))
     return now
 
 

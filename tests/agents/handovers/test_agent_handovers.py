@@ -14,7 +14,7 @@ from remac_agents.roles import HandoverRequest, View
 from remac_agents.wiring.catalogue import make_role
 from remac_env.rules.conditions import condition
 from remac_env.rules.scene import public_scene
-from remac_env.rules.subtasks import Subtask
+from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 
 ALONE = (
     "navigate to tray",
@@ -68,6 +68,21 @@ def test_the_leading_robot_waits_for_a_thing_that_is_still_being_moved() -> None
     placed = plan.row("b").index(Subtask("place to", "furnace"))
     assert plan.row("a").index(Subtask("navigate to", "tray")) > placed
     assert [step for step in plan.row("a") if step.skill != "wait"] == main
+
+
+@pytest.mark.parametrize("name", ["reflections", "search"])
+def test_who_keeps_something_open_leaves_when_the_leading_robot_comes(name: str) -> None:
+    commands = Commands(towels().commands)
+    opened = ("navigate to dryer", "open dryer door")
+    long_way = ("navigate to towel", "pick up towel", "navigate to bench", "navigate to dryer", "place to dryer")
+    plan = tuple(commands[text] for text in (*opened, *long_way))
+    view = View("t", public_scene(towels().scene), {}, world=towels().start, rules=towels().scene)
+    given = HandoverRequest("the towel", plan, "robot_0", "robot_1", (), tuple(towels().commands), view)
+    shared = make_role("handover", name).share(replace(given, kept=(commands["open dryer door"],)))
+    assert isinstance(shared, Plan) and shared.row("robot_0") == plan[2:]
+    assert shared.row("robot_1") == (*plan[:2], WAIT, STEP_ASIDE), "it would leave one round earlier"
+    early = schedule("robot_0", plan[2:], "robot_1", plan[:2], view.scene)
+    assert early.row("robot_1") == (*plan[:2], STEP_ASIDE)
 
 
 def test_robots_that_need_each_others_place_take_turns() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -11,8 +12,10 @@ from made_up_tasks import towels
 import remac_agents
 from remac_agents.memory import Run
 from remac_agents.plan import Commands
-from remac_agents.planning.mastery import late_plan, proven_plan, without_detours
+from remac_agents.planning.mastery import late_plan, proven_plan, unkept_plan, without_detours
 from remac_env.errors import OptionError
+from remac_env.rules.facts import Rules
+from remac_env.rules.processes import known
 
 TASKS = ("OpenCabinetPnP", "OpenMicrowavePnP", "DefrostInBowl", "HeatOnStove")
 FACTS = towels().scene
@@ -88,6 +91,35 @@ def test_a_plan_that_is_cut_short_by_the_time_alone_is_late() -> None:
     assert late(cut(*PLAN[:2], f"{PLAN[2]}!", *PLAN[2:4])) is None, "a step failed"
     assert late(cut(*PLAN[:2], PLAN[3])) is None, "it is another plan"
     assert late(cut(*PLAN[:4], pre_check_results=[{"verdict": False}])) is None
+
+
+def test_a_plan_that_comes_undone_by_itself_is_told_from_one_that_is_wrong() -> None:
+    falls = replace(FACTS, processes=(known()["falling_shut"].of(("dryer",)),))
+    again = (*OPENED, *FETCHED[:3], *OPENED, FETCHED[3])
+
+    def unkept(*runs: Run, facts: Rules = falls) -> list[str] | None:
+        found = unkept_plan(runs, COMMANDS, facts)
+        assert found is None or tuple(step.text for step in found[0]) == PLAN
+        return None if found is None else [step.text for step in found[1]]
+
+    fell = run(PLAN, again, success=False)
+    team = {"initial_plan": {"a": list(OPENED), "b": list(FETCHED)}}
+    assert unkept(fell) == ["open dryer door"]
+    assert unkept(fell, facts=FACTS) is None, "nothing shuts it"
+    assert unkept(run(PLAN, again)) is None, "it went well all the same"
+    assert unkept(run(PLAN, (*PLAN[:5], "open dryer door!"), success=False)) is None
+    assert unkept(run(PLAN, (*OPENED, "close dryer door", *OPENED), success=False)) is None, "it shut the door itself"
+    assert unkept(fell, run(OPENED, OPENED, success=False, **team)) is None
+    assert unkept(fell, run(OPENED, OPENED, **team)) == ["open dryer door"]
+
+
+def test_what_one_robot_cannot_keep_open_is_held_by_the_helper() -> None:
+    env = suite_kitchen("FallingDoor", robots=2, layout="one_wall_large", clock="events")
+    agent = remac_agents.make("REMAC", planner="timely")
+    reports = [play(env, agent, seed=2, most=500) for _ in range(2)]
+    assert [report.success for report in reports] == [False, True]
+    assert "open cabinet door" in reports[1].initial_plan["robot_1"]
+    assert max(span.ended for span in env.timeline) == 30.0, "the shortest makespan"
 
 
 @pytest.mark.long

@@ -1,0 +1,98 @@
+"""What does not last by itself: doors that fall shut unless a robot stays there, and what spoils unless it is ended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from remac_env import oracle
+from remac_env.rules.facts import ASIDE, Process, Rules
+from remac_env.rules.processes import WHERE, WHILE
+from remac_env.rules.rounds import transition
+from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.state import WorldState
+from remac_env.tasks.compound import Not
+from remac_env.tasks.goals import All, Goal, SwitchedOn
+
+SPARE = 3.0
+"""s by which a robot wants to be early, as in physics a subtask may take that much longer than by the skill table."""
+
+MOST_STATES = 4_000
+"""States that the search for the way to end something looks at."""
+
+
+def undone_by_itself(rules: Rules, step: Subtask) -> bool:
+    """Whether something that happens by itself undoes what a step does, which otherwise need not be done twice."""
+    undoes = (process for process in rules.processes if process.does != "mark")
+    return step.row.lasting and any(step.target in (process.about or rules.fixtures) for process in undoes)
+
+
+def keeps_open(
+    rules: Rules, world: WorldState, goal: Goal, robot: str, step: Subtask, mates: Mapping[str, Subtask]
+) -> bool:
+    """Whether a robot stays where it is rather than drive off: a door would fall shut through which something of the
+    goal still has to go, and no robot waits with it yet.
+    """
+    if not step.moves or len(rules.robots) < 2:
+        return False
+    gone, others = world.with_robot(robot, station=ASIDE), [name for name in rules.robots if name != robot]
+    for process, name in _starts(rules, world, gone):
+        wanted = {each for atom in goal.atoms() if name in atom.names() and not atom.holds(rules, world)
+                  for each in atom.names() if each in rules.objects}  # fmt: skip
+        brought = any(world.robots[other].holding in wanted and mates.get(other, WAIT) == WAIT for other in others)
+        if process.does == "shut" and wanted and not brought and world.robots[robot].holding is None:
+            return True
+    return False
+
+
+def _starts(rules: Rules, world: WorldState, then: WorldState) -> Iterator[tuple[Process, str]]:
+    """What begins by itself where one world becomes another."""
+    for process in rules.processes:
+        begins = WHILE[process.during]
+        for name in process.about or (*rules.objects, *rules.fixtures):
+            if begins(rules, then, name) and not begins(rules, world, name):
+                yield process, name
+
+
+def in_time(rules: Rules, world: WorldState, goal: Goal, step: Subtask, slow: Mapping[str, float]) -> Subtask:
+    """A step of the only robot, or what it does instead where it would then come too late to end what spoils."""
+    (robot,) = rules.robots
+    own = replace(rules, processes=())
+    for process, left in _spoiling(rules, world, goal, slow):
+        on = [place for place in WHERE.get(process.during, _nowhere)(rules) if world.fixtures[place].on]
+        if not on:
+            continue
+        off = All(*(Not(SwitchedOn(place)) for place in on))
+        after, _ = transition(own, world, {robot: step})
+        then = oracle.solve(own, after, off, max_states=MOST_STATES)
+        if then is not None and _seconds([step, *(each[robot] for each in then.rounds)]) + SPARE <= left:
+            continue
+        now = oracle.solve(own, world, off, max_states=MOST_STATES)
+        first = step if now is None or not now.rounds else now.rounds[0][robot]
+        ends = first.row.lasting and first.target in on
+        return WAIT if ends and not process.spoils else first
+    return step
+
+
+def _spoiling(
+    rules: Rules, world: WorldState, goal: Goal, slow: Mapping[str, float]
+) -> Iterator[tuple[Process, float]]:
+    """What goes on and spoils something of the goal, at its end or by what follows it, and in how many seconds."""
+    for process in rules.processes:
+        for name in set(process.about or rules.objects) & set(goal.names()):
+            spent = slow.get(f"{process.name} {name}")
+            if spent is None:
+                continue
+            if process.spoils:
+                yield process, process.seconds - spent
+            for after in rules.processes:
+                if after.spoils and process.mark in after.needs and after.during == process.during:
+                    yield process, process.seconds - spent + after.seconds
+
+
+def _nowhere(rules: Rules) -> list[str]:
+    return []
+
+
+def _seconds(steps: list[Subtask]) -> float:
+    return sum(step.row.seconds for step in steps)
