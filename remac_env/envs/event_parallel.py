@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remac_env.actions import check_actions, decode
+from remac_env.actions import check_actions, check_robot, decode
 from remac_env.backends.base import Backend
 from remac_env.envs.parallel import KitchenParallelEnv, Seen, Told
 from remac_env.episode import Episode, Terms, max_seconds
@@ -100,6 +100,11 @@ class KitchenEventEnv(KitchenParallelEnv):
             raise OptionError(f"thought {quoted(thought)} is not valid; valid: a remac_env.thinking.Thought")
         self._thoughts[robot] = thought
 
+    def action_mask(self, agent: str) -> NDArray[np.int8]:
+        """The tokens that this robot may choose now; 1 or 0, shape (N,). Never without a 1."""
+        check_robot(agent, self.possible_agents)
+        return super().action_mask(agent) if self._timed().clock.doing(agent) is None else self._busy.copy()
+
     def _stopped(self, tokens: Mapping[str, int], orders: Mapping[str, Order]) -> list[str]:
         """The robots that are busy and told to stop."""
         return [robot for robot in self.agents if robot not in orders and tokens[robot] == self._stop]
@@ -151,15 +156,10 @@ class KitchenEventEnv(KitchenParallelEnv):
     def _room(self) -> int:
         return self._time.size
 
-    def _vectors(self, episode: Episode) -> dict[str, NDArray[np.float32]]:
-        seen = super()._vectors(episode)
-        self._time.write(seen, self._timed().clock, episode.world)
+    def _vectors(self) -> dict[str, NDArray[np.float32]]:
+        seen, episode = super()._vectors(), self._timed()
+        self._time.write(seen, episode.clock, episode.world)
         return seen
-
-    def _mask_of(self, episode: Episode, robot: str) -> NDArray[np.int8]:
-        """That of the rounds for a robot that is ready; never without a 1."""
-        ready = self._timed().clock.doing(robot) is None
-        return super()._mask_of(episode, robot) if ready else self._busy.copy()
 
     @cached_property
     def _time(self) -> TimeFacts:

@@ -129,7 +129,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self._legal = {token: self.vocabulary.subtask(token) for token in self._episode.terms.commands.values()}
         self.agents = list(self.possible_agents)
         self._reward.begin(start.scene, self.goal, self.world)
-        return self._observations(self._episode), self._infos(self._episode)
+        return self._observations(), self._infos()
 
     def step(self, actions: Mapping[str, int]) -> tuple[Seen, dict[str, float], dict[str, bool], dict[str, bool], Told]:
         """Run one round.
@@ -155,9 +155,9 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         truncated = episode.end == "truncated"
         terminated = episode.end is not None and not truncated
         outputs = (
-            self._observations(episode),
+            self._observations(),
             dict.fromkeys(self.agents, reward), dict.fromkeys(self.agents, terminated),
-            dict.fromkeys(self.agents, truncated), self._infos(episode),
+            dict.fromkeys(self.agents, truncated), self._infos(),
         )
         if episode.end is not None:
             self.agents = []
@@ -186,10 +186,9 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
 
     def state(self) -> NDArray[np.float32]:
         """The facts as each robot sees them, one after the other; shape (robots * n,)."""
-        episode = self._running()
-        scene = episode.terms.scene
-        seen = self._facts.vectors(scene, episode.known, scene.robots)
-        return np.concatenate([values[: self._facts.size] for values in seen.values()])
+        episode, facts = self._running(), self._facts
+        seen = facts.vectors(episode.terms.scene, episode.known, episode.terms.scene.robots)
+        return np.concatenate([values[: facts.size] for values in seen.values()])
 
     def close(self) -> None:
         """Free the simulator and the renderer. May be called twice."""
@@ -205,7 +204,12 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             LifecycleError: before reset or after close.
         """
         episode = self._running()
-        return self._mask_of(episode, check_robot(agent, self.possible_agents))
+        check_robot(agent, self.possible_agents)
+        mask, scene = self._mask.copy(), episode.terms.scene
+        for token, subtask in self._legal.items() if self.options.masks == "feasible" else ():
+            known = feasible(scene, episode.world, agent, subtask)
+            mask[token] = known and subtask.target not in episode.unseen
+        return mask
 
     # -- what the episode is ----------------------------------------------------------------------------------------
 
@@ -274,29 +278,22 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         """Figures that follow the facts in an observation."""
         return 0
 
-    def _vectors(self, episode: Episode) -> dict[str, NDArray[np.float32]]:
+    def _vectors(self) -> dict[str, NDArray[np.float32]]:
+        episode = self._running()
         return self._facts.vectors(episode.terms.scene, episode.known, self.agents)
 
-    def _mask_of(self, episode: Episode, robot: str) -> NDArray[np.int8]:
-        mask = self._mask.copy()
-        if self.options.masks == "feasible":
-            for token, subtask in self._legal.items():
-                known = feasible(episode.terms.scene, episode.world, robot, subtask)
-                mask[token] = known and subtask.target not in episode.unseen
-        return mask
-
-    def _observations(self, episode: Episode) -> Seen:
-        facts = self._vectors(episode)
+    def _observations(self) -> Seen:
+        facts = self._vectors()
         if self.options.obs_format == "flat":
             return dict(facts)
-        seen: Told = {n: {"observation": facts[n], "action_mask": self._mask_of(episode, n)} for n in self.agents}
+        seen: Told = {n: {"observation": facts[n], "action_mask": self.action_mask(n)} for n in self.agents}
         for name in self.agents if self.options.pictures else ():
             seen[name] |= self._look(name, self.options.pictures)
         return seen
 
-    def _infos(self, episode: Episode) -> Told:
-        told = episode.infos(self.agents)
+    def _infos(self) -> Told:
+        told = self._running().infos(self.agents)
         if self.options.obs_format == "flat":
             for name, info in told.items():
-                info["action_mask"] = self._mask_of(episode, name)
+                info["action_mask"] = self.action_mask(name)
         return told
