@@ -13,6 +13,7 @@ from remac_env.generator.placing import Room, doors_and_switches, place_members,
 from remac_env.generator.templates import Group, Template
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
+from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects import catalogue
 from remac_env.kitchen.scene import build_scene
 from remac_env.rules.facts import Rules
@@ -46,7 +47,7 @@ def draw(template: Template, grade: int, rng: np.random.Generator) -> TaskSpec:
     layout = layouts.load(name, styles.load(style).models)
     bare = build_scene(layout, {}, (), annexes=template.annexes, gives=template.gives)
     room = Room(bare, [slot for n in bare.fixtures if n in layout.fixtures and layout.fixtures[n].worktop
-                       for slot in bare.fixtures[n].slots])  # fmt: skip
+                       for slot in bare.fixtures[n].slots], _too_big(template, layout))  # fmt: skip
     away = put_away(template, members, grade, rng)
     places = place_members(template, members, room, rng, away=away)
     filling = crowd(template, members, grade, room, _pool(template, objects), rng)
@@ -86,6 +87,15 @@ def _members(template: Template, group: Group, size: int, rng: np.random.Generat
     if wanted > len(pool):
         raise SamplingError(f"template {template.name!r}: {wanted} of kind {group.kind!r}, and there are {len(pool)}")
     return tuple(pool[at] for at in rng.permutation(len(pool))[:wanted])
+
+
+def _too_big(template: Template, layout: Layout) -> dict[str, frozenset[str]]:
+    """Object -> the kinds of fixtures that it does not go into, of templates that physics can have."""
+    if not template.family:
+        return {}
+    kinds = {noun: catalogue.get(name) for pool in pools.load().values() for noun, name in pool.items()}
+    things = build_scene(layout, kinds | {name: catalogue.get(name) for name in SPARE}, ()).objects
+    return {noun: facts.too_big_for | facts.too_deep_in for noun, facts in things.items()}
 
 
 def _further(template: Template, scene: Rules, rng: np.random.Generator) -> list[dict[str, str]]:

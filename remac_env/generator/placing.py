@@ -30,10 +30,16 @@ ELSEWHERE = 0.4
 
 @dataclass
 class Room:
-    """The slots of a kitchen while they are filled. `open_slots`: those of its worktops."""
+    """The slots of a kitchen while they are filled.
+
+    Attributes:
+        open_slots: those of its worktops.
+        too_big: object -> the kinds of fixtures that it does not go into, where fixtures have a shape.
+    """
 
     scene: Rules
     open_slots: list[str]
+    too_big: Mapping[str, Collection[str]] = field(default_factory=dict)
     taken: set[str] = field(default_factory=set)
 
     @property
@@ -41,10 +47,12 @@ class Room:
         """Free slots in the open beside those that stay free."""
         return sum(slot not in self.taken for slot in self.open_slots) - FREE
 
-    def free(self, fixtures: Iterable[str], *, spare: int = 0) -> list[str]:
-        """The free slots of fixtures, of worktops none of those that stay free; of others all but so many each."""
+    def free(self, fixtures: Iterable[str], *, spare: int = 0, noun: str = "") -> list[str]:
+        """The free slots of fixtures, of worktops none of those that stay free; of others all but so many each. None
+        of those that are too small for the object of this name."""
         found: list[str] = []
-        for name in fixtures:
+        too_big = self.too_big.get(noun, ())
+        for name in (name for name in fixtures if self.scene.fixtures[name].kind not in too_big):
             slots = [slot for slot in self.scene.fixtures[name].slots if slot not in self.taken]
             if set(slots) <= set(self.open_slots):
                 found += slots if self.left > 0 else []
@@ -82,15 +90,15 @@ def place_members(
     places: dict[str, Place] = {}
     for group in template.groups:
         for noun in members[group.kind]:
-            if noun in away and (free := room.free(closed, spare=1)):
+            if noun in away and (free := room.free(closed, spare=1, noun=noun)):
                 places[noun] = room.take(free, rng)
                 continue
             at = str(rng.choice(list(group.at)))
             names = closed if at == HIDDEN else [at]
-            if rng.random() < STRAY and (free := room.free(strays, spare=1)):
+            if rng.random() < STRAY and (free := room.free(strays, spare=1, noun=noun)):
                 places[noun] = room.take(free, rng)
                 continue
-            if not (free := room.free(names)):
+            if not (free := room.free(names, noun=noun)):
                 where = "behind a shut door" if at == HIDDEN else f"at the {at}"
                 raise SamplingError(f"template {template.name!r}: no room {where} for the {noun}, after {len(places)}")
             places[noun] = room.take(free, rng)
@@ -111,7 +119,7 @@ def place_others(others: Iterable[str], room: Room, rng: np.random.Generator) ->
     places: dict[str, Place] = {}
     for noun in others:
         names = away if rng.random() < ELSEWHERE else worktops
-        if free := room.free(names, spare=2):
+        if free := room.free(names, spare=2, noun=noun):
             places[noun] = room.take(free, rng)
     return places
 

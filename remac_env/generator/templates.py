@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -13,11 +13,15 @@ from remac_env.errors import KitchenFileError, check_choice
 from remac_env.kitchen import annexes
 from remac_env.kitchen import layout as layouts
 from remac_env.rules.facts import Quirk
+from remac_env.rules.quirks import QUIRKS
 from remac_env.state import Door
 from remac_env.tasks.compound import EACH, AnyOf, Before, Count, ForAll, Not
 from remac_env.tasks.goals import All, DoorIs, Goal, Inside, Marked, Released, SwitchedOn
 
 FILE = "templates.toml"
+
+BUILT = "built"
+"""The folder of layouts in which annexes stand, so that physics can have them."""
 
 HIDDEN = "hidden"
 """Where objects are that stand behind a shut door that the goal does not name."""
@@ -114,9 +118,27 @@ def _each(clause: Clause) -> Goal:
 
 @cache
 def load() -> Mapping[str, Template]:
-    """Every template by its name, in the order of the file."""
+    """Every template by its name, in the order of the file; then those with annexes once more, where they are built."""
     text = resources.files("remac_env.generator").joinpath(FILE).read_text("utf-8")
-    return {row["name"]: parse(row) for row in tomllib.loads(text)["template"]}
+    table = tomllib.loads(text)
+    rows = [parse(row) for row in table["template"]]
+    twins = [twin for row in rows if (twin := _built(row, table["built"].get(row.name, {})))]
+    return {row.name: row for row in (*rows, *twins)}
+
+
+def _built(row: Template, grades: Mapping[str, Sequence[int]]) -> Template | None:
+    """The same template in a kitchen that has its annexes; None where there is no such kitchen, or no room in it."""
+    across = row.team is not None and QUIRKS[row.team.kind].across
+    own = {int(grade): (int(least), int(most)) for grade, (least, most) in grades.items()}
+    sizes = {grade: span for grade, span in {**row.sizes, **own}.items() if span[0] <= span[1]}
+    if not row.annexes or across or not sizes:
+        return None
+    return replace(row, name=built_name(row.name), annexes=(), family=BUILT, sizes=sizes)
+
+
+def built_name(name: str) -> str:
+    """What a template is called that is set where its annexes are built."""
+    return f"{name} ({BUILT})"
 
 
 def get(name: str) -> Template:

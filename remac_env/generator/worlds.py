@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import cached_property
 
 from remac_env.errors import OptionError
-from remac_env.generator import pools
+from remac_env.generator import pools, templates
 from remac_env.generator.making import candidates, make
+from remac_env.generator.templates import built_name
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import Options
@@ -91,6 +92,8 @@ def check_backend(spec: TaskSpec, options: Options) -> None:
         pool = "physics teams" if any(QUIRKS[quirk.kind].team for quirk in spec.quirks) else "physics"
         lacks = "for which physics has no shape and no place in a floor plan; only the skill table knows them"
         valid = f"backend='symbolic', or template={pool!r} for a task without"
+        if (twin := built_name(spec.generated.get("template", ""))) in templates.load():
+            valid += f", or template={twin!r} for one where they are built"
         raise OptionError(f"task {spec.name} has {spec.symbolic_only}, {lacks}; valid: {valid}")
     if spec.setup is not None and options.backend != "symbolic":
         slots = {place.where: noun for noun, place in spec.setup.places.items() if place.relation == "slot"}

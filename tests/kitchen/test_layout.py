@@ -141,7 +141,7 @@ FAULTS = {
         ["fixtures.counter.slots[2].wide", "half"],
     ),
     "unknown top key": ("version = 1", "version = 1\nname = 'x'", ["name", "unknown key", "stations"]),
-    "unknown kind": ('kind = "stove"', 'kind = "grill"', ["fixtures.stove.kind", "grill", "microwave"]),
+    "unknown kind": ('kind = "stove"', 'kind = "smoker"', ["fixtures.stove.kind", "smoker", "microwave"]),
     "doors beyond number": ("doors = 2", f"doors = {10**400}", ["fixtures.", ".doors", "from 1 to 12"]),
     "half a door": ("doors = 2", "doors = 0.5", ["fixtures.", ".doors", "0.5 is not a whole number"]),
     "unknown front": ('["drawers", "doors"]', '["drawers", "hatch"]', ["fronts", "hatch", "drawers, door, doors"]),
