@@ -87,7 +87,8 @@ class Options:
     )  # fmt: skip
     template: str | None = option(
         None, "Template of generated tasks, or from which the seed picks: held out, teams, physics (what physics can "
-        "have too) or physics teams; by default all others.", Word(),
+        "have too), physics teams, built (with annexes, physics too), built held out, built teams; by default all others.",
+        Word(),
     )  # fmt: skip
     quirks: int = option(
         0, "How many facts about its kitchen a generated task has that nobody is told.", Whole(0, MOST_QUIRKS)

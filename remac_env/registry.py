@@ -67,8 +67,8 @@ def generate(
     Args:
         grade: 1 to 5: shortest known plans of at most 6, 12, 20, 40 and 80 rounds, quirks aside.
         seed: whole number from 0.
-        template: the name of one; "held out", "teams", "physics" and "physics teams" draw from those; None from all
-            others. Only those of the last two can be played in physics.
+        template: the name of one; "held out", "teams", "physics", "physics teams", "built", "built held out" and "built
+            teams" draw from those; None from all others. Only those of the last five can be played in physics.
         quirks: how many facts about its kitchen nobody is told.
         knowledge: full or seen.
         robots: for how many it is certified.
