@@ -87,7 +87,7 @@ class Options:
     )  # fmt: skip
     template: str | None = option(
         None, "Template of generated tasks, or from which the seed picks: held out, teams, physics (what physics can "
-        "have too), physics teams, built (with annexes, physics too), built held out, built teams; by default all others.",
+        "have too), physics teams, built (annexes in physics), built held out or built teams; by default all others.",
         Word(),
     )  # fmt: skip
     quirks: int = option(
