@@ -23,7 +23,8 @@ def make_backend(options: Options, worlds: TaskWorlds) -> Backend:
     from remac_env.backends.physics.backend import PhysicsBackend
     from remac_env.backends.physics.controllers.learned.library import learned_skills, makers
 
-    return PhysicsBackend(worlds, controllers=makers(learned_skills(options.skills, options.robots, options.body)))
+    learned = learned_skills(options.skills, options.robots, options.body)
+    return PhysicsBackend(worlds, controllers=makers(learned, options.body))
 
 
 def told_skills(options: Options) -> dict[str, str]:

@@ -6,13 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from remac_env.backends.physics.controllers.learned.network import COMMANDED, Network
+from remac_env.backends.physics.controllers.learned.network import Network, commanded
 from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.controllers.learned.weights import About, Weights
+from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
 
 SKILL = "turn on"
 CHUNK = 4
+COMMANDED = commanded(bodies.get())
+"""Numbers of a command of the standard body."""
 
 
 def network(skill: str = SKILL, *, seed: int = 0, travel: float = 0.0) -> Network:

@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from learned_kit import CHUNK, SKILL, network, weights
+from learned_kit import CHUNK, COMMANDED, SKILL, network, weights
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.physics.controllers.learned.controller import Learned
 from remac_env.backends.physics.controllers.learned.library import file_name, learned_skills
-from remac_env.backends.physics.controllers.learned.network import COMMANDED
 from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.controllers.learned.weights import (
     SEVERAL,

@@ -17,7 +17,7 @@ from remac_env.backends.physics.controllers.learned import controller
 from remac_env.backends.physics.controllers.learned.aims import aim_of
 from remac_env.backends.physics.controllers.learned.controller import Learned
 from remac_env.backends.physics.controllers.learned.hand import hands, towards_hand
-from remac_env.backends.physics.controllers.learned.network import COMMANDED, WITH_HAND, Network
+from remac_env.backends.physics.controllers.learned.network import HAND, Network, commanded
 from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.controllers.learned.stand import Stand
 from remac_env.backends.physics.controllers.learned.weights import About, Weights, read_weights, save_weights
@@ -26,6 +26,8 @@ from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
 
 CHUNK = 4
+COMMANDED = commanded(bodies.get())
+WITH_HAND = COMMANDED + HAND
 HANDLED = {"pick up": ("vegetable", "food on surface"), "place to": ("plate", "food in vessel on cavity")}
 
 
@@ -189,7 +191,7 @@ def test_putting_down_is_over_once_the_hand_is_empty_and_clear_wherever_the_obje
 def test_the_arm_goes_where_the_hand_is_wanted_and_the_base_where_it_was_told() -> None:
     kinematics, stand = bodies.get().kinematics(), Stand(np.array([1.0, 2.0, 0.0]), np.eye(3), 0.5 * np.pi)
     told = np.array([0.1, 0.2, 0.05, 0.1, 0.2, 0.1, -0.1, -2.2, 0.1, 2.4, 0.7])
-    wanted = hands(np.append(told, 0.04)[None])[0].astype(float)
+    wanted = hands(np.append(told, 0.04)[None], bodies.get())[0].astype(float)
     q = np.array(told)
     q[:3] += [1.0, 2.0, 0.5 * np.pi]
     off = q + np.array([0.0] * 4 + [0.03, -0.03, 0.02, 0.03, -0.02, 0.02, 0.03])

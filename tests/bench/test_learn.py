@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
 import sys
 import types
 from dataclasses import replace
@@ -16,7 +17,7 @@ from remac_bench.cli import app
 from remac_bench.errors import UsageError
 from remac_bench.learning.cells import HELD_OUT, cells
 from remac_bench.learning.chats import chats, write_chats
-from remac_bench.learning.demos import Demo, file_digest, read_demos, shards, write_shard
+from remac_bench.learning.demos import Demo, check_body, file_digest, read_demos, shards, write_shard
 from remac_bench.learning.evaluate import evaluate, score
 from remac_bench.learning.record import Recorder
 from remac_bench.learning.sessions import shown_cases, train_together
@@ -24,7 +25,7 @@ from remac_bench.learning.train import Frames, Recipe, frames, train
 from remac_bench.records import ExchangeEntry, OutcomeEntry
 from typer.testing import CliRunner
 
-from remac_env.backends.physics.controllers.learned.network import Network
+from remac_env.backends.physics.controllers.learned.network import HAND, Network
 from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.controllers.learned.weights import About, Weights, save_weights
 from remac_env.errors import UnknownNameError
@@ -87,6 +88,24 @@ def test_frames_tell_what_comes_next_from_where_the_robot_is(demo: Demo) -> None
     assert len(data.seen) < len(demo.actions), "frames in which nothing moves are left out"
     first = demo.commands[0] - np.append(demo.measured[0], 0.0)
     assert np.allclose(data.wanted[0, 0], first, atol=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore::remac_env.errors.UncertifiedWarning")
+def test_another_body_is_recorded_and_learnt_from_with_its_own_joints(
+    demo: Demo, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bodies, "_BODIES", dict(bodies._BODIES))
+    name = f"{Path(__file__).parents[1] / 'robots' / 'six_joints.py'}:SixJoints"
+    other = Recorder("turn on", "faucet", body=name).record(1000, style="modern_1", layout="one_wall_large")
+    assert other is not None and other.body == name
+    assert other.actions.shape[1:] == other.commands.shape[1:] == (11,) and other.measured.shape[1:] == (10,)
+    data = frames([other], 16, hand=True)
+    assert data.wanted.shape[1:] == (16, 11 + HAND) and np.abs(data.wanted[:, 0, 11:14]).max() < 0.3
+    fingerprint = bodies.get(name).fingerprint
+    check_body(tmp_path, name, fingerprint)
+    for body, found, told in (("panda", fingerprint, name), (name, bodies.get().fingerprint, "panda")):
+        with pytest.raises(UsageError, match=re.escape(f"was recorded with body {told!r}, not {body!r}; give --body")):
+            check_body(tmp_path, body, found)
 
 
 def test_headings_are_told_within_half_a_turn(demo: Demo) -> None:

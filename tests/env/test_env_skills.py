@@ -11,7 +11,7 @@ import pytest
 
 import remac_env
 from remac_env.backends.physics.controllers.learned.library import SHIPPED, file_name, learned_skills
-from remac_env.backends.physics.controllers.learned.network import COMMANDED, Network
+from remac_env.backends.physics.controllers.learned.network import Network, commanded
 from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.controllers.learned.weights import About, Weights, save_weights
 from remac_env.errors import OptionError, UnknownNameError
@@ -21,6 +21,7 @@ from remac_env.robots.panda.body import Panda
 from remac_env.rules.skills import SKILLS
 
 TASK = "OpenMicrowavePnP"
+COMMANDED = commanded(bodies.get())
 
 
 def write(folder: Path, skill: str) -> Path:

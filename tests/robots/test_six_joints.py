@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -14,6 +15,10 @@ from six_joints import A2, A3, D1, D4, D5, D6, GRIP, MOUNT, SixJoints
 
 import remac_env
 from remac_env.backends.physics.controllers.base import Command
+from remac_env.backends.physics.controllers.learned.library import file_name
+from remac_env.backends.physics.controllers.learned.network import HAND, Network, commanded
+from remac_env.backends.physics.controllers.learned.seen import entries
+from remac_env.backends.physics.controllers.learned.weights import About, Weights, save_weights
 from remac_env.errors import OptionError, UncertifiedWarning
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen.builder import build_model
@@ -21,6 +26,7 @@ from remac_env.lowlevel.env import SkillEnv
 from remac_env.robots import bodies
 from remac_env.robots.rotation import about_x, about_z
 from remac_env.robots.tracking import bare_model
+from remac_env.rules.skills import SKILLS
 
 CHAINS = {chain["name"]: chain for chain in tomllib.loads(skills.CHAINS.read_text("utf-8"))["chain"]}
 
@@ -116,6 +122,37 @@ def test_actions_and_observations_are_as_long_as_it_has_joints(body: SixJoints, 
     assert command.q.shape == (10,)
     observation, *_ = env.step(np.full(11, 0.1, np.float32))
     assert env.observation_space.contains(observation)
+    env.close()
+
+
+def standing_still(skill: str, body: str, *, hand: bool) -> Weights:
+    """A network that leaves every joint, and the hand, where it is."""
+    inputs, size = len(entries(SKILLS[skill], body)), commanded(bodies.get(body)) + HAND * hand
+    layer = tuple(np.zeros(shape, np.float32) for shape in ((4, inputs), (4,), (4,), (4,)))
+    last, out = (np.zeros((size, 4), np.float32), np.zeros(size, np.float32)), np.zeros((1, size), np.float32)
+    network = Network(np.zeros(inputs, np.float32), np.ones(inputs, np.float32), (layer,), last, out, out + 1)  # type: ignore[arg-type]
+    about = About(skill=skill, targets=(), execute=1)
+    return Weights(about=about, network=network, sample=np.zeros((1, inputs), np.float32))
+
+
+@pytest.mark.parametrize("hand", [False, True])
+@pytest.mark.filterwarnings("ignore::remac_env.errors.UncertifiedWarning")
+def test_what_was_learnt_with_it_moves_it_and_no_other(body: SixJoints, tmp_path: Path, hand: bool) -> None:
+    save_weights(tmp_path / file_name("turn on"), standing_still("turn on", body.name, hand=hand), body.name)
+    kitchen: dict[str, Any] = {"robots": 1, "layout": "one_wall_large", "skills": str(tmp_path)}
+    with pytest.raises(OptionError, match=f"made for body '{body.fingerprint}', .*train it with 'panda' .*scripted"):
+        remac_env.parallel_env("HeatOnStove", **kitchen)
+    other = f"learnt with body 'panda', got body='{body.name}'; valid: scripted, or weights of your own: remac learn"
+    with pytest.raises(OptionError, match=other):
+        remac_env.parallel_env("HeatOnStove", **kitchen | {"skills": "learned"}, body=body.name)
+    env = remac_env.parallel_env("HeatOnStove", **kitchen, body=body.name)
+    assert len(env.skills["turn on"]) == 64 and env.skills["pick up"] == "scripted"
+    env.reset(seed=1)
+    outcomes = []
+    for text in ("navigate to stove", "turn on stove"):
+        infos = env.step({"robot_0": env.vocabulary.encode(text)})[-1]
+        outcomes.append((infos["robot_0"]["outcome"]["status"], infos["robot_0"]["outcome"]["reason"]))
+    assert outcomes == [("success", ""), ("failure", "slipped")]  # it stood still: no exception, and nothing was done
     env.close()
 
 

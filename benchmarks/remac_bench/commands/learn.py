@@ -26,14 +26,14 @@ app = typer.Typer(no_args_is_help=True, help="Learned skills: record demonstrati
 
 @app.command(cls=Command)
 @takes(
-    *("learn.skills", "learn.target", "learn.case", "learn.led_by", "style", "layout", "learn.episodes"),
-    *("learn.first_seed", "learn.cells", "learn.held_out", "learn.disturb", "learn.format", "learn.pictures"),
-    *("learn.image_size", "learn.wordless", "learn.out", "learn.processes"),
+    *("learn.skills", "learn.target", "learn.case", "learn.led_by", "style", "layout", "body"),
+    *("learn.episodes", "learn.first_seed", "learn.cells", "learn.held_out", "learn.disturb", "learn.format"),
+    *("learn.pictures", "learn.image_size", "learn.wordless", "learn.out", "learn.processes"),
 )
 def record(
     *, skills: list[str] | None, target: str | None, case: str | None, led_by: Path | None, style: str | None,
-    layout: str | None, episodes: int, first_seed: int, cells: str, held_out: list[str] | None, disturb: float,
-    format: str,  # noqa: A002 - the flag
+    layout: str | None, body: str, episodes: int, first_seed: int, cells: str, held_out: list[str] | None,
+    disturb: float, format: str,  # noqa: A002 - the flag
     pictures: str, image_size: int, wordless: bool, out: Path, processes: int,
 ) -> None:
     """Record what the scripted controllers do, with disturbed servos: HDF5 in robomimic's layout, or a LeRobot dataset.
@@ -56,14 +56,14 @@ def record(
     seen, _ = choose(cells, _names(held_out, "--hold-out"))
     where = (chosen, range(first_seed, first_seed + episodes), seen.narrowed(style, layout))
     make = partial(
-        Recorder, target=target, case=case, led_by=led_by, disturb=disturb,
+        Recorder, target=target, case=case, led_by=led_by, disturb=disturb, body=body,
         image_size=None if pictures == "none" else image_size,
     )
     if format == "hdf5":
         h5py()
         lines = record_all(*where, out, make, processes=processes)
     else:
-        dataset = Dataset(out, videos=pictures != "images", language=not wordless)
+        dataset = Dataset(out, videos=pictures != "images", language=not wordless, body=body)
         lines = record_dataset(*where, dataset, make, processes=processes)
     for line in lines:
         console().print(line)
@@ -72,11 +72,11 @@ def record(
 @app.command(cls=Command)
 @takes(
     *("learn.skills", "learn.demos", "learn.weights", "learn.together", "learn.epochs", "learn.width", "learn.chunk"),
-    *("learn.execute", "learn.hand"),
+    *("learn.execute", "learn.hand", "body"),
 )
 def train(
     *, skills: list[str] | None, demos: Path, weights: Path, together: bool, epochs: int, width: int, chunk: int,
-    execute: int, hand: bool,
+    execute: int, hand: bool, body: str,
 ) -> None:
     """Train a network for each skill on what was recorded, with torch, on a GPU where there is one."""
     from remac_bench.learning.demos import h5py
@@ -90,19 +90,19 @@ def train(
     recipe = Recipe(epochs=epochs, width=width, chunk=chunk, execute=execute, hand=hand)
     check_sizes(recipe)
     chosen = _skills(skills)
-    every = (train_skill(skill, demos, weights, recipe) for skill in chosen)
-    for line in train_together(chosen, demos, weights, recipe) if together else chain.from_iterable(every):
+    every = (train_skill(skill, demos, weights, recipe, body) for skill in chosen)
+    for line in train_together(chosen, demos, weights, recipe, body) if together else chain.from_iterable(every):
         console().print(line)
 
 
 @app.command(cls=Command)
 @takes(
     *("learn.skills", "learn.weights", "learn.trials", "learn.tried_from", "learn.cells", "learn.held_out"),
-    *("learn.note", "learn.processes"),
+    *("learn.note", "body", "learn.processes"),
 )
 def evaluate(
     *, skills: list[str] | None, weights: Path, trials: int, tried_from: int, cells: str,
-    held_out: list[str] | None, note: bool, processes: int,
+    held_out: list[str] | None, note: bool, body: str, processes: int,
 ) -> None:
     """Measure skills on unseen seeds: in layouts and styles of the demonstrations, and in those held out.
 
@@ -113,7 +113,7 @@ def evaluate(
 
     chosen = choose(cells, _names(held_out, "--hold-out"))
     seeds = range(tried_from, tried_from + trials)
-    scores = evaluate_all(_skills(skills), weights, seeds, chosen, note=note, processes=processes)
+    scores = evaluate_all(_skills(skills), weights, seeds, chosen, note=note, processes=processes, body=body)
     show(_table(scores))
 
 

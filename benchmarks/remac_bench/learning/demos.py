@@ -17,6 +17,8 @@ from remac_bench.errors import UsageError
 from remac_env.backends.physics.controllers.learned.seen import VERSION
 from remac_env.files import prepare_file
 from remac_env.lowlevel.names import camel
+from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.subtasks import Subtask
 
 Numbers = NDArray[np.float32]
@@ -32,15 +34,16 @@ class Demo:
 
     Attributes:
         observations: (T + 1, n), as `entries(skill)` lists them; the last one is what came of it.
-        actions: (T, 12), of the environment with control="joints": what the controller wanted, not what the disturbed
-            servos were told.
-        commands: (T, 12), the joints that it wanted, relative to the stand, and the fingers' travel, m.
-        measured: (T, 11), the joints as they were, relative to the stand.
+        actions: (T, j + 1) with j joints, of the environment with control="joints": what the controller wanted, not
+            what the disturbed servos were told.
+        commands: (T, j + 1), the joints that it wanted, relative to the stand, and the fingers' travel, m.
+        measured: (T, j), the joints as they were, relative to the stand.
         states: (T, nq + nv), positions and velocities of the simulation.
         rewards: (T,), 1 from where the skill has succeeded.
         skill, target, task, seed, style, layout: which subtask in which kitchen.
         before: what the robot had done there already, as commands.
         case: which object is handled where, see `case_of`; "" for other skills.
+        body: the name of the robot's.
         pictures: camera -> (T + 1, height, width, 3), where pictures were recorded.
     """
 
@@ -58,6 +61,7 @@ class Demo:
     layout: str
     before: tuple[str, ...] = ()
     case: str = ""
+    body: str = STANDARD
     pictures: Mapping[str, Pictures] = field(default_factory=dict)
 
     @property
@@ -87,9 +91,10 @@ def write_shard(path: Path, demos: Sequence[Demo]) -> None:
     fresh = prepare_file(path, "demonstrations").with_suffix(".part")
     with library.File(fresh, "w") as file:
         group = file.create_group("data")
-        options = {"control": "joints"}
+        options = {"control": "joints"} | ({} if demos[0].body == STANDARD else {"body": demos[0].body})
         made = {"env_name": f"RemacSkill-{camel(skill)}-v0", "type": _GYM, "env_kwargs": options}
         group.attrs.update(env_args=json.dumps(made), total=sum(len(demo.actions) for demo in demos), version=VERSION)
+        group.attrs["body"] = bodies.get(demos[0].body).fingerprint
         for number, demo in enumerate(demos):
             _write(group.create_group(f"demo_{number}"), demo)
         names, kept = [f"demo_{number}" for number in range(len(demos))], len(demos) - len(demos) // _VALID
@@ -126,11 +131,14 @@ def shards(folder: Path, skill: str) -> list[Path]:
     return found
 
 
-def read_demos(files: Iterable[Path]) -> Iterator[Demo]:
+def read_demos(files: Iterable[Path], body: str = STANDARD) -> Iterator[Demo]:
     """The demonstrations of files, in order.
 
+    Args:
+        body: the name of the body that they have to be of.
+
     Raises:
-        UsageError: for a file of another version of observations, or that is damaged.
+        UsageError: for a file of another version of observations or another body, or that is damaged.
     """
     library = h5py()
     for path in files:
@@ -139,13 +147,21 @@ def read_demos(files: Iterable[Path]) -> Iterator[Demo]:
                 version = int(file["data"].attrs["version"])
                 if version != VERSION:
                     raise UsageError(f"{path} has observations of version {version}, not {VERSION}: record it anew")
+                check_body(path, body, str(file["data"].attrs.get("body", bodies.get().fingerprint)))
                 for name in sorted(file["data"], key=lambda key: int(key.rpartition("_")[2])):
-                    yield _read(file["data"][name])
+                    yield _read(file["data"][name], body)
         except (OSError, KeyError, ValueError) as error:
             raise UsageError(f"{path} cannot be read: {error}") from error
 
 
-def _read(group: Any) -> Demo:
+def check_body(path: Path, body: str, fingerprint: str) -> None:
+    """Refuse demonstrations of another body: of another number of joints, or another reach."""
+    if fingerprint != bodies.get(body).fingerprint:
+        told = next((name for name in bodies.names() if bodies.get(name).fingerprint == fingerprint), fingerprint)
+        raise UsageError(f"{path} was recorded with body {told!r}, not {body!r}; give --body, or record it anew")
+
+
+def _read(group: Any, body: str) -> Demo:
     told = {name: value.item() if hasattr(value := group.attrs[name], "item") else value for name in _TOLD}
 
     def whole(name: str) -> Any:
@@ -155,7 +171,8 @@ def _read(group: Any) -> Demo:
     return Demo(
         observations=whole("state"), actions=group["actions"][:], commands=group["remac/commands"][:],
         measured=group["remac/measured"][:], states=group["states"][:], rewards=group["rewards"][:], pictures=pictures,
-        before=tuple(json.loads(group.attrs.get("before", "[]"))), case=str(group.attrs.get("case", "")), **told,
+        before=tuple(json.loads(group.attrs.get("before", "[]"))), case=str(group.attrs.get("case", "")), body=body,
+        **told,
     )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from remac_env.backends.physics.controllers.base import MakeController
 from remac_env.backends.physics.controllers.learned.controller import Learned
 from remac_env.backends.physics.controllers.learned.weights import Weights
 from remac_env.lowlevel.starts import ROBOT, get_ready
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.skills import SKILLS
 
@@ -51,7 +52,8 @@ class Score:
 
 
 def evaluate(
-    skill: str, weights: Weights | None, seeds: Sequence[int], cells: Cells, *, target: str | None = None
+    skill: str, weights: Weights | None, seeds: Sequence[int], cells: Cells, *, target: str | None = None,
+    body: str = STANDARD,
 ) -> Iterable[Trial]:
     """Try a skill once a seed, with these weights; None: the scripted controller.
 
@@ -59,14 +61,14 @@ def evaluate(
     """
     if weights is not None:
         weights = replace(weights, about=replace(weights.about, measured={}))
-    controllers: dict[str, MakeController] = {} if weights is None else {skill: partial(Learned, weights)}
+    controllers: dict[str, MakeController] = {} if weights is None else {skill: partial(Learned, weights, body)}
     backends: dict[str, PhysicsBackend] = {}
     shown = () if weights is None else weights.about.shown(skill)
     for seed in seeds:
         cases = (shown[seed % len(shown)],) if shown else ()
         style, layout = cells.of(seed, skill)
         ready, backend = get_ready(
-            backends, SKILLS[skill], target, seed, style=style, layout=layout,
+            backends, SKILLS[skill], target, seed, style=style, layout=layout, body=body,
             make=partial(PhysicsBackend, controllers=controllers), cases=cases,
         )  # fmt: skip
         if weights is not None and not weights.about.plays(skill, ready.subtask.target, ready.case):

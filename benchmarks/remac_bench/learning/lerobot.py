@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from remac_bench.errors import UsageError
-from remac_bench.learning.demos import Demo, Pictures
+from remac_bench.learning.demos import Demo, Pictures, check_body
 from remac_bench.learning.lerobot_meta import (
     CHUNK,
     CODEBASE,
@@ -34,6 +34,8 @@ from remac_bench.learning.lerobot_meta import (
 from remac_env.backends.physics.controllers.learned.seen import VERSION
 from remac_env.files import prepare_file
 from remac_env.rendering.video import write_whole
+from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
 from remac_env.simulator import load_opencv
 
 _INFO, _OURS, _STATS = "meta/info.json", "meta/remac.json", "meta/stats.json"
@@ -48,13 +50,15 @@ class Dataset:
         folder: of the dataset.
         videos: pictures are kept as videos; else as PNG in the tables.
         language: also the columns that lerobot 0.6 and later read, and older ones cannot.
+        body: the name of the robots'.
 
     Raises:
         UsageError: without pyarrow, or for a folder with something else in it.
     """
 
-    def __init__(self, folder: Path, *, videos: bool = True, language: bool = True) -> None:
+    def __init__(self, folder: Path, *, videos: bool = True, language: bool = True, body: str = STANDARD) -> None:
         pyarrow()
+        self._body = {} if body == STANDARD else {"body": bodies.get(body).fingerprint}
         self._folder, self._videos, self._language = folder, videos, language
         self._parts: list[str] = []
         if (folder / _OURS).exists():
@@ -100,7 +104,7 @@ class Dataset:
 
     def _told(self) -> dict[str, Any]:
         """What all parts have in common."""
-        return {"version": VERSION, "videos": self._videos, "language": self._language}
+        return {"version": VERSION, "videos": self._videos, "language": self._language, **self._body}
 
     def _frames(self, demo: Demo, index: int, start: int, kept: dict[str, list[str]]) -> Any:
         """The table of an episode, a row for each control period."""
@@ -183,16 +187,20 @@ def is_dataset(folder: Path) -> bool:
     return (folder / _OURS).exists()
 
 
-def read_dataset(folder: Path, skill: str) -> Iterator[Demo]:
+def read_dataset(folder: Path, skill: str, body: str = STANDARD) -> Iterator[Demo]:
     """The demonstrations of a skill in a dataset, without states, the last observation, and pictures.
 
+    Args:
+        body: the name of the body that they have to be of.
+
     Raises:
-        UsageError: for a dataset of another version of observations, or that is damaged.
+        UsageError: for a dataset of another version of observations or another body, or that is damaged.
     """
     try:
         ours, parquet = _json(folder / _OURS), pyarrow("pyarrow.parquet")
         if ours["version"] != VERSION:
             raise UsageError(f"{folder} has observations of version {ours['version']}, not {VERSION}: record it anew")
+        check_body(folder, body, str(ours.get("body", bodies.get().fingerprint)))
         for number in range(len(ours["parts"])):
             rows = [row for row in _rows(folder, number) if row["remac.skill"] == skill]
             if not rows:
@@ -200,7 +208,7 @@ def read_dataset(folder: Path, skill: str) -> Iterator[Demo]:
             table = parquet.read_table(folder / file("data", number), columns=["index", *NAMES])
             first = table["index"][0].as_py()
             for row in rows:
-                yield _read(table.slice(row["dataset_from_index"] - first, row["length"]), row)
+                yield _read(table.slice(row["dataset_from_index"] - first, row["length"]), row, body)
     except (OSError, KeyError, ValueError, IndexError) as error:
         raise UsageError(f"{folder} cannot be read: {error}") from error
 
@@ -211,7 +219,7 @@ def _rows(folder: Path, number: int) -> list[dict[str, Any]]:
     return rows
 
 
-def _read(table: Any, row: dict[str, Any]) -> Demo:
+def _read(table: Any, row: dict[str, Any], body: str) -> Demo:
     arrays: dict[str, Any] = {}
     for name, array in NAMES.items():
         column = table[name].combine_chunks()
@@ -220,7 +228,7 @@ def _read(table: Any, row: dict[str, Any]) -> Demo:
     arrays["rewards"] = arrays["rewards"][:, 0]
     told = {name: row[f"remac.{name}"] for name in _TOLD}
     told |= {"before": tuple(row["remac.before"]), "case": row.get("remac.case") or ""}
-    return Demo(**arrays, states=np.zeros((len(table), 0), np.float32), **told)
+    return Demo(**arrays, states=np.zeros((len(table), 0), np.float32), body=body, **told)
 
 
 def _embedded(shown: Pictures) -> Any:

@@ -60,8 +60,8 @@ def file(kind: str, part: int, ending: str = "parquet") -> str:
 
 def features(demo: Demo, *, videos: bool, language: bool) -> dict[str, dict[str, Any]]:
     """The columns of a dataset, as `meta/info.json` lists them."""
-    seen = [entry.name for entry in entries(SKILLS[demo.skill])]
-    moved = [entry.name for entry in Joints(bodies.get()).names]
+    seen = [entry.name for entry in entries(SKILLS[demo.skill], demo.body)]
+    moved = [entry.name for entry in Joints(bodies.get(demo.body)).names]
     names = {"observation.state": seen, "action": moved, "next.reward": None}
     found: dict[str, dict[str, Any]] = {
         column: {"dtype": "float32", "shape": _shape(demo, array), "names": names.get(column)}

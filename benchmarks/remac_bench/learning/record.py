@@ -27,10 +27,12 @@ from remac_env.lowlevel.control import Joints
 from remac_env.lowlevel.drawing import Drawing
 from remac_env.lowlevel.starts import ROBOT, Ready, get_ready
 from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.skills import SKILLS
 from remac_env.seeding import generator
 
-_WANDER = np.array([0.010, 0.010, 0.010, 0.004, *[0.02] * 7])  # m, rad, m, rad: of the error, at strength 1
+_WANDER = (0.010, 0.010, 0.010, 0.004)  # m, rad, m: of the error of base and lift, at strength 1
+_WANDER_ARM = 0.02  # rad: of each joint of the arm
 _KEEP = 0.9  # of the error that stays from one control period to the next
 _STRONGEST = 1.5  # strength is drawn between 0 and this for each demonstration
 _NEAR, _FAR = 0.04, 0.24  # m from the target between which an open hand is disturbed less and less
@@ -46,7 +48,7 @@ class Recorder:
 
     Without an ``image_size`` no pictures are recorded. ``case``: only what is handled so, see `case_of`.
     ``led_by``: a folder of weights that begin, and what is recorded is how to go on from where they have come (DAgger:
-    Ross et al., AISTATS 2011).
+    Ross et al., AISTATS 2011). ``body``: the name of the robot's.
     """
 
     skill: str
@@ -55,6 +57,7 @@ class Recorder:
     image_size: int | None = None
     case: str | None = None
     led_by: Path | None = None
+    body: str = STANDARD
     _drawing: Drawing = field(default_factory=Drawing)
     _backends: dict[str, PhysicsBackend] = field(default_factory=dict)
 
@@ -66,12 +69,13 @@ class Recorder:
         """
         ready, backend = get_ready(
             self._backends, SKILLS[self.skill], self.target, seed, style=style, layout=layout,
-            cases=() if self.case is None else (self.case,),
+            body=self.body, cases=() if self.case is None else (self.case,),
         )
         manual = backend.by_hand(ROBOT, ready.subtask)
         rows = _Rows(self._camera(ready, manual, backend))
         chance = generator(seed, "disturbed", self.skill)
-        strength, error = self.disturb * float(chance.uniform(0.0, _STRONGEST)), np.zeros(len(_WANDER))
+        wander = np.array([*_WANDER, *[_WANDER_ARM] * (len(manual.q) - len(_WANDER))])
+        strength, error = self.disturb * float(chance.uniform(0.0, _STRONGEST)), np.zeros(len(wander))
         try:
             self._lead(manual, seed)
             run = manual.scripted(midway=self.led_by is not None)
@@ -80,7 +84,7 @@ class Recorder:
                 wanted = next(run)
                 q = in_room(wanted.q, wanted.frame)
                 rows.note(manual, backend, q, wanted.opening)
-                error = _KEEP * error + np.sqrt(1.0 - _KEEP**2) * chance.normal(size=len(error)) * _WANDER * strength
+                error = _KEEP * error + np.sqrt(1.0 - _KEEP**2) * chance.normal(size=len(error)) * wander * strength
                 manual.command(q + error * _share(manual), wanted.opening)
                 rows.see(manual)
         except StopIteration as end:
@@ -96,18 +100,18 @@ class Recorder:
         start = ready.start
         return rows.demo(
             skill=self.skill, target=ready.subtask.target, task=ready.worlds.spec.name, seed=seed, style=start.style,
-            layout=start.layout, before=tuple(step.text for step in ready.before), case=ready.case,
+            layout=start.layout, before=tuple(step.text for step in ready.before), case=ready.case, body=self.body,
         )  # fmt: skip
 
     def _lead(self, manual: Manual, seed: int) -> None:
         """Let the weights begin: for as long as the seed says, but not to where the hand begins to grasp."""
         if self.led_by is None:
             return
-        weights = weights_of(self.led_by, self.skill)
+        weights = weights_of(self.led_by, self.skill, self.body)
         if weights is None:
             raise UsageError(f"{self.led_by} has no weights for {self.skill!r}")
         periods = int(generator(seed, "led", self.skill).integers(1, _LED))
-        for command in islice(Learned(weights).run(manual.subtask, manual.sensing), periods):
+        for command in islice(Learned(weights, self.body).run(manual.subtask, manual.sensing), periods):
             if _away(manual) < _NEAR_ENOUGH:
                 return
             manual.command(in_room(command.q, command.frame), command.opening)

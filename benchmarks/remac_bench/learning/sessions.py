@@ -28,6 +28,7 @@ from remac_env.backends.physics.controllers.learned.weights import (
     save_weights,
 )
 from remac_env.lowlevel.names import camel
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.skills import SKILLS
 
 MakeRecorder = Callable[[str], Recorder]
@@ -108,17 +109,22 @@ def _line(part: Part, name: str, demos: Sequence[Demo]) -> str:
     return f"{name}: {len(demos)} of {len(part.seeds)} episodes, {steps} steps"
 
 
-def train_skill(skill: str, folder: Path, out: Path, recipe: Recipe) -> Iterator[str]:
+def train_skill(skill: str, folder: Path, out: Path, recipe: Recipe, body: str = STANDARD) -> Iterator[str]:
     """Train a skill on what a folder holds of it and write its weights; lines on how it goes.
+
+    Args:
+        body: the name of the body that it was recorded with.
 
     Raises:
         UsageError: where nothing was recorded, or what it needs is not installed.
     """
-    kept, demos = _recorded_of(folder, skill)
+    kept, demos = _recorded_of(folder, skill, body)
     yield from _trained(skill, demos, kept, out, recipe, ())
 
 
-def train_together(skills: Sequence[str], folder: Path, out: Path, recipe: Recipe) -> Iterator[str]:
+def train_together(
+    skills: Sequence[str], folder: Path, out: Path, recipe: Recipe, body: str = STANDARD
+) -> Iterator[str]:
     """Train one network on all of these skills, which is told the words of commands; see `train_skill`.
 
     Raises:
@@ -126,19 +132,19 @@ def train_together(skills: Sequence[str], folder: Path, out: Path, recipe: Recip
     """
     if len({observation(skill) for skill in skills}) > 1:
         raise UsageError(f"{', '.join(skills)}: drives look around, and others do not; valid: one kind together")
-    found = [_recorded_of(folder, skill) for skill in skills]
+    found = [_recorded_of(folder, skill, body) for skill in skills]
     kept = sorted({path for paths, _ in found for path in paths})
     demos = [demo for _, some in found for demo in some]
     yield from _trained(SEVERAL, demos, kept, out, recipe, words_of(demos))
 
 
-def _recorded_of(folder: Path, skill: str) -> tuple[list[Path], list[Demo]]:
+def _recorded_of(folder: Path, skill: str, body: str) -> tuple[list[Path], list[Demo]]:
     """The files of a skill's demonstrations, and what is in them."""
     if is_dataset(folder):
-        kept, demos = sorted((folder / "data").glob("*/*.parquet")), list(read_dataset(folder, skill))
+        kept, demos = sorted((folder / "data").glob("*/*.parquet")), list(read_dataset(folder, skill, body))
     else:
         kept = shards(folder, skill)
-        demos = list(read_demos(kept))
+        demos = list(read_demos(kept, body))
     if not demos:
         raise UsageError(f"{folder} has no demonstrations of {skill!r}; record them: remac learn record")
     return kept, demos
@@ -162,7 +168,7 @@ def _trained(
         skills=tuple(sorted({demo.skill for demo in demos})) if name == SEVERAL else (), cases=shown_cases(demos),
     )  # fmt: skip
     path = out / f"{camel(name)}.npz"
-    save_weights(path, Weights(about=about, network=network, sample=data.seen[::step][:_SAMPLE]))
+    save_weights(path, Weights(about=about, network=network, sample=data.seen[::step][:_SAMPLE]), demos[0].body)
     size = path.stat().st_size / 1000
     yield f"{name}: loss {losses[0]:.3f} to {losses[-1]:.3f} in {len(losses)} epochs; {path}, {size:.0f} kB"
 
@@ -175,16 +181,17 @@ def shown_cases(demos: Sequence[Demo]) -> tuple[str, ...]:
 
 def evaluate_all(
     skills: Sequence[str], folder: Path, seeds: Sequence[int], cells: tuple[Cells, Cells], *, note: bool,
-    processes: int,
+    processes: int, body: str = STANDARD,
 ) -> list[Score]:
     """Try skills on seeds, in the cells of the demonstrations and in those held out; a score for each case or target.
 
     Args:
+        body: the name of the robot's.
         folder: of the weights; "scripted": the scripted controllers.
         note: write into the weights how often they succeeded.
     """
     jobs = [(skill, where, part) for skill in skills for where in (0, 1) for part in _parts(seeds, processes)]
-    done = list(side_by_side(partial(_try_part, folder=folder, cells=cells), jobs, processes))
+    done = list(side_by_side(partial(_try_part, folder=folder, cells=cells, body=body), jobs, processes))
     found = []
     for skill in skills:
         measured = {}
@@ -195,16 +202,16 @@ def evaluate_all(
                 found.append(score(f"{skill} {what}: {name}", some))
                 measured[found[-1].name] = {"trials": len(some), "successes": found[-1].successes}
         if note and str(folder) != SCRIPTED:
-            _note(folder, skill, measured)
+            _note(folder, skill, measured, body)
     return found
 
 
-def _note(folder: Path, skill: str, measured: dict[str, dict[str, int]]) -> None:
+def _note(folder: Path, skill: str, measured: dict[str, dict[str, int]], body: str) -> None:
     path = folder / file_name(skill)
     path = path if path.exists() else folder / file_name(SEVERAL)
-    weights = read_weights(path)
+    weights = read_weights(path, body)
     told = {**weights.about.measured, **measured} if weights.about.skill == SEVERAL else measured
-    save_weights(path, replace(weights, about=replace(weights.about, measured=told)))
+    save_weights(path, replace(weights, about=replace(weights.about, measured=told)), body)
 
 
 def _parts(seeds: Sequence[int], processes: int) -> list[Sequence[int]]:
@@ -212,12 +219,14 @@ def _parts(seeds: Sequence[int], processes: int) -> list[Sequence[int]]:
     return [seeds[index : index + size] for index in range(0, len(seeds), size)]
 
 
-def _try_part(job: tuple[str, int, Sequence[int]], *, folder: Path, cells: tuple[Cells, Cells]) -> list[Trial]:
+def _try_part(
+    job: tuple[str, int, Sequence[int]], *, folder: Path, cells: tuple[Cells, Cells], body: str
+) -> list[Trial]:
     skill, where, seeds = job
-    weights = None if str(folder) == SCRIPTED else weights_of(folder, skill)
+    weights = None if str(folder) == SCRIPTED else weights_of(folder, skill, body)
     if weights is None and str(folder) != SCRIPTED:
         raise UsageError(f"{folder} has no weights for {skill!r}: no {file_name(skill)}, and none of several skills")
-    return list(evaluate(skill, weights, seeds, cells[where]))
+    return list(evaluate(skill, weights, seeds, cells[where], body=body))
 
 
 def side_by_side(play: Callable[[Any], Any], jobs: Sequence[Any], processes: int) -> Iterator[Any]:

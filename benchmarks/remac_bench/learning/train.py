@@ -17,13 +17,13 @@ import numpy as np
 from remac_bench.errors import UsageError
 from remac_bench.learning.demos import Demo, Numbers
 from remac_env.backends.physics.controllers.learned.hand import hands
-from remac_env.backends.physics.controllers.learned.network import Network
-from remac_env.backends.physics.controllers.learned.seen import entries, overlooked, taught
+from remac_env.backends.physics.controllers.learned.network import HAND, Network
+from remac_env.backends.physics.controllers.learned.seen import entries, overlooked
 from remac_env.backends.physics.controllers.learned.weights import bag
+from remac_env.robots import bodies
 from remac_env.rules.skills import SKILLS
 from remac_env.seeding import digest
 
-_HAND = [number for number, entry in enumerate(entries(taught()[0])) if entry.name in ("hand_x", "hand_y", "hand_z")]
 _TURN, _ROUND = 2, 2.0 * np.pi  # the heading among a command's numbers, and a whole turn, rad
 _ARM = 3  # from where on a command's numbers are about lift, arm and fingers
 _AFTER = 24  # frames that are shown after an object was taken or put, while the hand goes clear
@@ -59,7 +59,7 @@ class Recipe:
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """What a network learns from: observations (N, n) and commands that follow (N, chunk, COMMANDED or WITH_HAND).
+    """What a network learns from: observations (N, n) and commands that follow (N, chunk, m), see `Network`.
 
     ``overlooked``: numbers of an observation that it is not to look at.
     """
@@ -98,20 +98,20 @@ def words_of(demos: Iterable[Demo]) -> tuple[str, ...]:
 def frames(demos: Iterable[Demo], chunk: int, words: Sequence[str] = (), *, hand: bool = False) -> Frames:
     """The frames of demonstrations in which something moves.
 
-    ``words``: of commands, shown behind observations. ``hand``: say where the hand is to be, too.
+    ``words``: of commands, shown behind observations. ``hand``: say where the hand is to be, too. All are of one body.
     """
     seen, wanted, blind = [], [], set[int]()
     for demo in demos:
-        blind.update(overlooked(SKILLS[demo.skill]))
+        blind.update(overlooked(SKILLS[demo.skill], demo.body))
         moved = np.abs(np.diff(demo.commands, axis=0)).max(axis=1) > _MOVED
         moves = np.flatnonzero(np.concatenate([[True], moved]))
         moves = np.append(moves, len(demo.commands) - 1)
         shown = moves[moves < _ends(demo)]
         commands, start = demo.commands[moves], np.append(demo.measured[shown], np.zeros((len(shown), 1)), axis=1)
         if hand:
-            at = demo.observations[:-1, _HAND][moves]
-            commands = np.concatenate([commands, hands(commands)], axis=1)
-            start = np.concatenate([start, at[: len(shown)], np.zeros((len(shown), 6))], axis=1)
+            at = demo.observations[:-1, _hand_of(demo)][moves]
+            commands = np.concatenate([commands, hands(commands, bodies.get(demo.body))], axis=1)
+            start = np.concatenate([start, at[: len(shown)], np.zeros((len(shown), HAND - 3))], axis=1)
         following = np.minimum(np.arange(len(shown))[:, None] + np.arange(chunk), len(moves) - 1)
         said = np.tile(bag(words, demo.command), (len(shown), 1))
         seen.append(np.concatenate([demo.observations[shown], said], axis=1))
@@ -121,6 +121,12 @@ def frames(demos: Iterable[Demo], chunk: int, words: Sequence[str] = (), *, hand
             change[..., _ARM:] = 0.0  # it stays as it is, and nobody asks what a drive says of it
         wanted.append(change)
     return Frames(np.concatenate(seen), np.concatenate(wanted).astype(np.float32), sorted(blind))
+
+
+def _hand_of(demo: Demo) -> list[int]:
+    """Which numbers of its observation say where the hand is."""
+    names = [entry.name for entry in entries(SKILLS[demo.skill], demo.body)]
+    return [names.index(f"hand_{axis}") for axis in "xyz"]
 
 
 def _ends(demo: Demo) -> int:

@@ -11,17 +11,16 @@ from remac_env.backends.physics.controllers.learned.aim import feels
 from remac_env.backends.physics.controllers.learned.aims import aim_of
 from remac_env.backends.physics.controllers.learned.cases import case_of
 from remac_env.backends.physics.controllers.learned.hand import towards_hand
-from remac_env.backends.physics.controllers.learned.network import COMMANDED, WITH_HAND
+from remac_env.backends.physics.controllers.learned.network import commanded
 from remac_env.backends.physics.controllers.learned.seen import observe
 from remac_env.backends.physics.controllers.learned.weights import Weights, bag
 from remac_env.kitchen.scene import build_scene
 from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.subtasks import Subtask
 
-_STANDARD = bodies.get()
 LONGEST = 700  # control periods, 35 s: three times as long as scripted skills take
-_FINGERS = COMMANDED - 1  # where their travel stands in a command
 _DONE = 12  # chunks on end, 5 s, in which it is done with an empty hand, and then has ended however the hand moves
 _LET_GO = 0.002  # m by which fingers have to open, as a network says, to let go of what they held
 _STILL = 0.02  # rad or m that commands change at most while the robot stands still
@@ -30,14 +29,18 @@ _STILL = 0.02  # rad or m that commands change at most while the robot stands st
 class Learned:
     """A learned skill as a controller. It ends when it is seen to be over, when it comes to rest, or after LONGEST.
 
+    Args:
+        weights: what was learnt. body: the name of the robot's body, which is the one that the weights are for.
+
     Attributes:
         tries: how often it may begin; again from the folded arm, where it has come to rest and sees that it missed.
     """
 
     tries = 2
 
-    def __init__(self, weights: Weights) -> None:
-        self._weights, self._kinematics = weights, _STANDARD.kinematics()
+    def __init__(self, weights: Weights, body: str = STANDARD) -> None:
+        self._weights, self._name, self._body = weights, body, bodies.get(body)
+        self._kinematics = self._body.kinematics()
 
     def covers(self, subtask: Subtask, sensing: Sensing) -> bool:
         """Whether its demonstrations were about this; other subtasks stay scripted."""
@@ -54,23 +57,24 @@ class Learned:
         about, network = self._weights.about, self._weights.network
         if subtask.skill not in about.known:
             return failure("invalid", f"these weights are for {', '.join(about.known)!r}")
-        aim, words = aim_of(subtask, sensing), bag(about.words, subtask.text)
-        arm, grip = sensing.body.commanded[3:], _Grip(sensing.body)
+        aim, words = aim_of(subtask, sensing, self._name), bag(about.words, subtask.text)
+        body, fingers = self._body, commanded(self._body) - 1  # where their travel stands in a command
+        arm, grip = sensing.body.commanded[3:], _Grip(sensing.body, body.finger_travel)
         rests = done = 0
         for _ in range(LONGEST // about.execute):
-            shown = np.concatenate([observe(sensing, aim, subtask.row), words])
+            shown = np.concatenate([observe(sensing, aim, subtask.row, self._name), words])
             chunk = network.commands(shown)[: about.execute].astype(float)
             if not np.isfinite(chunk).all():
                 return failure("invalid", "the network says what is not finite")
             start, hand, before = sensing.body.q, sensing.body.grip.position, sensing.body.commanded
             for change in chunk:
-                q = aim.stand.moved(start, change[:_FINGERS])
-                q[3:] = np.clip(q[3:], _STANDARD.lower[3:], _STANDARD.upper[3:])
+                q = aim.stand.moved(start, change[:fingers])
+                q[3:] = np.clip(q[3:], body.lower[3:], body.upper[3:])
                 if not aim.by_hand:  # as it was told to be held when the drive began, whatever it carries
                     q[3:] = arm
-                elif len(change) == WITH_HAND:
+                elif len(change) > commanded(body):
                     q = towards_hand(self._kinematics, aim.stand, q, hand, change)
-                yield Command(q, grip.told(float(change[_FINGERS])) if aim.by_hand else grip.began)
+                yield Command(q, grip.told(float(change[fingers])) if aim.by_hand else grip.began)
                 aim.update()
             done = done + 1 if aim.achieved() and not feels(sensing.body) else 0
             if aim.over() or done >= _DONE:
@@ -92,12 +96,13 @@ class _Grip:
         began: what they were told when the subtask began, m.
     """
 
-    def __init__(self, body: Proprioception) -> None:
-        self.began = body.commanded_opening
-        self._loose = min(_LET_GO, 0.5 * (_STANDARD.finger_travel - self.began))
+    def __init__(self, body: Proprioception, travel: float) -> None:
+        """Args: travel: m that each finger goes at most."""
+        self.began, self._travel = body.commanded_opening, travel
+        self._loose = min(_LET_GO, 0.5 * (travel - self.began))
         self._holds = feels(body)
 
     def told(self, wanted: float) -> float:
         """What they are told where a network wants this, m."""
         self._holds &= wanted <= self.began + self._loose
-        return self.began if self._holds else float(np.clip(wanted, 0.0, _STANDARD.finger_travel))
+        return self.began if self._holds else float(np.clip(wanted, 0.0, self._travel))

@@ -1,4 +1,4 @@
-"""Where a policy wants its hand: told beside the joints, as errors of seven joints add up at the hand.
+"""Where a policy wants its hand: told beside the joints, as errors of an arm's joints add up at the hand.
 
 Nine numbers in the frame of the stand: the position, m, and the first and last column of the rotation of the grip.
 """
@@ -9,21 +9,18 @@ import math
 
 import numpy as np
 
-from remac_env.backends.physics.controllers.learned.network import COMMANDED, Numbers
+from remac_env.backends.physics.controllers.learned.network import Numbers, commanded
 from remac_env.backends.physics.controllers.learned.stand import Stand
-from remac_env.robots import bodies
-from remac_env.robots.body import Kinematics
+from remac_env.robots.body import Body, Kinematics
 from remac_env.robots.rotation import Array
 
-_BODY = bodies.get()
-_ARM_ALONE = np.array([0.0] * 4 + [1.0] * 7)  # base and lift go where they are told
-_LARGEST = np.full(11, 0.15)  # rad by which the arm leaves what the joints were told to be
+_LARGEST = 0.15  # rad by which the arm leaves what the joints were told to be
 _AHEAD = 0.5 * math.pi  # rad: a robot that faces the wall of its stand heads along y there
 
 
-def hands(commands: Numbers) -> Numbers:
-    """The hands (n, 9) of commands (n, COMMANDED), all told from the stand."""
-    kinematics = _BODY.kinematics()
+def hands(commands: Numbers, body: Body) -> Numbers:
+    """The hands (n, HAND) of commands (n, commanded(body)), all told from the stand."""
+    kinematics = body.kinematics()
     return np.array([_hand_at(kinematics, command[:-1]) for command in commands], np.float32)
 
 
@@ -36,7 +33,7 @@ def _hand_at(kinematics: Kinematics, q: Array) -> Array:
 
 def towards_hand(kinematics: Kinematics, stand: Stand, q: Array, hand: Array, command: Array) -> Array:
     """The configuration (n,) near ``q`` in which the hand is where a command wants it; ``hand``: where it is now."""
-    way, opening, approach = np.split(command[COMMANDED:], 3)
+    way, opening, approach = np.split(command[commanded(kinematics.body) :], 3)
     if (length := float(np.linalg.norm(approach))) < _SHORT:
         return q
     last = approach / length
@@ -45,8 +42,9 @@ def towards_hand(kinematics: Kinematics, stand: Stand, q: Array, hand: Array, co
         return q
     first /= length
     rotation = stand.axes @ np.stack([first, np.cross(last, first), last], axis=1)
-    goal = hand + stand.axes @ way
-    return kinematics.track(q, goal, rotation, weights=_ARM_ALONE, iterations=3, largest=_LARGEST).q
+    goal, largest = hand + stand.axes @ way, np.full(len(q), _LARGEST)
+    arm_alone = np.array([0.0] * 4 + [1.0] * (len(q) - 4))  # base and lift go where they are told
+    return kinematics.track(q, goal, rotation, weights=arm_alone, iterations=3, largest=largest).q
 
 
 _SHORT = 1e-3  # of an axis: it says no direction

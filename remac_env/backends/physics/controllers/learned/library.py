@@ -41,25 +41,26 @@ def learned_skills(text: str, robots: int, body: str = STANDARD) -> dict[str, We
         source = sources.of(skill)
         if source == SCRIPTED or row.still or (row.moves and robots > 1):
             continue
-        known = weights_of(_folder(source), skill)
+        known = weights_of(_folder(source), skill, STANDARD if source == LEARNED else body)
+        if known is not None and source == LEARNED and bodies.get(body).fingerprint != bodies.get().fingerprint:
+            given = f"skills: {text!r} was learnt with body {STANDARD!r}, got body={body!r}"
+            raise OptionError(f"{given}; valid: {SCRIPTED}, or weights of your own: remac learn")
         if known is not None:
             found[skill] = known
         elif skill in sources.named:
-            raise OptionError(f"skills: {source!r} has no weights for {skill!r}; valid: {_kept(_folder(source))}")
-    if found and bodies.get(body).fingerprint != bodies.get().fingerprint:  # `read_weights` refuses those of others
-        raise OptionError(f"skills: {text!r} was learnt with body {STANDARD!r}, got body={body!r}; valid: {SCRIPTED}")
+            raise OptionError(f"skills: {source!r} has no weights for {skill!r}; valid: {_kept(_folder(source), body)}")
     return found
 
 
-def weights_of(folder: Path, skill: str) -> Weights | None:
-    """The weights that a folder has for a skill: its own, or those of several skills.
+def weights_of(folder: Path, skill: str, body: str = STANDARD) -> Weights | None:
+    """The weights that a folder has for a skill of robots with this body: its own, or those of several skills.
 
     Raises:
         OptionError: for weights that cannot be used.
     """
     for name in (skill, SEVERAL):
         path = folder / file_name(name)
-        if os.path.lexists(path) and skill in (known := _read(path, _changed(path))).about.known:
+        if os.path.lexists(path) and skill in (known := _read(path, _changed(path), body)).about.known:
             return known
     return None
 
@@ -72,9 +73,9 @@ def _changed(path: Path) -> int:
         return 0
 
 
-def makers(weights: dict[str, Weights]) -> dict[str, MakeController]:
-    """What makes the controllers of learned skills."""
-    return {skill: partial(Learned, known) for skill, known in weights.items()}
+def makers(weights: dict[str, Weights], body: str = STANDARD) -> dict[str, MakeController]:
+    """What makes the controllers of learned skills, of robots with this body."""
+    return {skill: partial(Learned, known, body) for skill, known in weights.items()}
 
 
 def _folder(source: str) -> Path:
@@ -84,12 +85,12 @@ def _folder(source: str) -> Path:
     return folder
 
 
-def _kept(folder: Path) -> str:
-    known = [skill for skill in SKILLS if weights_of(folder, skill) is not None]
+def _kept(folder: Path, body: str) -> str:
+    known = [skill for skill in SKILLS if weights_of(folder, skill, body) is not None]
     return ", ".join([*known, "or scripted"])
 
 
 @lru_cache(maxsize=64)
-def _read(path: Path, changed: int) -> Weights:
+def _read(path: Path, changed: int, body: str) -> Weights:
     """Weights are shared between episodes; a file that has changed is read again."""
-    return read_weights(path)
+    return read_weights(path, body)

@@ -8,14 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.errors import OptionError
+from remac_env.robots.body import Body
 
 Numbers = NDArray[np.float32]
-
-COMMANDED = 12
-"""Numbers of a command: changes of the 11 joints from where they are, m or rad, and the travel of the fingers, m."""
-
-WITH_HAND = COMMANDED + 9
-"""The same, and where the hand is to be: its way from where it is, m, and two axes; see :mod:`.hand`."""
 
 LARGEST = 20_000_000
 """Bytes of all arrays together."""
@@ -26,11 +21,21 @@ DEEPEST = 16
 _EPSILON = 1e-5  # of the normalisation, as in torch
 
 
+def commanded(body: Body) -> int:
+    """Numbers of a command: changes of a body's joints from where they are, m or rad, and the fingers' travel, m."""
+    return len(body.joints) + 1
+
+
+HAND = 9
+"""Numbers behind these for where the hand is to be: its way from where it is, m, and two axes; see :mod:`.hand`."""
+
+
 @dataclass(frozen=True, eq=False)
 class Network:
     """Layers of weights (out, in), bias, gain and shift (out,), each normalised and rectified; the last one plain.
 
-    ``mean`` and ``std`` (n,) of observations, ``out_mean`` and ``out_std`` (chunk, COMMANDED or WITH_HAND) of commands.
+    ``mean`` and ``std`` (n,) of observations, ``out_mean`` and ``out_std`` (chunk, m) of commands, where m is
+    ``commanded(body)``, or HAND more.
 
     Raises:
         OptionError: for parts that do not fit together, or numbers that are not finite.
@@ -59,7 +64,7 @@ class Network:
             size = len(weights)
         weights, bias = self.last
         fits &= weights.ndim == 2 and weights.shape[1] == size and bias.shape == weights.shape[:1]
-        fits &= self.out_mean.shape == self.out_std.shape and self.out_mean.shape[1:] in ((COMMANDED,), (WITH_HAND,))
+        fits &= self.out_mean.shape == self.out_std.shape and self.out_mean.ndim == 2
         fits &= self.out_mean.size == len(bias)
         if not fits or self.chunk < 1:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())

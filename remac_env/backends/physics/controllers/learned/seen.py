@@ -94,13 +94,13 @@ def entries(skill: Skill, body: str = STANDARD) -> tuple[Entry, ...]:
     return (*_of_body(bodies.get(body)), *_TARGET, *((*_AROUND, *_WAY) if skill.moves else ()))
 
 
-def overlooked(skill: Skill) -> list[int]:
+def overlooked(skill: Skill, body: str = STANDARD) -> list[int]:
     """Which numbers of its observation a network does not look at, so that what it learns in one kitchen holds in all.
 
     Of a drive they are where in the kitchen it is and what is around, as that is different in each, and how the arm is
     held, which is not moved: its way is enough.
     """
-    names = [entry.name for entry in entries(skill)]
+    names = [entry.name for entry in entries(skill, body)]
     return [number for number, name in enumerate(names) if skill.moves and not name.startswith(_CORNER)]
 
 

@@ -1,7 +1,7 @@
 """Learned skills as files: arrays of NumPy and a text of JSON that says what they are. No code is in them.
 
     about        a text of JSON: the fields of `About`
-    sample       (k, n) of what the network is shown, and `answer` (k, chunk, 12 or 21): what the network says to them
+    sample       (k, n) of what the network is shown, and `answer` (k, chunk, m): what the network says to them
 and the arrays of :class:`~remac_env.backends.physics.controllers.learned.network.Network`.
 """
 
@@ -17,12 +17,13 @@ from typing import Any
 import numpy as np
 
 from remac_env.array_files import UNREADABLE, read_bytes, unpacked
-from remac_env.backends.physics.controllers.learned.network import LARGEST, Network, Numbers
+from remac_env.backends.physics.controllers.learned.network import HAND, LARGEST, Network, Numbers, commanded
 from remac_env.backends.physics.controllers.learned.seen import VERSION, Entry, entries, taught
 from remac_env.errors import OptionError
 from remac_env.files import prepare_file
 from remac_env.quoting import quoted
 from remac_env.robots import bodies
+from remac_env.robots.bodies import STANDARD
 from remac_env.rules.skills import SKILLS
 from remac_env.seeding import digest
 
@@ -42,15 +43,15 @@ GOOD = 0.9
 """Of trials in a case that have to succeed: where fewer do, the skill stays scripted."""
 
 
-def observation(skill: str) -> str:
-    """A name for what a policy of this skill sees: version, names, units and ranges."""
-    return digest([VERSION, [list(entry) for entry in _entries(skill)]])
+def observation(skill: str, body: str = STANDARD) -> str:
+    """A name for what a policy of this skill sees, of robots with this body: version, names, units and ranges."""
+    return digest([VERSION, [list(entry) for entry in _entries(skill, body)]])
 
 
-def _entries(skill: str) -> tuple[Entry, ...]:
+def _entries(skill: str, body: str) -> tuple[Entry, ...]:
     """What is seen, apart from words. Several skills see what all skills that do not move the base see."""
     row = next(row for row in taught() if not row.moves) if skill == SEVERAL else SKILLS[skill]
-    return entries(row)
+    return entries(row, body)
 
 
 def bag(words: Sequence[str], text: str) -> Numbers:
@@ -125,8 +126,11 @@ class Weights:
     sha256: str = ""
 
 
-def save_weights(path: str | Path, weights: Weights) -> None:
+def save_weights(path: str | Path, weights: Weights, body: str = STANDARD) -> None:
     """Write a skill as a file of the format above; matrices as 16-bit numbers.
+
+    Args:
+        body: the name of the body that it was trained with.
 
     Raises:
         OptionError: if the path does not end in .npz or cannot be written.
@@ -134,7 +138,7 @@ def save_weights(path: str | Path, weights: Weights) -> None:
     if Path(path).suffix != SUFFIX:
         raise OptionError(f"weights {str(path)!r} is not valid; valid: a path that ends in {SUFFIX}")
     skill = weights.about.skill
-    told = {"format": FORMAT, "observation": observation(skill), "body": bodies.get().fingerprint}
+    told = {"format": FORMAT, "observation": observation(skill, body), "body": bodies.get(body).fingerprint}
     about = asdict(weights.about) | told
     arrays = {
         name: array.astype(np.float16 if "weight" in name else np.float32)
@@ -148,8 +152,11 @@ def save_weights(path: str | Path, weights: Weights) -> None:
     )  # fmt: skip
 
 
-def read_weights(path: str | Path) -> Weights:
+def read_weights(path: str | Path, body: str = STANDARD) -> Weights:
     """The skill of a file. Nothing in it is run: arrays of objects, which NumPy would unpickle, are refused.
+
+    Args:
+        body: the name of the body that it has to have been trained with.
 
     Raises:
         OptionError: if it cannot be read, is damaged, or was made for another observation, body or player.
@@ -157,11 +164,11 @@ def read_weights(path: str | Path) -> Weights:
     try:
         data = read_bytes(path, LARGEST)
         arrays = unpacked(data, LARGEST)
-        about = _about(json.loads(str(arrays.pop("about"))))
+        about = _about(json.loads(str(arrays.pop("about"))), body)
         numbers = {name: _numbers(name, array) for name, array in arrays.items()}
         sample, answer = numbers.pop("sample"), numbers.pop("answer")
         network = Network.of(numbers)
-        _check_fit(about, network, sample, answer)
+        _check_fit(about, network, sample, answer, body)
     except OptionError as error:
         raise OptionError(f"weights {str(path)!r} cannot be used: {error}") from error
     except UNREADABLE as error:
@@ -177,20 +184,20 @@ def _numbers(name: str, array: Any) -> Numbers:
         return np.asarray(array, np.float32)
 
 
-def _about(told: Any) -> About:
+def _about(told: Any, body: str) -> About:
     if not isinstance(told, dict):
         raise OptionError("it does not say what it is")
-    for name, fits in (("format", FORMAT), ("body", bodies.get().fingerprint)):
+    for name, fits, mend in (
+        ("format", FORMAT, "train it anew"),
+        ("body", bodies.get(body).fingerprint, f"train it with {body!r} (remac learn), or take scripted skills"),
+    ):
         if told.get(name) != fits:
-            raise OptionError(f"it was made for {name} {told.get(name)!r}, and this is {fits}; train it anew")
+            raise OptionError(f"it was made for {name} {told.get(name)!r}, and this is {fits}; {mend}")
     skills = [skill.name for skill in taught()]
     if told.get("skill") not in [*skills, SEVERAL]:
         raise OptionError(f"skill {told.get('skill')!r} is not valid; valid: {', '.join(skills)}")
-    if told.get("observation") != observation(told["skill"]):
-        raise OptionError(
-            f"it was made for observation {told.get('observation')!r}, and this is {observation(told['skill'])}; "
-            "train it anew"
-        )
+    if told.get("observation") != (fits := observation(told["skill"], body)):
+        raise OptionError(f"it was made for observation {told.get('observation')!r}, and this is {fits}; train it anew")
     known = {each.name for each in fields(About)}
     if not _FIRST <= set(told) <= known:
         raise OptionError(f"it says {', '.join(sorted(told))}; valid: {', '.join(sorted(known))}")
@@ -234,8 +241,11 @@ _FIRST = {each.name for each in fields(About)} - {"skills", "words", "cases"}
 """What files have said from the beginning."""
 
 
-def _check_fit(about: About, network: Network, sample: Numbers, answer: Numbers) -> None:
-    size = len(_entries(about.skill)) + len(about.words)
+def _check_fit(about: About, network: Network, sample: Numbers, answer: Numbers, body: str) -> None:
+    size, told = len(_entries(about.skill, body)) + len(about.words), commanded(bodies.get(body))
+    if network.out_mean.shape[1] not in (told, told + HAND):
+        given = f"its network gives {network.out_mean.shape[1]} numbers a command"
+        raise OptionError(f"{given}; valid: {told}, or with the hand {told + HAND}")
     if len(network.mean) != size:
         raise OptionError(f"its network takes {len(network.mean)} numbers; valid: {size}")
     whole = isinstance(about.execute, int) and not isinstance(about.execute, bool)
