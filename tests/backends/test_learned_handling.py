@@ -151,7 +151,8 @@ def test_a_policy_that_goes_on_when_all_is_done_is_ended_once_its_hand_is_empty(
 def test_what_is_held_stays_held_until_it_is_let_go_for_certain(
     began: float, opening: float, wanted: tuple[float, ...], told: tuple[float, ...]
 ) -> None:
-    grip = controller._Grip(SimpleNamespace(commanded_opening=began, opening=opening))  # type: ignore[arg-type]
+    felt: Any = SimpleNamespace(commanded_opening=began, opening=opening)
+    grip = controller._Grip(felt, bodies.get().finger_travel)
     assert [grip.told(each) for each in wanted] == pytest.approx(list(told))
 
 
