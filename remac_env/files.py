@@ -88,6 +88,8 @@ def prepare_folder(path: str | os.PathLike[str], what: str) -> Path:
     """
     folder = Path(path)
     try:
+        if not os.fspath(path):
+            raise ValueError("it is empty")
         folder.mkdir(parents=True, exist_ok=True)
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError(13, "Permission denied")

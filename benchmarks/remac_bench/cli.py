@@ -7,7 +7,7 @@ import typer
 import remac_env
 from remac_bench.command import Command
 from remac_bench.commands import bench, demo, doctor, experiment, learn, memory, oracle, pddl, plan, play, tasks, view
-from remac_bench.console import speak_plainly, tame_columns
+from remac_bench.console import check_folder, fill_streams, speak_plainly, tame_columns
 from remac_bench.flags import takes
 
 app = typer.Typer(
@@ -43,6 +43,8 @@ app.add_typer(tasks.app, name="tasks")
 
 def main() -> None:
     """Entry point of the console script."""
+    fill_streams()
+    check_folder()
     tame_columns()
     speak_plainly()
     app()

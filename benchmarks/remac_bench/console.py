@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import functools
 import io
 import os
@@ -17,6 +18,9 @@ from remac_env.errors import KitchenFileError, OptionError, RemacError, UnknownN
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What a stream says that leads to a full disk."""
 
 USAGE, FAILED, INTERRUPTED = 2, 1, 130
 """Exit codes: a command line to be mended; something went wrong; Ctrl-C."""
@@ -57,6 +61,31 @@ def tame_columns() -> None:
         os.environ["COLUMNS"] = str(_width(sys.stdout))
 
 
+def fill_streams() -> None:
+    """Lead streams that are closed nowhere, as `>&-` leaves them: the next file would get their numbers, and whatever
+    is printed would be written into it."""
+    for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free: this one
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(number, mode, closefd=False))  # noqa: SIM115 - it stays open
+
+
+def check_folder() -> None:
+    """Refuse a working folder that is gone, which many modules cannot even be imported in.
+
+    Raises:
+        SystemExit: with one line.
+    """
+    try:
+        os.getcwd()
+    except OSError as error:
+        typer.echo(f"error: the working folder is not there: {error.strerror}; go to one that is", err=True)
+        raise SystemExit(USAGE) from error
+
+
 def speak_plainly() -> None:
     """Let a stream that cannot write a letter escape it, rather than end the command."""
     for stream in (sys.stdout, sys.stderr):
@@ -76,6 +105,11 @@ def clean_errors(command: Callable[P, R]) -> Callable[P, R]:
             raise _exit(str(error), USAGE) from error
         except RemacError as error:
             raise _exit(str(error), FAILED) from error
+        except OSError as error:
+            if error.errno not in FULL or error.filename is not None:
+                raise
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left is not tried again at the end
+            raise _exit(f"the output cannot be written: {error.strerror}", FAILED) from error
 
     return wrapped
 

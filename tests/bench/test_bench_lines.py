@@ -329,6 +329,40 @@ def test_streams_that_cannot_write_every_letter(settings: dict[str, str], words:
     assert b"HeatOnStove" in done.stdout and max(done.stdout) < 128
 
 
+_SHELL = (  # closed streams, full ones, a folder that is gone: what is run, its exit code, what it says last
+    ("exec {remac} {run} >&- 2>&- <&-", 0, ""),
+    ("exec {remac} tasks >&-", 0, ""),
+    ("{remac} tasks > /dev/full", 1, "error: the output cannot be written: No space left on device"),
+    ("mkdir gone; cd gone; rmdir ../gone; exec {remac} tasks", 2, "the working folder is not there"),
+)
+
+
+@pytest.mark.few(1)
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device here")
+@pytest.mark.parametrize(("line", "code", "told"), _SHELL)
+def test_streams_that_are_closed_or_full(line: str, code: int, told: str, tmp_path: Path) -> None:
+    run = "bench run --backend symbolic --tasks HeatOnStove --methods BASE --seeds 0 -j 0 --out out"
+    done = subprocess.run(
+        ["sh", "-c", line.format(remac=f"{sys.executable} -m remac_bench", run=run)], cwd=tmp_path, check=False,
+        env={**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT}/benchmarks"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == code and told in done.stderr and "Traceback" not in done.stderr, done.stderr
+    if "{run}" in line:
+        assert len(Store(tmp_path / "out").read()) == 1, "and nothing was printed into the records"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("--seeds", "9" * 5000), ("--seeds", f"0:{'9' * 5000}"), ("--import", ""), ("--import", "../.."), ("--out", "")],
+    ids=["seed", "seeds", "no module", "path", "no folder"],
+)
+def test_odd_words_are_refused_in_one_line(words: tuple[str, ...], tmp_path: Path) -> None:
+    rest = () if words[0] == "--out" else ("--out", str(tmp_path / "out"))
+    told = one_line(remac("bench", "run", "--backend", "symbolic", *rest, *words))
+    assert "valid" in told or "no module" in told
+    assert len(told) < 400 and not (tmp_path / "out").exists()
+
+
 def _name_a_task_oddly(folder: Path) -> None:
     """Records of an agent whose name is no ASCII."""
     store = Store(folder)

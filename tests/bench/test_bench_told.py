@@ -52,6 +52,7 @@ def test_an_honest_run_tells_nothing_odd(honest: list[Record], tmp_path: Path) -
         ("usage.requests", -1, "usage.requests: -1"),
         ("started", "yesterday", "'yesterday' is no time"),
         ("started", "2026-11-30T10:00:00", "is no time"),
+        ("started", "2999-11-30T10:00:00+00:00", "is no time"),
         ("machine", "\x1b[31mred", "machine"),
         ("schema", 0, "schema: 0; valid: 1 to 1"),
         ("video", {"path": "../../etc/passwd"}, "video.path"),

@@ -10,6 +10,7 @@ from typing import Any
 from remac_agents.plan import Commands
 from remac_bench.judging.episodes import RESTING
 from remac_bench.playing.extensions import check_body
+from remac_bench.playing.timing import odd_token
 from remac_bench.records import OutcomeEntry, Record
 from remac_env.errors import UnknownNameError
 from remac_env.oracle import Certificate, certify, solve
@@ -179,9 +180,8 @@ def _re_execute(env: Any, played: Sequence[Mapping[str, OutcomeEntry]]) -> tuple
 
 def _token(env: Any, text: str) -> int:
     """The token of a command, or the one that named nothing."""
-    kind, _, number = text.partition(" ")
-    if kind == "token" and number.lstrip("-").isdigit():
-        return int(number)
+    if (number := odd_token(text)) is not None:
+        return number
     try:
         return int(env.vocabulary.encode(text))
     except UnknownNameError:

@@ -64,12 +64,14 @@ def _find_local_modules() -> None:
 
 def _load_module(name: str) -> None:
     try:
+        if not all(part.isidentifier() for part in name.split(".")):
+            raise ModuleNotFoundError(name=name)
         importlib.import_module(name)
     except ModuleNotFoundError as error:
         if error.name is None or not name.startswith(error.name):
             raise
         raise UsageError(
-            f"there is no module {name!r}; give an importable module or a file that ends in .py"
+            f"there is no module {quoted(name)}; give an importable module or a file that ends in .py"
         ) from error
 
 

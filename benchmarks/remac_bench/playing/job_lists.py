@@ -14,11 +14,14 @@ from remac_bench.playing.jobs import Job
 from remac_bench.playing.outside import usable
 from remac_bench.playing.shared import Shared, make
 from remac_env.options import Options
+from remac_env.quoting import quoted
 from remac_env.seeding import SEED_MAX
 from remac_env.values import python_values
 
 _MOST_SEEDS = 1_000_000
 """Seeds in one range at most: more is a slip of the keyboard."""
+
+_MOST_DIGITS = 18
 
 
 def make_jobs(
@@ -86,11 +89,12 @@ def parse_seeds(text: str) -> list[int]:
     seeds: list[int] = []
     for part in text.split(","):
         first, colon, last = part.strip().partition(":")
-        if not first.isdecimal() or (colon and not last.isdecimal()):
-            raise UsageError(f"seeds {text!r} are not valid; valid: a range 0:10, a number 3 or a list 0,4,7")
+        numbers = [first, last] if colon else [first]
+        if not all(number.isdecimal() and len(number) <= _MOST_DIGITS for number in numbers):
+            raise UsageError(f"seeds {quoted(text)} are not valid; valid: a range 0:10, a number 3 or a list 0,4,7")
         span = range(int(first), int(last)) if colon else range(int(first), int(first) + 1)
         if span and span[-1] > SEED_MAX or span.stop - span.start > _MOST_SEEDS:
-            raise UsageError(f"seeds {text!r} are not valid; valid: at most {_MOST_SEEDS} seeds of 0..{SEED_MAX}")
+            raise UsageError(f"seeds {quoted(text)} are not valid; valid: at most {_MOST_SEEDS} seeds of 0..{SEED_MAX}")
         seeds += span
     if not seeds:
         raise UsageError(f"seeds {text!r} name no seed; valid: a range 0:10, a number 3 or a list 0,4,7")

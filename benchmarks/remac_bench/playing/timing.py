@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -85,8 +86,14 @@ def subtask_text(env: Any, token: int) -> str:
 
 def token_of(env: Any, text: str) -> int:
     """The token of what `subtask_text` says."""
-    word, _, number = text.partition(" ")
-    return int(number) if word == "token" and number.lstrip("-").isdigit() else int(env.vocabulary.encode(text))
+    number = odd_token(text)
+    return int(env.vocabulary.encode(text)) if number is None else number
+
+
+def odd_token(text: str) -> int | None:
+    """The number of a token that names no subtask; None for a subtask."""
+    found = re.fullmatch(r"token (-?[0-9]{1,18})", text)
+    return None if found is None else int(found[1])
 
 
 def _outcome(told: Mapping[str, Any]) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator, Sequence
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,9 @@ NO_JOB = "its options make no job"
 
 LONGEST = 1e9
 """s on the wall: thirty years. No episode took longer."""
+
+CLOCKS_DIFFER = timedelta(days=1)
+"""So far may the clocks of two machines lie apart; what begins later has not begun."""
 
 MACHINE_MAX = 200
 """Characters of what a machine is."""
@@ -82,7 +85,7 @@ def _wrong_words(record: Record) -> Iterator[str]:
         if record.usage.requests not in (0, sent):  # older records do not count them
             yield f"usage.requests: recorded {record.usage.requests}, again {sent}"
     if record.started is not None and not _is_time(record.started):
-        yield f"started: {record.started[:80]!r} is no time; valid: UTC, ISO 8601 to the second"
+        yield f"started: {record.started[:80]!r} is no time; valid: UTC, ISO 8601 to the second, and over"
     if record.machine is not None and not (record.machine.isprintable() and len(record.machine) <= MACHINE_MAX):
         yield f"machine: {record.machine[:80]!r}"
     try:
@@ -93,7 +96,9 @@ def _wrong_words(record: Record) -> Iterator[str]:
 
 def _is_time(text: str) -> bool:
     try:
-        return datetime.fromisoformat(text).isoformat(timespec="seconds") == text and text.endswith("+00:00")
+        told = datetime.fromisoformat(text)
+        past = told.tzinfo is not None and told <= datetime.now(UTC) + CLOCKS_DIFFER
+        return past and told.isoformat(timespec="seconds") == text and text.endswith("+00:00")
     except ValueError:
         return False
 
