@@ -19,15 +19,18 @@ from remac_env.backends.physics.controllers.learned.library import file_name
 from remac_env.backends.physics.controllers.learned.network import HAND, Network, commanded
 from remac_env.backends.physics.controllers.learned.seen import entries
 from remac_env.backends.physics.controllers.learned.weights import About, Weights, save_weights
-from remac_env.errors import OptionError, UncertifiedWarning
+from remac_env.errors import KitchenFileError, OptionError, UncertifiedWarning
 from remac_env.kitchen import layout as layouts
+from remac_env.kitchen import style as styles
 from remac_env.kitchen.builder import build_model
+from remac_env.kitchen.fixtures import certificates
 from remac_env.lowlevel.env import SkillEnv
 from remac_env.robots import bodies
 from remac_env.robots.rotation import about_x, about_z
 from remac_env.robots.tracking import bare_model
 from remac_env.rules.skills import SKILLS
 
+CERTIFIED = {"layout": "one_wall_large", "style": "modern_1"}
 CHAINS = {chain["name"]: chain for chain in tomllib.loads(skills.CHAINS.read_text("utf-8"))["chain"]}
 
 
@@ -93,10 +96,24 @@ def test_a_kitchen_holds_what_the_body_says(body: SixJoints) -> None:
         assert [model.actuator(number).name for number in range(model.nu)] == names
 
 
-def test_it_opens_a_door_takes_something_and_puts_it_in(body: SixJoints) -> None:
-    env = remac_env.parallel_env("OpenCabinetPnP", robots=1, body=body.name, layout="one_wall_large")
+def test_its_certificates_lie_beside_it_and_count_for_it_alone(body: SixJoints) -> None:
+    """They are of one layout in one style: nothing else is certified with it, and with a changed one nothing at all."""
+    assert certificates.file_of(body.name) == Path(__file__).parent / "certified" / "six joints.toml"
+    layout, other = (layouts.load("one_wall_large", styles.load(name).models) for name in ("modern_1", "rustic"))
+    assert certificates.uncertified(layout, body.name) == ()
+    assert "cabinet" in certificates.uncertified(other, body.name)
     with pytest.warns(UncertifiedWarning, match="'six joints' nothing is certified of .*cabinet"):
-        env.reset(seed=1)
+        certificates.warn_uncertified(other, body.name)
+    known = certificates.load(body.name)
+    body.lower = body.lower + 1e-3
+    with pytest.raises(KitchenFileError, match="body 'six joints' has changed since the proof"):
+        certificates.check(layout, "odd.toml", known, body=body.name)
+
+
+@pytest.mark.filterwarnings("error::remac_env.errors.UncertifiedWarning")
+def test_it_opens_a_door_takes_something_and_puts_it_in(body: SixJoints) -> None:
+    env = remac_env.parallel_env("OpenCabinetPnP", robots=1, body=body.name, **CERTIFIED)
+    env.reset(seed=1)
     for text in (
         "navigate to cabinet", "open cabinet door", "navigate to vegetable", "pick up vegetable", "navigate to cabinet",
         "place to cabinet",
@@ -115,8 +132,7 @@ def test_actions_and_observations_are_as_long_as_it_has_joints(body: SixJoints, 
     env, other = SkillEnv("TurnOn", body=body.name, **cell), SkillEnv("TurnOn", **cell)
     assert len(other.observation_names) - len(env.observation_names) == 1
     assert len(env.action_names) == 11  # with joints 4 of the base and the lift, 6, and the fingers; else 6 of the hand
-    with pytest.warns(UncertifiedWarning):
-        observation, _ = env.reset(seed=2)
+    observation, _ = env.reset(seed=2)
     assert env.observation_space.contains(observation)
     command = Command(env._manual.q, env._manual.grip)
     assert command.q.shape == (10,)
