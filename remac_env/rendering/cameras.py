@@ -14,21 +14,20 @@ from remac_env.errors import check_choice
 from remac_env.kitchen.fixtures.base import WALL_Y
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     import mujoco
 
-    from remac_env.kitchen.fixtures.base import Fixture
     from remac_env.kitchen.floor_plan import Layout
 
 Point = tuple[float, float, float]
 Floats = NDArray[np.float64]
 
 FRONT = "front"
-"""The whole kitchen in a square picture, seen from the open side of the room."""
+"""All that robots work at and every place of theirs, in a square picture, seen from the open side of the room."""
 
 WIDE = "wide"
-"""The whole kitchen in a picture of 16 to 9, for people."""
+"""The same in a picture of 16 to 9, for people."""
 
 WRIST = "{robot}/wrist"
 """What a robot's hand sees."""
@@ -46,12 +45,14 @@ SIDE = "side/{station}"
 """A close look at what stands at a station, into cupboards and the microwave."""
 
 FIELD = 46.0
-"""Vertical, degrees, of cameras with square pictures."""
-FOLLOW_FIELD = 34.0
-"""Vertical, degrees, of the camera that follows the robots."""
+"""Vertical, degrees, of cameras that look at one place from near by."""
+WHOLE_FIELD = 20.0
+"""Vertical, degrees, of those that show robots and their work from the open side of the room: from far away, so that
+robots in the foreground are not large and their work small."""
+STEEP = 18.0
+"""Degrees above the horizon from which they look: on to worktops, and on to little floor."""
 
-_WIDE_FIELD = 33.0  # from further away, so that robots in the foreground do not hide the kitchen
-_FRONT_ASPECT, WIDE_ASPECT = 1.0, 16 / 9
+WIDE_ASPECT = 16 / 9
 
 # Position relative to what is looked at, by kind of slot: from the right, or from the left where a door opens to the
 # right; steeply down into a basin, almost level into a cupboard.
@@ -62,13 +63,9 @@ _FROM = {
     "cavity": (0.40, -0.95, 0.42),
 }
 _BETWEEN_PANELS = 0.25  # of the way to the side, where a door opens to either side
-# Whole kitchens: degrees above the horizon, more of them a metre of depth, and at most; then heights to be seen, m.
-_LEAST_STEEP, _STEEPER, _STEEPEST = 14.0, 3.5, 27.0
-_HIGHEST, _LOWER, _LOWEST = 34.0, 2.8, 16.0  # the same of square pictures: fewer of them a metre, and at least
-_FIXTURE_TOP, _WALL_TOP, _ROBOT_TOP = 1.4, 2.25, 1.3
-_ROBOT_HALF = 0.36  # m, of a robot's base
+_WORK_LOW, _ROBOT_TOP = 0.7, 1.3  # m above the floor: fixtures are seen from here up, robots up to here
+_ROBOT_HALF = 0.40  # m, of a robot's base, and how far it may stand off its place
 _FRAMED = 0.98  # of the picture
-_FRONT_SLACK = 0.3  # m that fixtures along the back wall stand out
 _WALL_GAP = 0.12  # seen from behind, a wall would be a veil over the picture
 # In the hand's frame: z along the fingers, which end at 0.115, and x away from the robot when it works ahead of itself.
 WRIST_AT, WRIST_LOOKS_AT, _WRIST_FIELD = (0.115, 0.0, 0.04), (0.02, 0.0, 0.17), 72.0
@@ -92,32 +89,24 @@ def fixed_cameras(layout: Layout) -> tuple[Camera, ...]:
 
 
 def front_camera(layout: Layout) -> Camera:
-    """As near as it can be while all worktops, fixtures and robots are in a square picture, with little floor before.
+    """As near as it can be while what robots work at, and robots wherever they stand, are in a square picture.
 
-    The deeper the kitchen, the lower it stands: less of the floor between the fixtures is seen.
+    The picture's lower edge is where the foremost robot stands: no floor before it is seen.
     """
-    steep = max(_LOWEST, _HIGHEST - _LOWER * _depth(layout))
-    return _before_room(FRONT, FIELD, _FRONT_ASPECT, steep, _work(layout), low=True)
+    return _before_room(FRONT, 1.0, layout, low=True)
 
 
 def wide_camera(layout: Layout) -> Camera:
-    """As near as it can be while the whole kitchen is in a picture of 16 to 9.
-
-    The deeper the kitchen, the higher it stands, to look over what is in front.
-    """
-    depth = _depth(layout)
-    steep = min(_STEEPEST, _LEAST_STEEP + _STEEPER * depth)
-    return _before_room(WIDE, _WIDE_FIELD, WIDE_ASPECT, steep, _to_be_seen(layout, depth))
+    """The same for a picture of 16 to 9."""
+    return _before_room(WIDE, WIDE_ASPECT, layout)
 
 
-def _before_room(
-    name: str, field: float, aspect: float, steep: float, points: list[Point], *, low: bool = False
-) -> Camera:
-    """Before the open side, as near as it can be while all points are in the picture."""
-    back = np.array([0.0, -cos(radians(steep)), sin(radians(steep))])
-    turn = axes(back, np.array([0.0, 0.0, 1.0]))
-    position = fitted(np.array(points), turn, field, aspect=aspect, framed=_FRAMED, low=low)
-    return Camera(name, _point(position), _point(position - back), field)
+def _before_room(name: str, aspect: float, layout: Layout, *, low: bool = False) -> Camera:
+    """Before the open side, as near as it can be while all the work is in the picture."""
+    back = np.array([0.0, -cos(radians(STEEP)), sin(radians(STEEP))])
+    turn, points = axes(back, np.array([0.0, 0.0, 1.0])), np.array([*_work(layout), *_robots(layout)])
+    position = fitted(points, turn, WHOLE_FIELD, aspect=aspect, framed=_FRAMED, low=low)
+    return Camera(name, _point(position), _point(position - back), WHOLE_FIELD)
 
 
 def fitted(
@@ -141,39 +130,22 @@ def fitted(
     return place
 
 
-def _to_be_seen(layout: Layout, depth: float) -> list[Point]:
-    """What must be in pictures of the whole kitchen: the back wall, the fixtures' ends, robots wherever they may be."""
-    sides = layout.room.x
-    return [(x, -depth, z) for x in sides for z in (0.0, _FIXTURE_TOP)] + _back_and_robots(layout)
+def _work(layout: Layout) -> Iterator[Point]:
+    """Corners of the fixtures that robots use, above the height of what they use there; not of hoods and walls."""
+    for fixture in layout.fixtures.values():
+        if fixture.station is None:
+            continue
+        for block in map(layout.frame(fixture.name).block, fixture.blocks):
+            low = max(block.low[2], min(_WORK_LOW, block.high[2]))
+            yield from product((block.low[0], block.high[0]), (block.low[1], block.high[1]), (low, block.high[2]))
 
 
-def _work(layout: Layout) -> list[Point]:
-    """The same with the corners of the fixtures that robots use instead of the room's sides."""
-    blocks = [layout.frame(fixture.name).block(block) for fixture in _used(layout) for block in fixture.blocks]
-    corners = [
-        (x, y, z) for b in blocks for x, y, z in product((b.low[0], b.high[0]), (b.low[1], b.high[1]), (0.0, b.high[2]))
-    ]
-    arms = [(place.x + side * _ROBOT_HALF, place.y, _ROBOT_TOP) for place in layout.asides for side in (-1, 1)]
-    return corners + arms + _back_and_robots(layout)
-
-
-def _back_and_robots(layout: Layout) -> list[Point]:
-    points = [(x, y, z) for x in layout.room.x for y in (0.0, WALL_Y) for z in (0.0, _WALL_TOP)]
+def _robots(layout: Layout) -> Iterator[Point]:
+    """Corners of robots at all their places."""
     for place in (*layout.stations.values(), *layout.asides):
-        points += [(place.x, place.y - _ROBOT_HALF, 0.0), (place.x, place.y, _ROBOT_TOP)]
-        points += [(place.x + side * _ROBOT_HALF, place.y, 0.0) for side in (-1, 1)]
-    return points
-
-
-def _used(layout: Layout) -> list[Fixture]:
-    """The fixtures that robots use."""
-    return [fixture for fixture in layout.fixtures.values() if fixture.station is not None]
-
-
-def _depth(layout: Layout) -> float:
-    """How far the fixtures that robots use reach into the room, m, beyond those along its back wall."""
-    fronts = [layout.frame(fixture.name).block(block).low[1] for fixture in _used(layout) for block in fixture.blocks]
-    return max(0.0, -min(fronts, default=0.0) - _FRONT_SLACK)
+        for x, y in product((-_ROBOT_HALF, _ROBOT_HALF), repeat=2):
+            yield place.x + x, place.y + y, 0.0
+        yield place.x, place.y, _ROBOT_TOP
 
 
 def in_picture(camera: Camera, point: Point, aspect: float) -> tuple[float, float]:
@@ -235,7 +207,7 @@ def add_cameras(spec: mujoco.MjSpec, layout: Layout, robots: Sequence[str]) -> N
         add_wrist_camera(spec, robot)
         spec.worldbody.add_camera(name=HELD.format(robot=robot), fovy=FIELD)
         spec.worldbody.add_camera(name=CLOSE.format(robot=robot), fovy=FIELD)
-    spec.worldbody.add_camera(name=FOLLOW, fovy=FOLLOW_FIELD)
+    spec.worldbody.add_camera(name=FOLLOW, fovy=WHOLE_FIELD)
 
 
 def add_wrist_camera(spec: mujoco.MjSpec, robot: str) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remac_env.kitchen.fixtures.base import WALL_Y
-from remac_env.rendering.cameras import CLOSE, FIELD, FOLLOW, FOLLOW_FIELD, WIDE_ASPECT, axes, fitted
+from remac_env.rendering.cameras import CLOSE, FIELD, FOLLOW, STEEP, WHOLE_FIELD, WIDE_ASPECT, axes, fitted
 from remac_env.rendering.following import facing_of
 
 if TYPE_CHECKING:
@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 _UP = np.array([0.0, 0.0, 1.0])
-_STEEP = 24.0  # degrees above the horizon from which the robots are followed: over fixtures before them
-_BACK = np.array([0.0, -cos(radians(_STEEP)), sin(radians(_STEEP))])  # from the open side of the room
+_BACK = np.array([0.0, -cos(radians(STEEP)), sin(radians(STEEP))])  # from the open side of the room
 _HALF, _TOP = 0.40, 1.50  # m: a robot's base to either side, and its arm's height
 _AHEAD, _WORK = 0.75, (0.75, 1.55)  # m before a robot's middle, and the heights there, of what it works at
 _FRAMED = 0.94  # of the picture
@@ -123,7 +122,7 @@ def _following(robots: Sequence[Mapping[str, Floats]]) -> list[Aim]:
 
     def eye(first: int, end: int) -> Floats:
         points = np.concatenate(work[max(0, first) : end])
-        return fitted(points, turn, FOLLOW_FIELD, aspect=WIDE_ASPECT, framed=_FRAMED, near=_NEAREST)
+        return fitted(points, turn, WHOLE_FIELD, aspect=WIDE_ASPECT, framed=_FRAMED, near=_NEAREST)
 
     away = [float(eye(index, index + 1) @ _BACK - (work[index] @ _BACK).max()) for index in range(len(work))]
 

@@ -2,30 +2,59 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
 from remac_env.errors import UnknownNameError
 from remac_env.kitchen import layout as layouts
+from remac_env.kitchen import parking
 from remac_env.kitchen.fixtures import models as fixture_models
+from remac_env.kitchen.floor_plan import Station
 from remac_env.kitchen.layout_checks import world_blocks
 from remac_env.rendering import cameras
 from remac_env.rendering.renderer import Renderer
 from remac_env.state import FrozenMap
 
+LEAST_TALL, LEAST_TALL_WIDE = 0.17, 0.22
+"""Of a picture's height, a robot at the farthest station."""
+
 every_layout = pytest.mark.parametrize("name", layouts.names())
 
 
 @every_layout
-def test_front_and_wide_cameras_frame_the_whole_kitchen(name: str) -> None:
-    layout = layouts.load(name)
+@pytest.mark.parametrize("team", [2, 4])
+def test_front_and_wide_cameras_frame_the_work_and_no_more(name: str, team: int) -> None:
+    layout = parking.for_robots(layouts.load(name), team)
     for camera, aspect in ((cameras.front_camera(layout), 1.0), (cameras.wide_camera(layout), 16 / 9)):
-        points = [(x, 0.0, z) for x in layout.room.x for z in (0.0, 1.0, 2.2)]
-        points += [(place.x, place.y, 1.2) for place in (*layout.asides, *layout.stations.values())]
-        for point in points:
-            assert np.abs(cameras.in_picture(camera, point, aspect)).max() < 1.0, point
-        assert not np.abs(cameras.in_picture(camera, (4 * layout.room.x[1], 0.0, 1.0), aspect)).max() < 1.0
+        points = [layout.middle(slot) for slot in layout.slots]
+        for place in (*layout.asides, *layout.stations.values()):
+            points += [(place.x, place.y, z) for z in (0.0, 1.2)]
+        for fixture in filter(lambda each: each.station is not None, layout.fixtures.values()):
+            blocks = map(layout.frame(fixture.name).block, fixture.blocks)
+            points += [(x, y, b.high[2]) for b in blocks for x in (b.low[0], b.high[0]) for y in (b.low[1], b.high[1])]
+        places = np.abs([cameras.in_picture(camera, point, aspect) for point in points])
+        assert places.max() < 1.0
+        assert places.max() > 0.9, "a nearer camera sees as much"
+
+
+@every_layout
+def test_the_farthest_robots_are_large_in_pictures_of_the_whole(name: str) -> None:
+    for team in (1, 2, 3, 4):
+        layout = parking.for_robots(layouts.load(name), team)
+        front, wide = cameras.front_camera(layout), cameras.wide_camera(layout)
+        assert min(_tall(front, place, 1.0) for place in layout.stations.values()) >= LEAST_TALL
+        assert min(_tall(wide, place, 16 / 9) for place in layout.stations.values()) >= LEAST_TALL_WIDE
+        short = replace(front, field=2 * front.field)
+        assert min(_tall(short, place, 1.0) for place in layout.stations.values()) < LEAST_TALL
+
+
+def _tall(camera: cameras.Camera, place: Station, aspect: float) -> float:
+    """The share of the picture's height from a robot's wheels to its folded arm."""
+    foot, top = (cameras.in_picture(camera, (place.x, place.y, z), aspect)[1] for z in (0.0, 1.3))
+    return (top - foot) / 2
 
 
 @every_layout
