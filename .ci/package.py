@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -63,7 +64,18 @@ def main() -> int:
         tried(path)
     for path in made:
         print(f"{path.name}: {path.stat().st_size / 1e6:.1f} MB, installed and tried")
+        if path.suffix == ".whl":
+            print(f"  unpacked {held(path)}")
     return 0
+
+
+def held(path: Path) -> str:
+    """How large what a wheel holds is, in MB, and what of: by the ends of file names."""
+    sizes: Counter[str] = Counter()
+    for each in zipfile.ZipFile(path).infolist():
+        sizes[Path(each.filename).suffix or Path(each.filename).name] += each.file_size
+    told = ", ".join(f"{size / 1e6:.1f} {kind}" for kind, size in sizes.most_common(3))
+    return f"{sizes.total() / 1e6:.1f} MB: {told}"
 
 
 def check_wheel(path: Path) -> None:

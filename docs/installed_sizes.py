@@ -22,7 +22,7 @@ def main() -> None:
     parser.add_argument("folders", nargs="*", type=Path, default=[Path(sys.prefix)])
     parser.add_argument("--packages", type=int, default=4, help="how many of the largest are named")
     given = parser.parse_args()
-    found = {folder.name: sizes(folder) for folder in given.folders}
+    found = {str(folder): sizes(folder) for folder in given.folders}
     if len(found) == 1:
         ((name, packages),) = found.items()
         print(f"| package in `{name}` | MB |\n|---|---:|")

@@ -51,10 +51,14 @@ def test_rllib_masks_what_it_learns_from_and_not_only_what_it_plays(monkeypatch:
 def test_robots_that_see_the_same_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("ray.rllib", reason="make ray installs it")
     monkeypatch.syspath_prepend(str(EXAMPLES))
-    team = importlib.import_module("rllib_two_robots").Team(TASK)
+    example = importlib.import_module("rllib_two_robots")
+    team = example.Team(TASK)
     seen, _ = team.reset(seed=0)
     one, other = (seen[name]["observations"] for name in team.possible_agents)
-    assert (one[:-2] == other[:-2]).all() and one[-2:].tolist() == [1.0, 0.0] and other[-2:].tolist() == [0.0, 1.0]
+    signs = 2 * example.SIGN  # repeated, as a faint one is not learnt from
+    assert (one[:-signs] == other[:-signs]).all() and example.SIGN >= 32
+    assert one[-signs:].tolist() == [1.0] * example.SIGN + [0.0] * example.SIGN
+    assert other[-signs:].tolist() == one[-signs:].tolist()[::-1]
     assert all(seen[name] in team.observation_space(name) for name in seen)
 
 

@@ -78,7 +78,7 @@ def prune(file: File, *, keep: int, task: str | None) -> None:
     """Forget all but the newest runs of each task; the file is replaced in one step."""
     prepare_file(_there(file), "memory file")
     gone = prune_file(_there(file), keep=keep, task=task)
-    _say(f"{gone} runs forgotten")
+    _say(f"{gone} {'run' if gone == 1 else 'runs'} forgotten")
 
 
 def _chosen(file: Path, task: str | None) -> list[tuple[int, Run]]:
