@@ -69,7 +69,7 @@ def main() -> None:
 def places() -> dict[str, str]:
     """Where each file of the repository that has a page stands on the site: both as paths with slashes."""
     found = {"README.md": "index.md", "CHANGELOG.md": "changelog.md", "benchmarks/README.md": "benchmarks.md"}
-    found |= {"LICENSE": "licence.md", "CITATION.cff": "citation.md"}
+    found |= {"LICENSE": "licence.md", "CITATION.cff": "citation.md", "docs/site.css": "site.css"}
     found |= {_path(path): _path(path, ROOT / "docs") for path in sorted((ROOT / "docs").rglob("*.md"))}
     pictures = [path for path in sorted((ROOT / "docs" / "pictures").iterdir()) if path.suffix != ".py"]
     found |= {_path(path): _path(path, ROOT / "docs") for path in pictures}

@@ -20,16 +20,20 @@ from stable_baselines3.common.vec_env import VecEnv, VecMonitor
 
 from remac_env.envs.making import make_kitchen
 from remac_env.envs.parallel import KitchenParallelEnv
-from remac_env.errors import OptionError
+from remac_env.errors import OptionError, whole_number
 from remac_env.options import Options
-from remac_env.quoting import quoted
 from remac_env.tasks import get
 
 START = "start"
 """What `infos["episode"]` of the PettingZoo environment is called here: "episode" is Stable-Baselines3's own key."""
 
+FACTS = "observation"
+"""The key of the facts, with `obs_format="dict"`."""
 
-def vec_env(task: str, *, robots: int = 2, copies: int = 1, seed: int | None = None, **options: Any) -> VecMonitor:
+
+def vec_env(
+    task: str, *, robots: int = 2, copies: int = 1, seed: int | None = None, sign: int = 0, **options: Any
+) -> VecMonitor:
     """`copies` kitchens whose robots are `robots * copies` environments, with the monitor around them.
 
     Every one sees and is told what its robot is: observations, action and reward as of `remac_env.parallel_env`. They
@@ -43,17 +47,19 @@ def vec_env(task: str, *, robots: int = 2, copies: int = 1, seed: int | None = N
         copies: kitchens.
         seed: of the first episodes, as `reset` takes it, one more for each kitchen; later ones follow from it. None
             draws them. `env.seed(...)` does the same before the next reset.
+        sign: how often it stands behind the facts which robot it is, as ones among zeros: `sign * robots` numbers
+            more. With 0, the default, robots that see the same choose the same where each takes its best token, and
+            stand in each other's way; 64 was enough to learn from (docs/learning.md).
         options: as for `parallel_env`. "flat" observations, for "MlpPolicy", unless `obs_format="dict"` is chosen.
 
     Raises:
-        UnknownNameError, OptionError: as `parallel_env`; for `copies` below 1.
+        UnknownNameError, OptionError: as `parallel_env`; for `copies` below 1, or `sign` outside 0..10,000.
     """
-    if isinstance(copies, bool) or not isinstance(copies, int) or copies < 1:
-        raise OptionError(f"copies {quoted(copies)} is not valid; valid: a whole number from 1")
+    copies, sign = whole_number("copies", copies, 1, None), whole_number("sign", sign, 0, 10_000)
     chosen = Options(robots=robots, **{"obs_format": "flat", **options})
     if chosen.clock != "rounds":
         raise OptionError(f"clock {chosen.clock!r} is not valid: all robots decide at once here; valid: 'rounds'")
-    envs = TeamVecEnv([make_kitchen(get(task), chosen) for _ in range(copies)])
+    envs = TeamVecEnv([make_kitchen(get(task), chosen) for _ in range(copies)], sign=sign)
     envs.seed(seed)
     return VecMonitor(envs)
 
@@ -64,18 +70,21 @@ class TeamVecEnv(VecEnv):
     Attributes:
         kitchens: the environments.
         robots: (kitchen, robot) of each copy.
+        signs: robot -> what stands behind its facts, float32 (sign * robots,).
         render_mode: of all of them.
     """
 
-    def __init__(self, kitchens: Sequence[KitchenParallelEnv]) -> None:
+    def __init__(self, kitchens: Sequence[KitchenParallelEnv], *, sign: int = 0) -> None:
         self.kitchens = list(kitchens)
         self.robots = [(kitchen, name) for kitchen in self.kitchens for name in kitchen.possible_agents]
         names = self.kitchens[-1].possible_agents
+        ones = np.eye(len(names), dtype=np.float32).repeat(sign, axis=1)
+        self.signs: dict[str, NDArray[np.float32]] = dict(zip(names, ones, strict=True))
         seen, acts = ({name: space(name) for name in names} for space in
                       (self.kitchens[-1].observation_space, self.kitchens[-1].action_space))  # fmt: skip
         self.render_mode = self.kitchens[-1].render_mode
         self._tokens: NDArray[np.int64] = np.zeros(len(self.robots), np.int64)
-        super().__init__(len(self.robots), seen[names[-1]], acts[names[-1]])
+        super().__init__(len(self.robots), _longer(seen[names[-1]], ones.shape[1]), acts[names[-1]])
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """The seed of the first kitchen's next episode; the others' are the numbers after it."""
@@ -88,7 +97,7 @@ class TeamVecEnv(VecEnv):
         begun = [kitchen.reset(seed=seed) for kitchen, seed in zip(self.kitchens, self._next, strict=True)]
         self._next = [None] * len(self.kitchens)
         self.reset_infos = [_told(info) for _, infos in begun for info in infos.values()]
-        return self._stacked([row for seen, _ in begun for row in seen.values()])
+        return self._stacked([self._signed(name, row) for seen, _ in begun for name, row in seen.items()])
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Take a token for every robot, shape (robots * copies,)."""
@@ -109,12 +118,12 @@ class TeamVecEnv(VecEnv):
             for info, name, done in zip(own, names, over, strict=True):
                 info["TimeLimit.truncated"], info["is_success"] = cuts[name] and not ends[name], infos[name]["success"]
                 if done:
-                    info["terminal_observation"] = seen[name]
+                    info["terminal_observation"] = self._signed(name, seen[name])
             if all(over):
                 seen, begun = kitchen.reset()
                 for info, name in zip(own, names, strict=True):
                     info["reset_info"] = _told(begun[name])
-            rows += [seen[name] for name in names]
+            rows += [self._signed(name, seen[name]) for name in names]
             rewards += [paid[name] for name in names]
             dones += over
             told += own
@@ -155,10 +164,23 @@ class TeamVecEnv(VecEnv):
     def _chosen(self, indices: Any) -> list[tuple[KitchenParallelEnv, str]]:
         return [self.robots[index] for index in self._get_indices(indices)]
 
+    def _signed(self, name: str, row: Any) -> Any:
+        if isinstance(row, dict):
+            return {**row, FACTS: np.concatenate([row[FACTS], self.signs[name]])}
+        return np.concatenate([row, self.signs[name]])
+
     def _stacked(self, rows: Sequence[Any]) -> Any:
         if isinstance(self.observation_space, spaces.Dict):
             return {key: np.stack([row[key] for row in rows]) for key in self.observation_space.spaces}
         return np.stack(rows)
+
+
+def _longer(space: spaces.Space[Any], more: int) -> spaces.Space[Any]:
+    """The space with so many further numbers in 0..1 behind its facts."""
+    if isinstance(space, spaces.Dict):
+        return spaces.Dict({**space.spaces, FACTS: _longer(space[FACTS], more)})
+    (size,) = space.shape or ()
+    return spaces.Box(0.0, 1.0, (size + more,), np.float32)
 
 
 def _told(info: dict[str, Any]) -> dict[str, Any]:

@@ -153,6 +153,27 @@ def test_its_robots_are_told_what_the_parallel_environment_tells_them() -> None:
         vec_env(TASK, clock="events")
 
 
+def test_its_robots_may_be_told_which_of_them_they_are() -> None:
+    """At a start two robots see the same, so that one policy's best token is the same for both."""
+    pytest.importorskip("stable_baselines3")
+    from remac_env.integrations.sb3 import vec_env
+
+    for form in ("flat", "dict"):
+        options: dict[str, Any] = {"backend": "symbolic", "obs_format": form, "max_rounds": 1, "seed": 7}
+        plain, signed = (vec_env(TASK, robots=2, sign=sign, **options) for sign in (0, 3))
+        same, seen = plain.reset(), signed.reset()
+        if form == "dict":
+            assert signed.observation_space.contains({key: part[0] for key, part in seen.items()})
+            same, seen = same["observation"], seen["observation"]
+        assert np.array_equal(same[0], same[1]) and np.array_equal(seen[:, :-6], same)
+        assert seen[:, -6:].tolist() == [[1, 1, 1, 0, 0, 0], [0, 0, 0, 1, 1, 1]]
+        *_, told = signed.step(np.zeros(2, int))
+        last = told[1]["terminal_observation"]
+        assert (last["observation"] if form == "dict" else last)[-6:].tolist() == [0, 0, 0, 1, 1, 1]
+    with pytest.raises(OptionError, match="sign -1"):
+        vec_env(TASK, sign=-1)
+
+
 def test_the_python_of_the_page_runs() -> None:
     for needed in ("supersuit", "stable_baselines3"):
         pytest.importorskip(needed)
