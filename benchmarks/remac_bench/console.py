@@ -55,6 +55,12 @@ def _width(stream: TextIO) -> int:
     return min(max(columns, _LEAST), _MOST) if columns else _WIDTH
 
 
+def say(line: str, *, stderr: bool = False) -> None:
+    """Print a line: a terminal gets it in lines that end with a word, a file or another program as it is."""
+    made = console(stderr=stderr)
+    made.print(line, markup=False, emoji=False, soft_wrap=not made.is_terminal)
+
+
 def tame_columns() -> None:
     """Give the help texts, which others print, a width that they can take, where COLUMNS says one that they cannot."""
     if "COLUMNS" in os.environ:

@@ -12,6 +12,7 @@ from remac_bench.cli import app
 from remac_bench.columns import in_parts, laid_out
 from remac_bench.commands.progress import Bar
 from remac_bench.commands.tasks import list_tasks
+from remac_bench.console import say
 from remac_bench.report import board_tables
 from rich import box
 from rich.console import Console
@@ -83,6 +84,20 @@ def test_the_line_of_progress_keeps_its_numbers_and_cuts_the_agents_name(width: 
     (line,) = screen.file.getvalue().splitlines()  # type: ignore[attr-defined]
     assert len(line) <= width and line.startswith("OpenMi") and "…" in line
     assert "24/120 episodes 8 failed, 1 broken, 12.5/s, $3.20 0:00:00 left -:--:--" in line
+
+
+def test_lines_end_with_words_in_a_terminal_and_are_whole_elsewhere(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    line = "preflight: 6 jobs: about 160 calls, 270,000 tokens in [bold], 6,100 out :smile:, as measured"
+    say(line)
+    assert capsys.readouterr().out == f"{line}\n"
+    monkeypatch.setenv("FORCE_COLOR", "1")  # rich's word for: this is a terminal
+    monkeypatch.setenv("NO_COLOR", "1")
+    say(line)
+    told = capsys.readouterr().out
+    assert told.split() == line.split() and max(map(len, told.splitlines())) <= 60
 
 
 @pytest.mark.long  # looks for a graphics driver

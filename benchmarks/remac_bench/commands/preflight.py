@@ -11,7 +11,7 @@ from rich.table import Table
 
 from remac_agents.llm import ChatClient
 from remac_bench.columns import show
-from remac_bench.console import MARKS, USAGE, plain
+from remac_bench.console import MARKS, USAGE, plain, say
 from remac_bench.playing.agents import Access
 from remac_bench.playing.jobs import Job
 from remac_bench.preflight.estimates import measured
@@ -35,7 +35,7 @@ def check_jobs_models(jobs: Sequence[Job]) -> None:
         return
     found = ask_all(clients)
     _tell(found)
-    typer.echo(f"preflight: {plain(bill(jobs, kinds, measured()).told)}", err=True)
+    say(f"preflight: {plain(bill(jobs, kinds, measured()).told)}", stderr=True)
     _stop_where_fatal(found)
 
 
@@ -73,15 +73,15 @@ def _tell(found: Sequence[Preflight]) -> None:
         works = [f"{p.check} {p.told}" for p in preflight.probes if p.ok is not False and p.check != "address"]
         if works:
             told = f"preflight: {preflight.model}: {'; '.join(works)}; {_asked(preflight)}"
-            typer.echo(plain(told), err=True)
+            say(plain(told), stderr=True)
         for probe in preflight.warnings:
-            typer.echo(plain(f"warning: {probe.model}: {probe.check}: {probe.told}"), err=True)
+            say(plain(f"warning: {probe.model}: {probe.check}: {probe.told}"), stderr=True)
 
 
 def _stop_where_fatal(found: Sequence[Preflight]) -> None:
     fatal = [probe for preflight in found for probe in preflight.fatal]
     for probe in fatal:
-        typer.echo(plain(f"error: {probe.model}: {probe.check}: {probe.told}"), err=True)
+        say(plain(f"error: {probe.model}: {probe.check}: {probe.told}"), stderr=True)
     if fatal:
         raise typer.Exit(USAGE)
 

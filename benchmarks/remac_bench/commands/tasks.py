@@ -12,6 +12,7 @@ from rich.table import Table
 
 from remac_bench.columns import show
 from remac_bench.command import Command, joined
+from remac_bench.console import say
 from remac_bench.flags import takes
 from remac_bench.playing.job_lists import parse_names, parse_seeds
 
@@ -56,9 +57,12 @@ def generate(
     made = make_rows(wanted, numbers, sort, workers=workers)
     for row in made.rows:
         short = f"{row['template']}: {row['goal']} [{row['lower']}..{row['upper']} rounds, {row['proof']}]"
-        typer.echo(json.dumps(row) if as_json else f"grade {row['grade']}, seed {row['seed']}, {short}")
+        if as_json:
+            typer.echo(json.dumps(row))
+        else:
+            say(f"grade {row['grade']}, seed {row['seed']}, {short}")
     for line in summary(made):
-        typer.echo(line, err=True)
+        say(line, stderr=True)
 
 
 def list_tasks() -> list[dict[str, Any]]:
