@@ -191,7 +191,7 @@ def _subtasks(nouns: Iterable[Noun]) -> Iterable[Subtask]:
 
 
 def make_noun(entry: Mapping[str, object], *, file: str) -> Noun:
-    """A noun from its table in a TOML file."""
+    """A noun from its table in a TOML file; KitchenFileError, which names it, for a kind or use that there is not."""
     name, kind = str(entry.get("name", "")), entry.get("kind")
     uses = entry.get("uses", [])
     if kind not in ("fixture", "object"):

@@ -81,7 +81,7 @@ class KitchenEnv(gymnasium.Env[Any, Any]):
         return self._flat(observations), rewards[name], terminations[name], truncations[name], self._info(infos)
 
     def render(self) -> Any:
-        """See KitchenParallelEnv.render."""
+        """See KitchenParallelEnv.render; ResetNeeded before the first reset."""
         if not self._begun:
             raise ResetNeeded("render() needs an episode under way: call reset() first")
         return self.parallel.render()
