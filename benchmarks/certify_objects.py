@@ -7,8 +7,8 @@ take it out (what is small enough) or into the open cabinet (the rest). Each ste
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping
 
+from module_trials import OwnCategories
 from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import console as make_console
@@ -17,7 +17,6 @@ from rich.table import Table
 
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.kitchen.objects import catalogue
-from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.tasks.goals import Inside
 from remac_env.tasks.spec import Role, TaskSpec
 
@@ -26,15 +25,6 @@ AGAIN = ("pick up {0}", "navigate to counter", "place to counter", "navigate to 
 INTO_BOWL = ("navigate to bowl", "place to bowl", "pick up {0}", "navigate to counter", "place to counter")
 INTO_CABINET = ("navigate to cabinet", "place to cabinet")
 INTO_VESSEL = {"plate": "cabinet", "bowl": "sink", "pan": "stove"}
-
-
-class _Only(TaskWorlds):
-    """Kitchens in which each noun is its own category: the fish is not a salmon."""
-
-    @property
-    def categories(self) -> Mapping[str, catalogue.Category]:
-        """The categories of the task's objects."""
-        return {role.nouns[0]: catalogue.get(role.nouns[0]) for role in self.spec.roles}
 
 
 def steps(category: str) -> list[str]:
@@ -59,7 +49,7 @@ def trial(category: str, seed: int, body: str) -> str:
     spec = TaskSpec(
         "ObjectChain", ("", "", ""), Inside("{object}", "fridge"), tuple(roles), fixtures=(), distractors=(0, 0)
     )
-    worlds = _Only(spec)
+    worlds = OwnCategories(spec)
     start, _ = worlds.start(
         seed, style=None, layout=None, starts="paper", robots=(ROBOT,), perception_noise=0.0, body=body
     )

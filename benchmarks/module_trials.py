@@ -104,17 +104,21 @@ class _Never(Released):
         return False
 
 
-class _Module(TaskWorlds):
-    """The kitchen of one variant; each noun is its own category: the fish is no salmon."""
+class OwnCategories(TaskWorlds):
+    """Kitchens in which each noun is its own category: the fish is no salmon."""
+
+    @property
+    def categories(self) -> Mapping[str, Category]:
+        """The categories of the task's objects."""
+        return {role.nouns[0]: catalogue.get(role.nouns[0]) for role in self.spec.roles}
+
+
+class _Module(OwnCategories):
+    """The kitchen of one variant."""
 
     def __init__(self, spec: TaskSpec, layout: Layout) -> None:
         super().__init__(spec)
         self._only = layout
-
-    @property
-    def categories(self) -> Mapping[str, Category]:
-        """The categories of the trial's objects."""
-        return {role.nouns[0]: catalogue.get(role.nouns[0]) for role in self.spec.roles}
 
     def layout(self, name: str, style: str) -> Layout:
         """The one layout."""

@@ -6,6 +6,7 @@ import codecs
 import errno
 import os
 from pathlib import Path
+from typing import IO
 
 from remac_env.errors import OptionError
 from remac_env.quoting import PATH, quoted, words
@@ -56,6 +57,14 @@ def decode(data: bytes) -> str:
 def unmarked(line: str) -> str:
     """A line without a byte order mark: the first of a stream may have one."""
     return line.removeprefix("\ufeff").removeprefix("\u00ef\u00bb\u00bf")
+
+
+def ends_torn(file: IO[bytes]) -> bool:
+    """Whether the last line of a file, opened to be read, lacks its end: whoever wrote it was stopped."""
+    if file.seek(0, os.SEEK_END) == 0:
+        return False
+    file.seek(-1, os.SEEK_END)
+    return file.read(1) != b"\n"
 
 
 def prepare_file(path: str | os.PathLike[str], what: str) -> Path:

@@ -19,7 +19,7 @@ from remac_agents.llm.redaction import plain
 from remac_agents.llm.request import digest
 from remac_agents.text.printable import PATH, quoted, words
 from remac_env.errors import OptionError, check_choice
-from remac_env.files import unmarked
+from remac_env.files import ends_torn, unmarked
 from remac_env.locks import lock, unlock
 
 VERSION = 1
@@ -124,7 +124,7 @@ class Cassette:
         line = json.dumps(entry, ensure_ascii=True).encode() + b"\n"
         with self._lock, self.path.open("ab+") as file, _alone(file):
             # A line that was torn when a process died must not swallow this one.
-            file.write((b"\n" if _ends_torn(file) else b"") + line)
+            file.write((b"\n" if ends_torn(file) else b"") + line)
             file.flush()
             os.fsync(file.fileno())
 
@@ -212,13 +212,6 @@ def _old_bill(value: Mapping[str, Any]) -> Bill:
     """Of an exchange that was recorded before all requests were booked: what is known of the last one."""
     told = Bill(1, value.get("tokens_in") or 0, value.get("tokens_out") or 0, value.get("money") or 0.0)
     return replace(told, requests=max(1, value.get("attempts", 1)), unpriced=int(value.get("money") is None))
-
-
-def _ends_torn(file: IO[bytes]) -> bool:
-    if file.seek(0, os.SEEK_END) == 0:
-        return False
-    file.seek(-1, os.SEEK_END)
-    return file.read(1) != b"\n"
 
 
 @contextlib.contextmanager

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from remac_env.files import read_bytes, unmarked
+from remac_env.files import ends_torn, read_bytes, unmarked
 from remac_env.locks import lock
 
 
@@ -40,7 +40,7 @@ class MemoryFile:
         line = json.dumps(entry, ensure_ascii=False)
         with self._locked() as file:
             # A line that was torn when a process died must not swallow this one.
-            start = "\n" if _ends_torn(file) else ""
+            start = "\n" if ends_torn(file) else ""
             file.write(f"{start}{line}\n".encode(errors="replace"))
             file.flush()
             os.fsync(file.fileno())
@@ -69,13 +69,6 @@ class MemoryFile:
                 if os.path.exists(self._path) and os.path.samestat(os.fstat(file.fileno()), os.stat(self._path)):
                     yield file
                     return
-
-
-def _ends_torn(file: BinaryIO) -> bool:
-    if file.seek(0, os.SEEK_END) == 0:
-        return False
-    file.seek(-1, os.SEEK_END)
-    return file.read(1) != b"\n"
 
 
 def _parse(line: bytes) -> dict[str, Any] | None:

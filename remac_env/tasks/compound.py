@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from remac_env.rules.facts import Rules
 from remac_env.rules.marks import too_early
 from remac_env.state import WorldState
-from remac_env.tasks.goals import GOAL, VERBS, Goal
+from remac_env.tasks.goals import GOAL, VERBS, Goal, progress
 from remac_env.tasks.shape import NAME, TEXT, WHOLE, check_fields, several
 from remac_env.values import python_value
 
@@ -44,7 +44,7 @@ class AnyOf(Goal):
 
     def reached(self, scene: Rules, world: WorldState) -> float:
         """As much as of the one that has come farthest."""
-        return max(_reached(goal, scene, world) for goal in self.goals)
+        return max(progress(goal, scene, world) for goal in self.goals)
 
     def beyond(self, scene: Rules, world: WorldState) -> bool:
         """Whether all are."""
@@ -200,7 +200,7 @@ class Count(_OfKind):
 
     def reached(self, scene: Rules, world: WorldState) -> float:
         """The fraction of those that are wanted."""
-        best = sorted((_reached(goal, scene, world) for goal in self.parts), reverse=True)
+        best = sorted((progress(goal, scene, world) for goal in self.parts), reverse=True)
         return 1.0 if self.holds(scene, world) else sum(best[: self.least]) / self.least
 
     def beyond(self, scene: Rules, world: WorldState) -> bool:
@@ -275,8 +275,3 @@ class Before(Goal):
 
 def _several(kind: str) -> str:
     return f"{kind}es" if kind.endswith("s") else f"{kind}s"
-
-
-def _reached(goal: Goal, scene: Rules, world: WorldState) -> float:
-    parts = [atom.reached(scene, world) for atom in goal.atoms()]
-    return sum(parts) / len(parts)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from remac_bench.blame.replay import Replay, ReplayedRound, is_work
-from remac_bench.judging.alarms import derailments, detours, is_false_alarm, is_miss
+from remac_bench.judging.alarms import derailments, detours, is_false_alarm, is_miss, runs
 from remac_bench.records import CheckEntry, Record
 from remac_env.rules.claims import first_false
 from remac_env.rules.facts import Rules
@@ -142,7 +142,7 @@ def _wrong_verdicts(record: Record, replay: Replay) -> Iterable[Fault]:
     found = {(c.round, c.robot, c.subtask) for c in record.pre_checks if c.truth is False and c.verdict is False}
     for check in record.pre_checks:
         key = (check.round, check.robot, check.subtask)
-        ran = check.round < len(rounds) and _ran(record, check.round, check)
+        ran = check.round < len(rounds) and runs(record, check.round, check)
         if check.asked and None not in (check.truth, check.verdict) and check.truth != check.verdict:
             yield _verdict(check, check.round, "the adjuster asked, and was told wrongly")
         elif is_miss(check) and ran and key not in found:
@@ -150,14 +150,9 @@ def _wrong_verdicts(record: Record, replay: Replay) -> Iterable[Fault]:
     for check in derailments(record):
         yield _verdict(check, check.round, "called false before the subtask, and is true")
     for check in record.post_checks:
-        again = check.round < len(rounds) and _ran(record, check.round, check)
+        again = check.round < len(rounds) and runs(record, check.round, check)
         if is_false_alarm(check) and again and rounds[check.round].after != rounds[check.round].before:
             yield _verdict(check, check.round, "called false after the subtask, and is true")
-
-
-def _ran(record: Record, index: int, check: CheckEntry) -> bool:
-    entry = record.outcomes[index].get(check.robot)
-    return entry is not None and entry.subtask == check.subtask
 
 
 def _made_good(replay: Replay, fault: Fault) -> bool:

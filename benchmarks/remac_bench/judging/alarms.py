@@ -69,11 +69,11 @@ def detours(record: Record) -> dict[int, int]:
     """
     spent: dict[int, int] = {}
     for check in _unprovoked(record.pre_checks):
-        again = next((k for k in range(check.round, len(record.outcomes)) if _runs(record, k, check)), None)
+        again = next((k for k in range(check.round, len(record.outcomes)) if runs(record, k, check)), None)
         for index in range(check.round, check.round if again is None else again):
             spent[index] = min(check.round, spent.get(index, check.round))
     for check in _unprovoked(record.post_checks):
-        if check.round < len(record.outcomes) and _runs(record, check.round, check):
+        if check.round < len(record.outcomes) and runs(record, check.round, check):
             spent[check.round] = min(check.round, spent.get(check.round, check.round))
     return spent
 
@@ -89,8 +89,8 @@ def derailments(record: Record) -> list[CheckEntry]:
     kept_from = [
         check
         for check in every
-        if not any(_runs(record, k, check) for k in range(check.round, len(record.outcomes)))
-        or (check in alone and not _runs(record, check.round, check))
+        if not any(runs(record, k, check) for k in range(check.round, len(record.outcomes)))
+        or (check in alone and not runs(record, check.round, check))
     ]
     return sorted(kept_from, key=lambda check: check.round)
 
@@ -107,6 +107,7 @@ def _unprovoked(checks: Iterable[CheckEntry]) -> list[CheckEntry]:
     return [c for c in checks if is_false_alarm(c) and (c.round, c.robot, c.subtask) not in provoked]
 
 
-def _runs(record: Record, index: int, check: CheckEntry) -> bool:
+def runs(record: Record, index: int, check: CheckEntry) -> bool:
+    """Whether the robot ran the subtask that was checked in the round of this index."""
     entry = record.outcomes[index].get(check.robot)
     return entry is not None and entry.subtask == check.subtask

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from remac_agents.isolation.remote import RemoteError
+from remac_agents.running.pace import timed
 from remac_agents.text.printable import printable, type_name, words
 from remac_bench.entries import MESSAGE_MAX, EndpointError, report_fields, save_pictures
 from remac_bench.errors import JobTimeoutError
@@ -22,7 +23,7 @@ from remac_bench.playing.jobs import Job
 from remac_bench.playing.machine import machine, versions
 from remac_bench.playing.recording import Recorder
 from remac_bench.playing.shared import Agent
-from remac_bench.playing.timing import StepBook, shortest, timed, timeline
+from remac_bench.playing.timing import StepBook, shortest, timeline
 from remac_bench.playing.worlds import as_values, fallen
 from remac_bench.records import ErrorEntry, OutcomeEntry, Record, SpanEntry, VideoEntry
 from remac_bench.redaction import printable_values, redact

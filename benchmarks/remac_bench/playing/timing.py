@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from remac_agents.running.pace import timed
 from remac_bench.records import OrderEntry, OutcomeEntry, SpanEntry
 from remac_env.envs.event_parallel import STOP
 from remac_env.errors import UnknownNameError
@@ -69,11 +70,6 @@ def shortest(env: Any) -> dict[str, Any]:
 
     found = makespan(env.start, env.goal, deadline=env.max_seconds, max_states=MOST_MOMENTS)
     return {"optimum_seconds": found.optimum, "optimum_seconds_lower": found.lower}
-
-
-def timed(infos: Infos) -> bool:
-    """Whether the kitchen runs by the event clock."""
-    return any("ready" in info for info in infos.values())
 
 
 def subtask_text(env: Any, token: int) -> str:
