@@ -231,13 +231,14 @@ def _tables(sheet: Sheet, columns: Sequence[Column], across: int) -> list[Table]
 
 
 def _parts(sheet: Sheet, used: Sequence[Column], across: int) -> list[tuple[Column, ...]]:
-    """The columns in parts, each with the first words; all in one where these leave no room, to be shown as lists."""
+    """The columns in parts, each with the first words; all in one, to be shown as lists, where most would have one."""
     front = tuple(itertools.takewhile(lambda column: not column.numeric, used))
     room = across - sum(_width(sheet, column) for column in front)
     rest = [(column, _width(sheet, column)) for column in used[len(front) :]]
-    if room < max((width for _, width in rest), default=0):
+    parts = in_parts(rest, room)
+    if room < max((width for _, width in rest), default=0) or len(parts) > (len(rest) + 1) // 2 > 0:
         return [tuple(used)]
-    return [(*front, *part) for part in in_parts(rest, room)]
+    return [(*front, *part) for part in parts]
 
 
 def _width(sheet: Sheet, column: Column) -> int:

@@ -65,9 +65,10 @@ def test_parts_are_few_and_about_as_wide() -> None:
     assert in_parts([("a", 5), ("wide", 90), ("b", 5)], 80) == [["a"], ["wide"], ["b"]]
 
 
-def test_rows_whose_words_fill_the_terminal_are_shown_once_with_all_their_numbers() -> None:
+@pytest.mark.parametrize("letters", [70, 66])  # no number fits beside, or one and not two
+def test_rows_whose_words_fill_the_terminal_are_shown_once_with_all_their_numbers(letters: int) -> None:
     columns = (Column(key="setting", title="Setting", numeric=False), *(Column(key=k, title=k.upper()) for k in "abc"))
-    cells = {"setting": Cell(text="s" * 70)} | {key: Cell(text="99.9") for key in "abc"}
+    cells = {"setting": Cell(text="s" * letters)} | {key: Cell(text="99.9") for key in "abc"}
     board = Board(title="", sheets=(Sheet(key="wide", title="Wide", columns=columns, rows=(cells, cells)),))
     (made,) = board_tables(board, everything=True, across=79)  # and not one part for each number
     assert isinstance(made, Table) and len(made.columns) == 4

@@ -86,4 +86,4 @@ def blame(
         typer.echo(board_markdown(board, everything=True))
     else:
         show(*board_tables(board, everything=True, across=across()))
-    typer.echo(f"{len(blames)} failed episodes; labels: {path}", err=True)
+    typer.echo(f"{len(blames)} failed {'episode' if len(blames) == 1 else 'episodes'}; labels: {path}", err=True)

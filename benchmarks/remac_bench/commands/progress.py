@@ -64,7 +64,8 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
         bar.stop()
     show(*main_table(folder, across=across()))
     console().print(
-        f"{summary.played} jobs played, {summary.skipped} found finished. Records: {plain(str(Path(folder) / FILE))}",
+        f"{summary.played} {'job' if summary.played == 1 else 'jobs'} played, {summary.skipped} found finished. "
+        f"Records: {plain(str(Path(folder) / FILE))}",
         markup=False,
     )
     if summary.infrastructure:
