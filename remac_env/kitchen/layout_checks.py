@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from itertools import combinations
 
 from remac_env.errors import KitchenFileError
@@ -120,8 +121,9 @@ def within(place: Station, block: Block) -> bool:
     return block.low[0] < place.x < block.high[0] and block.low[1] < place.y < block.high[1]
 
 
+@lru_cache(maxsize=64)
 def floor(layout: Layout, around: float) -> Floor:
-    """The floor of a layout, for robots that need so much, m, around their axis."""
+    """The floor of a layout, for robots that need so much, m, around their axis. Shared: do not change it."""
     blocks = [block for fixture in layout.fixtures.values() for block in world_blocks(layout, fixture)]
     (left, right), front = layout.room.x, layout.room.front - FREE_FRONT
     return Floor((left, front), (right, WALL_Y), blocks, around)

@@ -99,6 +99,38 @@ def test_a_robot_passes_another_wherever_that_stands(name: str) -> None:
     assert [drive for drive in drives(layout, chance) if not way(drive)] == []
 
 
+def test_boxes_tell_only_of_what_is_free_and_spare_most_checks() -> None:
+    """Straight drives from anywhere to anywhere, through furniture too: the same answers as without boxes."""
+    env = remac_env.parallel_env("OpenCabinetPnP", robots=2, layout="u_shaped_large", backend="symbolic")
+    env.reset(seed=3)
+    layout, chance = layouts.load("u_shaped_large"), np.random.default_rng(5)
+    simulation = Simulation(build_model(layout, robots=ROBOTS, objects={}, visual=False), ROBOTS)
+    team = Team(simulation, layout, {}, env.start, {})
+    here = team.robots["robot_1"]
+    here.leave()
+    timetable, checker = Timetable(team.separation, {}, ()), here.clear.checker
+    driver = timetable._driver(DriveGoal(here, layout.asides[0]))
+    blind = replace(driver, obstacles=(np.zeros((0, 3)), np.zeros((0, 3))))
+    found, spent, missed = {True: 0, False: 0}, [0, 0], 0
+    for _ in range(60):
+        corners = [here.robot.q.copy(), here.robot.q.copy()]
+        for q in corners:
+            q[:3] = chance.uniform((layout.room.x[0], -2.5, -3.0), (layout.room.x[1], 0.0, 3.0))
+        counts = [checker.checks]
+        quick = timetable._free(driver, corners)
+        counts.append(checker.checks)
+        with checker.without_robots():
+            slow = bool(here.clear.planner.edge(*corners, 0.1))
+        counts.append(checker.checks)
+        assert quick == slow, corners
+        found[slow] += 1
+        spent = [spent[k] + slow * (counts[k + 1] - counts[k]) for k in (0, 1)]
+        missed += timetable._free(blind, corners) != slow
+    assert min(found.values()) > 5
+    assert spent[0] < 0.5 * spent[1]
+    assert missed > 0, "boxes that leave something out are found"
+
+
 def test_many_pairs_of_ways_are_not_tried_before_one_robot_makes_room(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where no pair of ways passes, the robots go one after the other after few tries, and not after thousands."""
     name, tried, asked = "one_wall_large", [0], []

@@ -11,7 +11,7 @@ import pytest
 
 from remac_env.backends.physics.controllers.scripted import insert, reach, search
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
-from remac_env.backends.physics.controllers.scripted.search import Budget, Reasons
+from remac_env.backends.physics.controllers.scripted.search import Budget, Known, Reasons
 from remac_env.backends.physics.controllers.scripted.verdicts import FREE, Hit, NoWay
 from remac_env.backends.physics.pose import Pose
 from remac_env.kitchen.frame import WORLD
@@ -67,11 +67,25 @@ def test_a_search_keeps_to_its_budget(checks: int, monkeypatch: pytest.MonkeyPat
     assert len(look(checker, Budget(cast(Any, checker), checks))[1]) == 36, "without it everything is tried"
 
 
+def test_what_was_worked_out_once_is_known_and_its_checks_count_again() -> None:
+    checker, asked = Counted(), []
+
+    def find() -> int:
+        checker.checks += 5
+        asked.append(checker.checks)
+        return len(asked)
+
+    known = Known(cast(Any, checker))
+    one, other = np.zeros(3), np.ones(3)
+    assert [known.get(find, *at) for at in ((one,), (other,), (one,), (one, other), (one,))] == [1, 2, 1, 3, 1]
+    assert len(asked) == 3 and checker.checks == 25, "or a search would go on for longer than without memory"
+
+
 def test_a_budget_is_small_behind_keep_out_planes_and_can_be_narrowed() -> None:
     checker = Counted(checks=7)
     usual, confined = (Budget(cast(Any, each), search.CHECKS) for each in (checker, Counted(7, ("plane",))))
     checker.checks = 7 + 1501
-    confined._checker = cast(Any, checker)
+    confined.checker = cast(Any, checker)
     assert confined.spent and not usual.spent
     usual.narrow(10)
     checker.checks += 11

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import islice, pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from remac_env.backends.physics.controllers.scripted.collision import IGNORED
 from remac_env.backends.physics.controllers.scripted.paths import Path
@@ -60,7 +61,8 @@ class Drives:
         layout, standing, litter = here.kitchen.layout, self._standing(), self._litter(here)
         footprint = here.robot.body.footprint
         start = Departure(layout, here.place, here.robot.q, self._rooms, standing, litter, footprint=footprint)
-        return Driver(here, ways_to(start, drive_goal.goal, here.robot.body), Outline.of(here), drive_goal.goal)
+        outline, obstacles = Outline.of(here), here.clear.checker.obstacles()
+        return Driver(here, ways_to(start, drive_goal.goal, here.robot.body), outline, obstacles, drive_goal.goal)
 
     def _standing(self) -> tuple[Array, ...]:
         """Base poses (3,) of robots that stay, and of those under way where they end."""
@@ -77,12 +79,23 @@ class Drives:
             here, corners = driver.here, way.course.corners
             path = sampled(corners, here.robot.body)
             bases = np.array(path[::4])[:, :3]
-            if not any(driver.outline.meets(bases, room) for room in self._rooms):
-                with here.clear.checker.without_robots():
-                    free = all(here.clear.planner.edge(one, other, 0.1) for one, other in pairwise(corners))
-                if free and self._keeps_off(driver, path, self._staying):
-                    way.path = path
+            met = any(driver.outline.meets(bases, room) for room in self._rooms)
+            if not met and self._free(driver, corners) and self._keeps_off(driver, path, self._staying):
+                way.path = path
         return way.path
+
+    @staticmethod
+    def _free(driver: Driver, corners: Path) -> bool:
+        """Whether a way meets no furniture; looked at closely only where boxes around it and the robot's parts meet."""
+        clear = driver.here.clear
+
+        def sure(configurations: Array) -> NDArray[np.bool_]:
+            if clear.checker.keep_out:
+                return np.zeros(len(configurations), bool)
+            return driver.outline.clear(configurations[:, :3], driver.obstacles)
+
+        with clear.checker.without_robots():
+            return all(clear.planner.edge(one, other, 0.1, sure=sure) for one, other in pairwise(corners))
 
     def _keeps_off(self, driver: Driver, path: Path, standing: Collection[str]) -> bool:
         """Whether a path keeps clear of robots that stand where they are."""

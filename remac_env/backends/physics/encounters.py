@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
-from remac_env.backends.physics.routes import Outline
+from remac_env.backends.physics.routes import Outline, placed
 from remac_env.robots.footprints import cores
 from remac_env.robots.rotation import Array
 
@@ -25,7 +26,7 @@ class Encounter:
         clear: Callable[[int, int], bool],
     ) -> None:
         (one, one_radius), (other, other_radius) = (cores(outline.footprint) for outline in outlines)
-        self._meet = _gaps(_circled(one, ways[0]), _circled(other, ways[1])) < one_radius + other_radius + apart
+        self._meet = _gaps(placed(one, ways[0]), placed(other, ways[1])) < one_radius + other_radius + apart
         self._near = _near(ways, outlines, apart)
         self._last = tuple(len(way) - 1 for way in ways)
         self._clear, self._known = clear, dict[tuple[int, int], bool]()
@@ -45,26 +46,25 @@ class Encounter:
         return self._known[i, j]
 
 
-def _circled(points: Array, bases: Array) -> Array:
-    c, s = np.cos(bases[:, 2]), np.sin(bases[:, 2])
-    x, y = points.T
-    return np.stack([np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)], axis=2) + bases[:, None, :2]
-
-
 def _gaps(one: Array, other: Array) -> Array:
     """Least distances (t, u) between points (t, n, 2) and (u, m, 2)."""
-    return np.linalg.norm(one[:, None, :, None] - other[None, :, None], axis=4).min(axis=(2, 3))
+    return _distances(one[:, None, :, None], other[None, :, None]).min(axis=(2, 3))
 
 
-def _near(ways: tuple[Array, Array], outlines: tuple[Outline, Outline], apart: float) -> Array:
+def _distances(one: Array, other: Array) -> Array:
+    """Distances between points (..., 2)."""
+    x, y = one[..., 0] - other[..., 0], one[..., 1] - other[..., 1]
+    return np.asarray(np.sqrt(x * x + y * y))
+
+
+def _near(ways: tuple[Array, Array], outlines: tuple[Outline, Outline], apart: float) -> NDArray[np.bool_]:
     """Pairs of moments (t, u) in which circles around parts of the two robots come nearer than ``apart`` (m)."""
-    reaches = [float(np.linalg.norm(np.maximum(-o.low, o.high), axis=1).max()) for o in outlines]
-    gaps = np.linalg.norm(ways[0][:, None, :2] - ways[1][None, :, :2], axis=2)
-    near = gaps < sum(reaches) + apart
+    reaches = [float(np.linalg.norm(np.maximum(-o.low, o.high)[:, :2], axis=1).max()) for o in outlines]
+    near: NDArray[np.bool_] = _distances(ways[0][:, None, :2], ways[1][None, :, :2]) < sum(reaches) + apart
     (one, one_radii), (other, other_radii) = (o.circles(w) for o, w in zip(outlines, ways, strict=True))
     i, j = np.nonzero(near)
     for start in range(0, len(i), _BLOCK * _BLOCK):
         a, b = i[start : start + _BLOCK * _BLOCK], j[start : start + _BLOCK * _BLOCK]
-        between = np.linalg.norm(one[a][:, :, None] - other[b][:, None], axis=3)
+        between = _distances(one[a][:, :, None], other[b][:, None])
         near[a, b] = (between - one_radii[:, None] - other_radii).min(axis=(1, 2)) < apart
     return near

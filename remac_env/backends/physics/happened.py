@@ -9,9 +9,12 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from remac_env.backends.physics.bodies import Bodies
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
-from remac_env.kitchen.fixtures import Fixture
+from remac_env.kitchen.fixtures import Fixture, FixtureReading
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.robots.rotation import Array
@@ -31,10 +34,16 @@ HIGHEST = 0.45  # m of the shaker over an object from which grains still land on
 
 @dataclass
 class _Button:
-    """A push button's fixture, and for how many control periods it has been out."""
+    """A push button's fixture, and for how many control periods it has been out.
+
+    addresses: of its joints, in qpos; at: their positions when they were read last; reading: what they said then.
+    """
 
     fixture: Fixture
+    addresses: NDArray[np.int_]
     out: int = _LET_GO
+    at: list[float] = field(default_factory=list)
+    reading: FixtureReading = FixtureReading()
 
 
 @dataclass
@@ -57,7 +66,7 @@ class Happened:
         self, simulation: Bodies, scene: Rules, layout: Layout, objects: Mapping[str, Category], on: Collection[str]
     ) -> None:
         self._simulation, self._scene, self._objects = simulation, scene, objects
-        self._buttons = [_Button(fixture) for fixture in layout.fixtures.values() if fixture.buttons]
+        self._buttons = [self._button(fixture) for fixture in layout.fixtures.values() if fixture.buttons]
         self._shakers = {name: _Shaker() for name, kind in objects.items() if kind.seasons}
         pushed = {button.switch for fixture in layout.fixtures.values() for button in fixture.buttons}
         self.running = frozenset(on) & pushed
@@ -70,15 +79,22 @@ class Happened:
         for name, shaker in self._shakers.items():
             self._watch_shaker(name, shaker)
 
+    def _button(self, fixture: Fixture) -> _Button:
+        joints = (self._simulation.model.joint(name) for name in fixture.joints(0.0, frozenset()))
+        return _Button(fixture, np.array([joint.qposadr[0] for joint in joints]))
+
     def _watch_button(self, button: _Button) -> None:
         """A press starts what stands still and stops what runs; a door that is not shut stops what runs only shut."""
         fixture, simulation = button.fixture, self._simulation
-        reading = fixture.read(simulation.model, simulation.data)
+        at = simulation.data.qpos[button.addresses].tolist()
+        if at != button.at:  # what sleeps stands still to the last bit
+            button.at, button.reading = at, fixture.read(simulation.model, simulation.data)
+        reading = button.reading
         if reading.pressed and button.out >= _LET_GO:
             self.running = self.running ^ reading.pressed
         button.out = 0 if reading.pressed else button.out + 1
         facts = self._scene.fixtures.get(fixture.name)
-        if facts is not None and facts.shut_to_run and reading.door not in (None, "closed"):
+        if self.running and facts is not None and facts.shut_to_run and reading.door not in (None, "closed"):
             self.running -= frozenset(fixture.switches)
 
     def _watch_shaker(self, name: str, shaker: _Shaker) -> None:

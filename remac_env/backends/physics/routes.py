@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise, product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from remac_env.backends.physics.controllers.scripted.motion import periods_between
 from remac_env.backends.physics.controllers.scripted.paths import Path
@@ -58,15 +59,19 @@ def candidates(start: Departure, goal: Station) -> Iterator[Course]:
     q, end = start.q, start.q.copy()
     turn = math.remainder(goal.yaw - q[2], 2.0 * math.pi)
     end[:3] = goal.x, goal.y, q[2] + turn
-    yield from _ways_to(start, goal, end)
+    around = [_around(start, goal, end, half) for half in (_STANDING if start.standing else _STANDING[:1])]
+    yield from _ways_to(start, goal, end, around)
     if abs(turn) > _HALF_TURN:
         end = end.copy()
         end[2] -= math.copysign(2.0 * math.pi, turn)
-        yield from _ways_to(start, goal, end)
+        yield from _ways_to(start, goal, end, around)
 
 
-def _ways_to(start: Departure, goal: Station, end: Array) -> Iterator[Course]:
-    """Ways that end in configuration ``end``, turning towards it on the side that its heading says."""
+def _ways_to(start: Departure, goal: Station, end: Array, around: Sequence[Path]) -> Iterator[Course]:
+    """Ways that end in configuration ``end``, turning towards it on the side that its heading says.
+
+    ``around``: the corners of ways around whatever stands there, all with the heading of their start.
+    """
     layout, q, place = start.layout, start.q, start.place
     side = int(math.copysign(1.0, end[2] - q[2]))
     if place.wall and goal.wall and place.wall != goal.wall:
@@ -84,10 +89,9 @@ def _ways_to(start: Departure, goal: Station, end: Array) -> Iterator[Course]:
             yield Course([q, end], (side, "straight"))
     if start.standing or start.litter:
         yield from _along_walls(start, goal, end, side)
-    for half in _STANDING if start.standing else _STANDING[:1]:
-        around = _around(start, goal, end, half)
-        if around is not None:
-            yield Course(around, (side, "around"))
+    for corners in around:
+        if corners:
+            yield Course(_turning(q, corners, end), (side, "around"))
 
 
 def _along_walls(start: Departure, goal: Station, end: Array, side: int) -> Iterator[Course]:
@@ -137,8 +141,8 @@ def _turned(q: Array, like: Array) -> Array:
     return turned
 
 
-def _around(start: Departure, goal: Station, end: Array, half: float) -> Path | None:
-    """A way around corners, which turns while it goes: out of the station, over free floor, and in."""
+def _around(start: Departure, goal: Station, end: Array, half: float) -> Path:
+    """Base positions (2,) of a way around corners, out of the station, over free floor, and in; none if it is shut."""
     growth = radius(start.footprint)
     space = floor(start.layout, growth + _ROOMY)
     taken = (Block((x - half, y - half, 0.0), (x + half, y + half, 1.0)) for x, y, *_ in start.standing)
@@ -149,10 +153,15 @@ def _around(start: Departure, goal: Station, end: Array, half: float) -> Path | 
     out = _moved(q, layout.facing(start.place), q, _CROSSINGS[0]) if start.place.wall else q
     before = _moved(end, layout.facing(goal), end, _CROSSINGS[0]) if goal.wall else end
     places = space.way((out[0], out[1]), (before[0], before[1]))
-    if places is None:
-        return None
+    return [] if places is None else [np.array(place) for place in places]
+
+
+def _turning(q: Array, places: Path, end: Array) -> Path:
+    """Corners from ``q`` through base positions (2,) to ``end``, turning by as much of the turn as of the way."""
     lengths = np.hypot(*np.diff(np.array(places), axis=0).T)
     shares = np.cumsum(lengths) / max(float(lengths.sum()), 1e-9)
+    out = q.copy()
+    out[:2] = places[0]
     corners = [q, out]
     for place, share in zip(places[1:], shares, strict=True):
         corner = q.copy()
@@ -184,7 +193,7 @@ def _count(start: Array, corner: Array, body: Body) -> int:
 
 @dataclass(frozen=True)
 class Outline:
-    """A robot with its arm held still, seen from above: boxes (n, 2) around its parts in the frame of its base.
+    """A robot with its arm held still: boxes (n, 3) around its parts, in the frame of its base.
 
     footprint: of the base alone.
     """
@@ -200,28 +209,48 @@ class Outline:
         q[:3] = 0.0
         here.clear.checker.pose(q)
         low, high = here.clear.checker.extent()
-        return Outline(low[:, :2], high[:, :2], here.robot.body.footprint)
+        return Outline(low, high, here.robot.body.footprint)
 
     def corners(self, bases: Array) -> Array:
         """Corners (t, 4 n, 2) of the boxes, in the world, for base poses (t, 3)."""
-        both = np.stack([self.low, self.high])
+        both = np.stack([self.low, self.high])[:, :, :2]
         points = np.concatenate([np.column_stack([both[i, :, 0], both[j, :, 1]]) for i in (0, 1) for j in (0, 1)])
         return placed(points, bases)
 
     def circles(self, bases: Array) -> tuple[Array, Array]:
         """Middles (t, n, 2), in the world, and radii (n,) of circles around the boxes, for base poses (t, 3)."""
-        return placed(0.5 * (self.low + self.high), bases), 0.5 * np.linalg.norm(self.high - self.low, axis=1)
+        low, high = self.low[:, :2], self.high[:, :2]
+        return placed(0.5 * (low + high), bases), 0.5 * np.linalg.norm(high - low, axis=1)
 
     def meets(self, bases: Array, block: Block) -> bool:
         """Whether a part reaches over a block, seen from above, at any of these base poses (t, 3)."""
-        corners = self.corners(bases).reshape(len(bases), 4, -1, 2)
-        low, high = corners.min(axis=1), corners.max(axis=1)
+        low, high = self._spans(bases)
         over = (high > np.array(block.low[:2])) & (low < np.array(block.high[:2]))
         return bool(over.all(axis=2).any())
+
+    def clear(self, bases: Array, boxes: tuple[Array, Array]) -> NDArray[np.bool_]:
+        """Base poses (t, 3) -> (t,): at which no part comes into one of the ``boxes``, their corners (m, 3)."""
+        low, high = self._spans(bases)
+        least, most = low.min(axis=1), high.max(axis=1)
+        start, end = (*least.min(axis=0), self.low[:, 2].min()), (*most.max(axis=0), self.high[:, 2].max())
+        passed = ((boxes[0] < end) & (boxes[1] > start)).all(axis=1)
+        first, last = boxes[0][passed], boxes[1][passed]
+        # Most moments are clear of a box for the robot as a whole; its parts are looked at in the others.
+        i, j = np.nonzero(((least[:, None] < last[:, :2]) & (most[:, None] > first[:, :2])).all(axis=2))
+        over = (low[i] < last[j, None, :2]).all(axis=2) & (high[i] > first[j, None, :2]).all(axis=2)
+        over &= (self.low[:, 2] < last[j, None, 2]) & (self.high[:, 2] > first[j, None, 2])
+        clear = np.ones(len(bases), bool)
+        clear[i[over.any(axis=1)]] = False
+        return clear
+
+    def _spans(self, bases: Array) -> tuple[Array, Array]:
+        """Low and high corners (t, n, 2), in the world, around the boxes for base poses (t, 3)."""
+        corners = self.corners(bases).reshape(len(bases), 4, -1, 2)
+        return corners.min(axis=1), corners.max(axis=1)
 
 
 def placed(points: Array, bases: Array) -> Array:
     """Points (n, 2) of a base, in the world, for base poses (t, 3): (t, n, 2)."""
-    c, s = np.cos(bases[:, 2]), np.sin(bases[:, 2])
-    turn = np.stack([np.stack([c, -s], axis=1), np.stack([s, c], axis=1)], axis=1)
-    return np.einsum("tij,nj->tni", turn, points) + bases[:, None, :2]
+    c, s = np.cos(bases[:, 2])[:, None], np.sin(bases[:, 2])[:, None]
+    x, y = points.T
+    return np.stack([c * x - s * y + bases[:, :1], s * x + c * y + bases[:, 1:2]], axis=2)

@@ -38,9 +38,10 @@ class RobotHandle:
         fingers = [model.joint(f"{name}/{part}") for part in body.fingers]
         self.qpos = np.array([j.qposadr[0] for j in joints])
         self.finger_qpos = np.array([j.qposadr[0] for j in fingers])
-        self._controls = np.array([s.id for s in servos])
-        self._activations = np.array([s.actadr[0] for s in servos])
-        self._finger_controls = np.array([model.actuator(f"{name}/{part}").id for part in body.fingers])
+        self._joints = _run(self.qpos)
+        self._controls = _run(np.array([s.id for s in servos]))
+        self._activations = _run(np.array([s.actadr[0] for s in servos]))
+        self._finger_controls = _run(np.array([model.actuator(f"{name}/{part}").id for part in body.fingers]))
         self._site = model.site(f"{name}/grip").id
         self.commanded = body.tuck(0.0, 0.0, 0.0)
         self.grip = body.finger_travel
@@ -58,7 +59,7 @@ class RobotHandle:
         """Take set-points for the next control period, which move no faster than the maker allows."""
         step, most = q - self.commanded, self._most
         fast = np.abs(step) > most
-        if fast.any():
+        if any(fast.tolist()):
             q = np.where(fast, self.commanded + np.clip(step, -most, most), q)
         self.hold(q, grip)
 
@@ -68,7 +69,7 @@ class RobotHandle:
 
     def apply(self) -> None:
         """Write the servo commands that bring the set-points to those in force within one control period."""
-        if not math.isfinite(float(self.commanded.sum()) + self.grip):
+        if not math.isfinite(sum(self.commanded.tolist()) + self.grip):
             raise PhysicsError(f"{self.name}: command is not finite: {self.commanded}")
         ctrl = self._data.ctrl
         ctrl[self._controls] = (self.commanded - self._data.act[self._activations]) / CONTROL_PERIOD
@@ -77,7 +78,8 @@ class RobotHandle:
     @property
     def q(self) -> Array:
         """The configuration (n,) in which the robot is."""
-        return self._data.qpos[self.qpos]
+        q: Array = self._data.qpos[self._joints]
+        return q.copy()
 
     @property
     def standing(self) -> Array:
@@ -87,7 +89,7 @@ class RobotHandle:
     @property
     def push(self) -> float:
         """The force (N) that the base gives along the floor now."""
-        return float(np.linalg.norm(self._data.actuator_force[self._controls[:2]]))
+        return float(np.linalg.norm(self._data.actuator_force[self._controls][:2]))
 
     @property
     def opening(self) -> float:
@@ -99,6 +101,12 @@ class RobotHandle:
         """Measured pose of the grip site."""
         rotation = self._data.site_xmat[self._site].reshape(3, 3).copy()
         return Pose(self._data.site_xpos[self._site].copy(), rotation, WORLD)
+
+
+def _run(ids: NDArray[np.int_]) -> slice | NDArray[np.int_]:
+    """The same entries of an array, as a slice where they follow one another, which is quicker to read and write."""
+    first = int(ids[0])
+    return slice(first, first + len(ids)) if (np.diff(ids) == 1).all() else ids
 
 
 class Simulation(Bodies):
@@ -118,6 +126,7 @@ class Simulation(Bodies):
         self.body = body or bodies.get()
         self.robots: dict[str, RobotHandle] = {name: RobotHandle(model, data, name, self.body) for name in robots}
         self.ticks = 0
+        self._warned = data.warning  # made anew by MuJoCo's binding each time it is asked for
         self.probe: Callable[[], None] | None = None
         self.forces: Callable[[], None] | None = None
         self.pictures: Callable[[str], Mapping[str, NDArray[np.uint8]]] | None = None
@@ -141,6 +150,6 @@ class Simulation(Bodies):
                 if self.probe is not None:
                     self.probe()
         self.ticks += 1
-        if self.data.warning.number.any():
+        if self._warned.number.any():
             raise PhysicsError(f"MuJoCo warned after {self.ticks} control steps: {', '.join(self.warnings())}")
 

@@ -5,7 +5,7 @@ A combination is a way for each robot, and by how many samples each starts late.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -41,11 +41,15 @@ class Way:
 
 @dataclass(frozen=True)
 class Driver:
-    """A robot with its ways, quickest first, its outline while it drives, and its goal."""
+    """A robot with its ways, quickest first, its outline while it drives, and its goal.
+
+    ``obstacles``: corners (m, 3) of boxes around all that it must keep off, other robots apart.
+    """
 
     here: Workspace
     ways: list[Way]
     outline: Outline
+    obstacles: tuple[Array, Array]
     goal: Station
 
 
@@ -92,12 +96,12 @@ def held_pose(here: Workspace, q: Array) -> tuple[int, Array] | None:
     return attached.address, np.concatenate([position + rotation @ attached.position, turned])
 
 
-def ordered(ways: Sequence[Sequence[Way]]) -> list[Combination]:
+def ordered(ways: Sequence[Sequence[Way]]) -> Iterator[Combination]:
     """Ways with delays, of which at least one is zero, by the last arrival and then by all arrivals together."""
-    found: list[tuple[int, int, int, tuple[Way, ...], tuple[int, ...]]] = []
-    for chosen in product(*ways):
-        for delays in product(_DELAYS, repeat=len(chosen)):
-            if min(delays) == 0:
-                ends = [delay * SAMPLE + way.periods for delay, way in zip(delays, chosen, strict=True)]
-                found.append((max(ends), sum(ends), len(found), chosen, delays))
-    return [(chosen, delays) for _, _, _, chosen, delays in sorted(found, key=lambda entry: entry[:3])]
+    starts = np.array([delays for delays in product(_DELAYS, repeat=len(ways)) if min(delays) == 0])
+    chosen = list(product(*ways))
+    lasts = np.array([[way.periods for way in each] for each in chosen], int).reshape(-1, len(ways))
+    ends = (lasts[:, None] + SAMPLE * starts).reshape(-1, len(ways))
+    for number in np.lexsort((ends.sum(axis=1), ends.max(axis=1))).tolist():
+        which, delays = divmod(number, len(starts))
+        yield chosen[which], tuple(starts[delays].tolist())

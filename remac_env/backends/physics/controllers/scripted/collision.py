@@ -207,7 +207,18 @@ class CollisionChecker:
 
     def extent(self) -> tuple[Array, Array]:
         """Low and high corners (n, 3), in the world, around the geoms of robot and held object, as last checked."""
-        ids = self._confined
+        return self._boxes(self._confined)
+
+    def obstacles(self) -> tuple[Array, Array]:
+        """The same (m, 3) around all that these must not meet, with the margins; without other robots and the floor."""
+        met = (self.classes == OTHER) | (self.classes == TARGET)
+        met &= ~self._others[self.model.geom_bodyid] & (self.model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE)
+        ids = np.flatnonzero(met)
+        low, high = self._boxes(ids)
+        margins = self.model.geom_margin[ids, None] + self.model.geom_margin[self._confined].max()
+        return low - margins, high + margins
+
+    def _boxes(self, ids: np.ndarray) -> tuple[Array, Array]:
         turns = np.abs(self._geom_xmat[ids])
         reach = np.einsum("nij,nj->ni", turns, self._spans[ids, :3]) + self._spans[ids, 3:]
         return self._geom_xpos[ids] - reach, self._geom_xpos[ids] + reach

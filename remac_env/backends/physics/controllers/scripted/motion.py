@@ -58,7 +58,7 @@ class Mover:
         yield self.robot.command
         self._commands.append(self.robot.q)
         now = self.robot.measured
-        lag = float(np.abs(self.robot.q - now).max())
+        lag = max(np.abs(self.robot.q - now).tolist())
         if lag > LAG_LIMIT:
             recent = np.array(self._commands)
             lag = float(np.maximum(recent.min(axis=0) - now, now - recent.max(axis=0)).max())

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -15,7 +16,7 @@ from remac_env.backends.physics.controllers.scripted.collision import HELD_MARGI
 from remac_env.backends.physics.controllers.scripted.grasps import Grasp
 from remac_env.backends.physics.controllers.scripted.motion import periods_between, smooth
 from remac_env.backends.physics.controllers.scripted.paths import Path
-from remac_env.backends.physics.controllers.scripted.search import CHECKS, Budget, Reasons, search
+from remac_env.backends.physics.controllers.scripted.search import CHECKS, Budget, Known, Reasons, search
 from remac_env.backends.physics.controllers.scripted.skill import SkillFailure, Steps, drive_to, go_carefully, stances
 from remac_env.backends.physics.controllers.scripted.verdicts import Hit, NoWay
 from remac_env.backends.physics.controllers.scripted.workspace import Workspace
@@ -60,7 +61,7 @@ def plan_reach(
     pose can be reached, ``blocked`` when objects are in the way.
     """
     planner, checker, why = here.clear.planner, here.clear.checker, Reasons()
-    budget = Budget(checker, checks)
+    budget, known = Budget(checker, checks), Known(checker)
     tight: Reach | None = None
     steady, drive = 0, None
 
@@ -82,7 +83,7 @@ def plan_reach(
         nonlocal tight, steady, drive
         if drive is not None and not drive:
             return None
-        found = _try_goal(here, ready(base), goal, grasp, after, why)
+        found = _try_goal(here, known, ready(base), goal, grasp, after, why)
         if found is None:
             return None
         if drive is None:
@@ -128,16 +129,12 @@ def reach_in_slot(
 
 
 def _try_goal(
-    here: Workspace, ready: Array, goal: Array, grasp: Grasp, after: After, why: Reasons
+    here: Workspace, known: Known, ready: Array, goal: Array, grasp: Grasp, after: After, why: Reasons
 ) -> tuple[Path, Path, Any] | None:
     planner = here.clear.planner
-    free = here.clear.checker.free(goal)
-    if not free:
-        why.add("goal", free)
-        return None
-    approach = planner.approach(goal, grasp.first)
+    failed, approach = known.get(partial(_approached, here, goal, grasp), goal, grasp.before, grasp.rotation)
     if not approach:
-        why.add("approach", approach)
+        why.add(failed, approach)
         return None
     following = after(goal, grasp)
     if isinstance(following, Hit | NoWay):
@@ -148,6 +145,14 @@ def _try_goal(
         why.add("no path to the pre-grasp")
         return None
     return way, approach[1:], following
+
+
+def _approached(here: Workspace, goal: Array, grasp: Grasp) -> tuple[str, Path | Hit | NoWay]:
+    """The way from the pose before a grasp to it, or why there is none; and what that speaks of."""
+    free = here.clear.checker.free(goal)
+    if not free:
+        return "goal", free
+    return "approach", here.clear.planner.approach(goal, grasp.first)
 
 
 def _calmed(here: Workspace, ready: Array, reach: Reach) -> tuple[Reach, int]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from functools import partial
+from typing import Any, TypeVar
 
 from remac_env.backends.physics.controllers.scripted.collision import CollisionChecker
 from remac_env.backends.physics.controllers.scripted.paths import Planner
@@ -29,17 +30,41 @@ class Budget:
     """
 
     def __init__(self, checker: CollisionChecker, checks: int) -> None:
-        self._checker = checker
+        self.checker = checker
         self._last = checker.checks + (min(checks, _CONFINED_CHECKS) if checker.keep_out else checks)
 
     @property
     def spent(self) -> bool:
         """Whether the search has to end."""
-        return self._checker.checks > self._last
+        return self.checker.checks > self._last
 
     def narrow(self, checks: int) -> None:
         """Allow at most so many more."""
-        self._last = min(self._last, self._checker.checks + checks)
+        self._last = min(self._last, self.checker.checks + checks)
+
+
+class Known:
+    """What a search has worked out once, by the numbers it depends on: from one grasp a door is swung in many ways.
+
+    The collision checks that it took count again each time, so that a search gives up where it would without memory.
+    """
+
+    def __init__(self, checker: CollisionChecker) -> None:
+        self._checker = checker
+        self._found: dict[tuple[bytes, ...], tuple[Any, int]] = {}
+
+    def get(self, find: Callable[[], T], *numbers: Array) -> T:
+        """What ``find`` gives, which depends on these ``numbers`` alone."""
+        key = tuple(each.tobytes() for each in numbers)
+        if key in self._found:
+            found, checks = self._found[key]
+            self._checker.checks += checks
+        else:
+            before = self._checker.checks
+            found = find()
+            self._found[key] = found, self._checker.checks - before
+        result: T = found
+        return result
 
 
 class Reasons:
@@ -68,11 +93,13 @@ def search(
     ``poses``: those to try at a stance (3,). ``ready``: the configuration (n,) there from which the arm starts; of
     those that reach a pose, ``most`` are tried, the nearest first.
     """
+    known = Known(budget.checker)
     for base in stands:
         for pose in poses(base):
             if budget.spent:
                 return None
-            for q in planner.reach(pose, base, ready(base), most=most):
+            reaching = partial(planner.reach, pose, base, ready(base), most=most)
+            for q in known.get(reaching, base, pose.position, pose.rotation):
                 found = attempt(base, pose, q)
                 if found is not None:
                     return found
