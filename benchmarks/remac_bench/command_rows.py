@@ -95,6 +95,7 @@ ROWS: dict[str, Row] = {
         help="A body that records name by its address, path/file.py:Name or package.module:Name, and that may be "
         "imported; may be repeated.", values=Texts(), flag="--body",
     ),
+    "records.suite": Row(help="FILE.toml: the suite of your own that the records are of.", flag="--suite"),
     "records.as_markdown": Row(help="As Markdown.", default=False, values=Switch(), flag="--markdown"),
     "report.everything": Row(
         help="Every table with every column, not only the main ones.", default=False, values=Switch(), flag="--all"

@@ -136,7 +136,6 @@ def test_a_cassette_that_is_no_file_is_refused(tmp_path: Path) -> None:
     ("words", "told"),
     [
         (("--suite", "tiny", "--planner", "{}/evil.py:Planner"), "evil.py:Planner"),
-        (("--suite", "{}/tiny.toml"), "a suite of your own"),
         (("--suite", "tiny", "--planner", "custom:m", "--base-url", "http://127.0.0.1:9/v1"), "give --cassette"),
         (("--suite", "tiny"), ""),
     ],
@@ -149,3 +148,29 @@ def test_a_run_that_nobody_can_accept_is_told_before_it_is_paid_for(
     monkeypatch.setattr("remac_bench.commands.running.run_and_report", lambda *given: None)
     result = remac("bench", "run", *(word.format(tmp_path) for word in words), "--out", str(tmp_path / "out"))
     assert result.exit_code == 0 and told in result.output and ("note:" in result.output) == bool(told)
+
+
+def test_a_suite_of_ones_own_is_proven_against_its_file(
+    run: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, replays: None
+) -> None:
+    pack(run[0], tmp_path / "out", name="Crew", kind="custom", providers=run[1])
+    monkeypatch.setattr(suites, "_folder", lambda: tmp_path / "none")  # here, none comes along
+    monkeypatch.setattr(suites, "_ADDED", {})
+    (tmp_path / "tiny.toml").write_text(SUITE)
+    (tmp_path / "other.toml").write_text(SUITE.replace('seeds = "3"', 'seeds = "3:5"'))
+    words = ("bench", "accept", str(tmp_path / "out"))
+    result = remac(*words)
+    assert result.exit_code == 1 and "is not here" in result.output and "--suite FILE.toml" in result.output
+    result = remac(*words, "--suite", str(tmp_path / "other.toml"))
+    assert result.exit_code == 1 and "is not the one here" in result.output
+    result = remac(*words, "--suite", str(tmp_path / "tiny.toml"))
+    assert result.exit_code == 0 and "accepted: Crew" in result.output
+    shown = remac("bench", "board", str(tmp_path / "out"), "--out", str(tmp_path / "b"), "--suite",
+                  str(tmp_path / "tiny.toml"))  # fmt: skip
+    assert shown.exit_code == 0, shown.output
+
+
+def test_no_suite_of_ones_own_takes_the_name_of_one_that_comes_along(run: tuple[Path, Path], tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(SUITE)
+    result = remac("bench", "verify", str(run[0]), "--suite", str(tmp_path / "mine.toml"))
+    assert result.exit_code == 2 and "is taken" in result.output and not suites._ADDED

@@ -23,7 +23,7 @@ def run(context: typer.Context, **given: Any) -> None:
 
 
 @app.command(cls=Command)
-@takes("verify.sample", "verify.seed", "cassette", "providers", "extensions", "records.bodies")
+@takes("verify.sample", "verify.seed", "cassette", "providers", "extensions", "records.bodies", "records.suite")
 def verify(folder: judge.Folder, **given: Any) -> None:
     """Play recorded jobs again and compare: re-execution is the proof. Exit code 1 where a record is contradicted."""
     from remac_bench.commands.running import verify_command

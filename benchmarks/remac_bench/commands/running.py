@@ -13,7 +13,7 @@ from remac_bench.commands.progress import run_and_report
 from remac_bench.console import FAILED, console, plain
 from remac_bench.errors import UsageError
 from remac_bench.judging.endings import ending
-from remac_bench.playing import agents
+from remac_bench.playing import agents, suites
 from remac_bench.playing.agents import Access
 from remac_bench.playing.extensions import load_named
 from remac_bench.playing.job_lists import make_jobs, parse_names, parse_seeds
@@ -45,25 +45,20 @@ def run_command(context: typer.Context) -> None:
         prepare_folder(given["out"], "--out")
         run_and_report(jobs, given["out"], _settings(given))
         return
-    from remac_bench.playing.suites import load
-
-    suite = load(given["suite"])
+    suite = suites.load(given["suite"])
     _check_frozen(context, suite.name)
     jobs = suite.jobs(entries, backend=_explicit(context, "backend"), access=access)
     folder = given["out"] or f"results/{suite.name}"
     prepare_folder(folder, "--out")
-    if why := _never_accepted(given["suite"], jobs, access):
+    if why := _never_accepted(jobs, access):
         typer.echo(f"note: others cannot accept this run as a submission: {plain(why)}", err=True)
     run_and_report(jobs, folder, _settings(given))
 
 
-def _never_accepted(suite: str, jobs: list[Job], access: Access) -> str:
+def _never_accepted(jobs: list[Job], access: Access) -> str:
     """Why a run of a suite cannot be submitted, to be told before it is paid for; "" where it can."""
-    from remac_bench.playing.suites import names
     from remac_bench.proof.submission import refused
 
-    if suite not in names():
-        return f"{suite} is a suite of your own, which they do not have"
     agent_of = [job.agent for job in jobs]
     if why := next(refused(agent_of, access.providers), ""):
         return why
@@ -80,6 +75,7 @@ def verify_command(
     bodies: list[str] | None = None,
     cassette: str | None = None,
     providers: str | None = None,
+    suite: str | None = None,
 ) -> None:
     """Print what re-execution found.
 
@@ -90,6 +86,8 @@ def verify_command(
     from remac_bench.proof.verify import verify
 
     load_named(extensions, bodies)
+    if suite is not None:
+        suites.add(suite)
     verdict = verify(folder, sample=sample, seed=seed, cassette=cassette, providers=providers)
     if not (verdict.jobs or verdict.findings):
         raise UsageError(f"no finished jobs in {folder!r}; give the --out of a `remac bench run`")

@@ -25,16 +25,19 @@ def submit(
     typer.echo(f"packed: {plain(out)}; try it yourself: remac bench accept {plain(out)}")
 
 
-@takes("accept.reask", "accept.seed", "base_url", "providers")
+@takes("accept.reask", "accept.seed", "base_url", "providers", "records.suite")
 def accept(
     folder: Annotated[str, typer.Argument(help="A submission.")],
-    *, reask: int, seed: int, base_url: str | None, providers: str | None,
+    *, reask: int, seed: int, base_url: str | None, providers: str | None, suite: str | None,
 ) -> None:
     """Play a whole submission again; print its rows, or the reasons why it is not accepted (exit code 1)."""
+    from remac_bench.playing import suites
     from remac_bench.playing.agents import Access
     from remac_bench.proof.acceptance import accept as judge
     from remac_bench.report import tables
 
+    if suite is not None:
+        suites.add(suite)
     found = judge(folder, reask=reask, seed=seed, access=Access(base_url=base_url, providers=providers))
     screen = console()
     if found.reasons:
@@ -49,15 +52,19 @@ def accept(
     screen.print(f"accepted: {plain(found.entry.name)}, {found.tier}{again}", markup=False)
 
 
-@takes("board.out")
+@takes("board.out", "records.suite")
 def board(
-    folders: Annotated[list[str], typer.Argument(help="Accepted submissions of one suite.")], *, out: str
+    folders: Annotated[list[str], typer.Argument(help="Accepted submissions of one suite.")],
+    *, out: str, suite: str | None,
 ) -> None:
     """Make the tables and pages of accepted submissions: OUT/leaderboard.html."""
     from remac_bench.pages import write_pages
+    from remac_bench.playing import suites
     from remac_bench.proof.standings import gather
     from remac_bench.report import board_tables, read_board
 
+    if suite is not None:
+        suites.add(suite)
     gather(folders, out)
     whole = read_board(out)
     show(*board_tables(whole, across=across()))

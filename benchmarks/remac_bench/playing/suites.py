@@ -14,7 +14,15 @@ from remac_bench.playing import agents
 from remac_bench.playing.agents import Access
 from remac_bench.playing.job_lists import check_jobs, make_jobs, parse_seeds
 from remac_bench.playing.jobs import MOST_ITERATIONS, Job, SuiteMark
-from remac_bench.playing.suite_numbers import check_finite, number, option_value
+from remac_bench.playing.suite_values import (
+    check_finite,
+    check_keys,
+    check_names,
+    number,
+    option_value,
+    table,
+    value_of,
+)
 from remac_env.errors import RemacError
 from remac_env.files import read_text
 from remac_env.generator.making import for_team
@@ -36,6 +44,7 @@ TOP = ("name", "version", "about", "methods", "floors", "roles", "budget", "jobs
 BLOCK = ("tasks", "seeds", "cells", "methods", "robots", "iterations", "kitchen")
 _NOT_A_SUITES = ("robots", "style", "layout", "render_mode")
 KITCHEN = tuple(name for name, row in rows(Options).items() if row.spoken and name not in _NOT_A_SUITES)
+_ADDED: dict[str, Path] = {}
 FLOOR_METHOD = "BASE"
 """Floors plan once and look at nothing."""
 
@@ -130,8 +139,20 @@ class Suite:
 
 
 def names() -> list[str]:
-    """The names of the suites that come with the benchmark."""
-    return sorted(path.stem for path in _folder().glob("*.toml"))
+    """The names of the suites that come with the benchmark, and of those added."""
+    return sorted({path.stem for path in _folder().glob("*.toml")} | _ADDED.keys())
+
+
+def add(file: str) -> None:
+    """Make a suite of one's own known by its name in this process, to whoever reads records of it.
+
+    Raises:
+        UsageError: as `load`, or where the name is one of those that come with the benchmark.
+    """
+    name = load(file).name
+    if (_folder() / f"{name}.toml").is_file():
+        raise UsageError(f"suite {file!r} has the name {name!r}, which is taken; valid: another one")
+    _ADDED[name] = Path(file)
 
 
 def load(given: str) -> Suite:
@@ -140,7 +161,7 @@ def load(given: str) -> Suite:
     Raises:
         UsageError: naming file, key and valid values of what is wrong.
     """
-    path = Path(given) if given.endswith(".toml") else _folder() / f"{given}.toml"
+    path = Path(given) if given.endswith(".toml") else _ADDED.get(given, _folder() / f"{given}.toml")
     if not given.endswith(".toml") and given not in names():
         raise UsageError(
             f"unknown suite {given!r}; valid: {', '.join(names())}, or a FILE.toml; tables that need plans alone "
@@ -201,26 +222,26 @@ def _cells(task: str, which: str) -> list[dict[str, str]]:
 
 
 def _read(file: str, data: Mapping[str, Any]) -> Suite:
-    _check_keys(file, "", data, TOP)
+    check_keys(file, "", data, TOP)
     check_finite(file, "", data)
     for key in ("name", "version", "methods", "jobs"):
         if key not in data:
             raise UsageError(f"{file}: {key} is missing; valid: {', '.join(TOP)}")
-    name, version = _value(file, "name", data["name"], str), _value(file, "version", data["version"], int)
-    roles = _table(file, "roles", data.get("roles", {}), agents.ROLES)
-    budget = _table(file, "budget", data.get("budget", {}), BUDGET)
+    name, version = value_of(file, "name", data["name"], str), value_of(file, "version", data["version"], int)
+    roles = table(file, "roles", data.get("roles", {}), agents.ROLES)
+    budget = table(file, "budget", data.get("budget", {}), BUDGET)
     for key, bound in budget.items():
         option_value(file, f"budget.{key}", rows(AgentOptions)[key], bound)
-    blocks = _value(file, "jobs", data["jobs"], list)
+    blocks = value_of(file, "jobs", data["jobs"], list)
     content = {key: value for key, value in data.items() if key != "about"}
     return Suite(
         name=name,
         version=version,
-        about=_value(file, "about", data.get("about", ""), str),
+        about=value_of(file, "about", data.get("about", ""), str),
         digest=digest(content),
         roles=roles,
         budget=budget,
-        floors=_check_names(file, "floors", data["floors"], agents.planners()) if "floors" in data else (),
+        floors=check_names(file, "floors", data["floors"], agents.planners()) if "floors" in data else (),
         blocks=tuple(_block(file, f"jobs[{i}]", each, data["methods"]) for i, each in enumerate(blocks)),
     )
 
@@ -228,23 +249,23 @@ def _read(file: str, data: Mapping[str, Any]) -> Suite:
 def _block(file: str, where: str, data: Any, methods: Any) -> Block:
     import remac_env
 
-    _check_keys(file, f"{where}.", _value(file, where, data, dict), BLOCK)
+    check_keys(file, f"{where}.", value_of(file, where, data, dict), BLOCK)
     for key in ("tasks", "seeds"):
         if key not in data:
             raise UsageError(f"{file}: {where}.{key} is missing; valid: {', '.join(BLOCK)}")
     tasks = _table_tasks() if data["tasks"] == TABLE else data["tasks"]
     cells = data.get("cells", "seed")
-    _check_names(file, f"{where}.cells", [cells], CELLS)
-    kitchen = _table(file, f"{where}.kitchen", data.get("kitchen", {}), KITCHEN)
+    check_names(file, f"{where}.cells", [cells], CELLS)
+    kitchen = table(file, f"{where}.kitchen", data.get("kitchen", {}), KITCHEN)
     try:
         Options(**kitchen)
     except RemacError as error:
         raise UsageError(f"{file}: {where}.kitchen: {error}") from error
     known = [*remac_env.tasks(kitchen.get("clock", "rounds")), GENERATED.name]
     return Block(
-        tasks=_check_names(file, f"{where}.tasks", tasks, known),
+        tasks=check_names(file, f"{where}.tasks", tasks, known),
         seeds=_seeds(file, f"{where}.seeds", data["seeds"]),
-        methods=_check_names(file, f"{where}.methods", data.get("methods", methods), agents.methods()),
+        methods=check_names(file, f"{where}.methods", data.get("methods", methods), agents.methods()),
         kitchen=kitchen,
         cells=cells,
         robots=number(file, f"{where}.robots", data.get("robots"), MAX_ROBOTS, least=1),
@@ -261,38 +282,10 @@ def _table_tasks() -> list[str]:
 
 def _seeds(file: str, where: str, text: Any) -> tuple[int, ...]:
     try:
-        seeds = parse_seeds(_value(file, where, text, str))
+        seeds = parse_seeds(value_of(file, where, text, str))
     except UsageError as error:
         raise UsageError(f"{file}: {where}: {error}") from error
     if max(seeds) >= KEPT_SEEDS:
         kept = f"seeds from {KEPT_SEEDS} on are kept for judging"
         raise UsageError(f"{file}: {where}: {kept}; valid: 0..{KEPT_SEEDS - 1}")
     return tuple(seeds)
-
-
-def _check_keys(file: str, where: str, data: Mapping[str, Any], valid: Sequence[str]) -> None:
-    for key in data:
-        if key not in valid:
-            raise UsageError(f"{file}: {where}{key}: no such key; valid: {', '.join(valid)}")
-
-
-def _check_names(file: str, where: str, given: Any, valid: Sequence[str]) -> tuple[str, ...]:
-    listed = _value(file, where, given, list)
-    for name in listed:
-        if name not in valid:
-            raise UsageError(f"{file}: {where}: {name!r} does not exist; valid: {', '.join(valid)}")
-    if not listed:
-        raise UsageError(f"{file}: {where}: names nothing; valid: some of {', '.join(valid)}")
-    return tuple(listed)
-
-
-def _table(file: str, where: str, data: Any, valid: Sequence[str]) -> dict[str, Any]:
-    _check_keys(file, f"{where}.", _value(file, where, data, dict), valid)
-    return dict(data)
-
-
-def _value(file: str, where: str, value: Any, kind: type) -> Any:
-    if isinstance(value, bool) or not isinstance(value, kind):
-        said = {str: "a text", int: "a whole number", list: "a list", dict: "a table"}[kind]
-        raise UsageError(f"{file}: {where}: {value!r} is not valid; valid: {said}")
-    return value

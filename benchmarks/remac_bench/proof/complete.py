@@ -57,7 +57,7 @@ def check_suite(records: Sequence[Record], *, providers: str | None = None) -> I
         return
     ((name, version, digest),) = marks
     if name not in names():
-        yield "", f"suite {name!r} is not here; valid: {', '.join(names())}"
+        yield "", f"suite {name!r} is not here; valid: {', '.join(names())}, or its file (--suite FILE.toml)"
         return
     suite = load(str(name))
     if (suite.version, suite.digest) != (version, digest):
