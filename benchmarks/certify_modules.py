@@ -26,15 +26,15 @@ from rich.table import Table
 
 from remac_env.errors import UncertifiedWarning
 from remac_env.files import prepare_file
-from remac_env.kitchen.fixtures import Fixture, certificates
-from remac_env.kitchen.fixtures.certificates import Certificate, Skill
+from remac_env.kitchen.fixtures import Fixture, certificate_files, certificates
+from remac_env.kitchen.fixtures.certificate_files import Certificate, Skill
 from remac_env.robots import bodies
 from remac_env.seeding import generator
 
 # By how much a proof that is made again may leave what was found before: stance and reach in m, pitch in rad.
 _STANCE_SLACK, _REACH_SLACK, _PITCH_SLACK = 0.15, 0.10, 0.45
 _HEAD = (
-    "# What is proven of each variant, written by `python benchmarks/certify_modules.py`. certificates.py says what",
+    "# What is proven of each variant, by `python benchmarks/certify_modules.py`. certificate_files.py says what",
     "# the figures mean. m and rad, from the middle of the fixture, the line of fronts and the floor.",
 )
 
@@ -75,7 +75,7 @@ def certificate(kind: str, variant: str, found: Iterable[Found], body: str) -> C
 )  # fmt: skip
 def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> None:
     """Print a table of every variant and skill, and every failure."""
-    console, file = make_console(), certificates.file_of(body)
+    console, file = make_console(), certificate_files.file_of(body)
     if file is None:
         raise UsageError(f"the code of body {body!r} lies in no file, beside which its certificates could be written")
     wanted = [name.strip() for name in only.split(",") if name.strip()]
@@ -98,7 +98,7 @@ def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> N
                 if part.problem:
                     console.print(f"{kind}.{variant} {trial.robot} seed {trial.seed}: {part.problem}")
         proofs[kind, variant] = certificate(kind, variant, found, body)
-    proofs = {**certificates.load(body), **proofs}
+    proofs = {**certificate_files.load(body), **proofs}
     ordered = [proofs[name] for name in variants() if name in proofs]
     file.write_text("\n".join(as_toml(ordered)) + "\n", encoding="utf-8")
     console.print(_shown(ordered, ordered[0].body))
@@ -106,7 +106,7 @@ def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> N
 
 def _checked(chosen: Sequence[tuple[str, str]], count: int, seed: int, body: str) -> list[str]:
     """Prove a seeded few again, from new seeds, and name what is not as certified."""
-    known, chance, problems = certificates.load(body), generator(seed, "modules"), []
+    known, chance, problems = certificate_files.load(body), generator(seed, "modules"), []
     for _ in range(count):
         kind, variant = chosen[int(chance.integers(len(chosen)))]
         if (kind, variant) not in known:
@@ -171,7 +171,7 @@ def _sweep(fixture: Fixture) -> Any:
 
 
 def as_toml(proofs: Iterable[Certificate]) -> Iterator[str]:
-    """Lines of a TOML file, all of one body, that :mod:`remac_env.kitchen.fixtures.certificates` reads."""
+    """Lines of a TOML file, all of one body, that :mod:`remac_env.kitchen.fixtures.certificate_files` reads."""
     proofs = list(proofs)
     yield from _HEAD
     yield f'\nbody = "{proofs[0].body}"\nfingerprint = "{proofs[0].fingerprint}"'

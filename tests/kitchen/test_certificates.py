@@ -17,9 +17,9 @@ from remac_env.errors import KitchenFileError, UncertifiedWarning
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.blocks import Block
-from remac_env.kitchen.fixtures import certificates, models
+from remac_env.kitchen.fixtures import certificate_files, certificates, models
 from remac_env.kitchen.fixtures.base import ONE_VARIANT
-from remac_env.kitchen.fixtures.certificates import Certificate
+from remac_env.kitchen.fixtures.certificate_files import Certificate
 from remac_env.robots import bodies
 from remac_env.robots.panda.body import Panda
 from remac_env.state import FrozenMap
@@ -27,7 +27,7 @@ from remac_env.state import FrozenMap
 NAME = "one_wall_large"
 TEXT = (layouts.FOLDER / f"{NAME}.toml").read_text(encoding="utf-8")
 CABINET = ("cabinet", "left_bar")
-KNOWN = certificates.load()
+KNOWN = certificate_files.load()
 VARIANTS = module_trials.variants()
 
 
@@ -129,7 +129,7 @@ def test_a_proof_can_be_made_again() -> None:
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     path = tmp_path / "panda.toml"
     path.write_text("\n".join(certify_modules.as_toml(KNOWN.values())), encoding="utf-8")
-    assert certificates.read(path) == KNOWN
+    assert certificate_files.read(path) == KNOWN
 
 
 # -- what layouts are refused ------------------------------------------------------------------------------------------
@@ -149,7 +149,7 @@ def test_every_layout_with_every_style_is_accepted(name: str) -> None:
         assert layouts.load(name, styles.load(style).models).name == name
 
 
-def test_a_make_without_a_certificate_is_refused(layout: layouts.Layout) -> None:
+def test_a_variant_without_a_certificate_is_refused(layout: layouts.Layout) -> None:
     known = {name: proof for name, proof in KNOWN.items() if name != CABINET}
     text = r"odd\.toml: fixtures\.cabinet\.model: .*left_bar.*has no certificate for body 'panda'; valid: right_bar"
     with pytest.raises(KitchenFileError, match=text):
@@ -157,7 +157,7 @@ def test_a_make_without_a_certificate_is_refused(layout: layouts.Layout) -> None
     certificates.check(layout, "odd.toml", KNOWN)
 
 
-def test_a_make_that_has_changed_is_refused(layout: layouts.Layout) -> None:
+def test_a_variant_that_has_changed_is_refused(layout: layouts.Layout) -> None:
     with pytest.raises(KitchenFileError, match=r"left_bar.*measures have changed.*double_bar"):
         certificates.check(layout, "odd.toml", known_with(measures="0" * 12))
 
@@ -173,7 +173,7 @@ def test_another_body_trusts_no_proof_of_the_pandas(layout: layouts.Layout) -> N
     low = Panda(name="low panda", mount_height=0.62)
     bodies.register_body(low)
     try:
-        assert certificates.load(low.name) == {}
+        assert certificate_files.load(low.name) == {}
         with pytest.raises(KitchenFileError, match="it has no certificate for body 'low panda'"):
             certificates.check(layout, "odd.toml", body=low.name)
         with pytest.raises(KitchenFileError, match="its proof is of body 'panda', not 'low panda'"):
@@ -191,7 +191,7 @@ def test_another_body_trusts_no_proof_of_the_pandas(layout: layouts.Layout) -> N
         certificates.warn_uncertified(layout, bodies.STANDARD)
 
 
-def test_a_make_that_failed_is_refused(layout: layouts.Layout) -> None:
+def test_a_variant_that_failed_is_refused(layout: layouts.Layout) -> None:
     skills = KNOWN[CABINET].skills
     failed = {**skills, "open door": replace(skills["open door"], successes=skills["open door"].tries - 1)}
     with pytest.raises(KitchenFileError, match="left_bar.*open door failed in the proof"):
@@ -232,12 +232,12 @@ def test_a_malformed_file_is_refused(tmp_path: Path) -> None:
     head = 'body = "bad"\nfingerprint = "0"\n'
     path.write_text(f"{head}[cabinet.left_bar]\nmeasures = 3\n", encoding="utf-8")
     with pytest.raises(KitchenFileError, match=r"bad\.toml: cabinet\.left_bar"):
-        certificates.read(path)
+        certificate_files.read(path)
     with pytest.raises(KitchenFileError, match=r"none\.toml: file: cannot be read"):
-        certificates.read(tmp_path / "none.toml")
+        certificate_files.read(tmp_path / "none.toml")
     path.write_text(head.replace("bad", "panda"), encoding="utf-8")
     with pytest.raises(KitchenFileError, match=r"bad\.toml: body: .*panda.*valid: bad"):
-        certificates.read(path)
+        certificate_files.read(path)
 
 
 def test_loading_needs_no_simulator_and_no_file_at_import() -> None:

@@ -23,7 +23,7 @@ from remac_env.errors import KitchenFileError, OptionError, UncertifiedWarning
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
 from remac_env.kitchen.builder import build_model
-from remac_env.kitchen.fixtures import certificates
+from remac_env.kitchen.fixtures import certificate_files, certificates
 from remac_env.lowlevel.env import SkillEnv
 from remac_env.robots import bodies
 from remac_env.robots.rotation import about_x, about_z
@@ -98,13 +98,13 @@ def test_a_kitchen_holds_what_the_body_says(body: SixJoints) -> None:
 
 def test_its_certificates_lie_beside_it_and_count_for_it_alone(body: SixJoints) -> None:
     """They are of one layout in one style: nothing else is certified with it, and with a changed one nothing at all."""
-    assert certificates.file_of(body.name) == Path(__file__).parent / "certified" / "six joints.toml"
+    assert certificate_files.file_of(body.name) == Path(__file__).parent / "certified" / "six joints.toml"
     layout, other = (layouts.load("one_wall_large", styles.load(name).models) for name in ("modern_1", "rustic"))
     assert certificates.uncertified(layout, body.name) == ()
     assert "cabinet" in certificates.uncertified(other, body.name)
     with pytest.warns(UncertifiedWarning, match="'six joints' nothing is certified of .*cabinet"):
         certificates.warn_uncertified(other, body.name)
-    known = certificates.load(body.name)
+    known = certificate_files.load(body.name)
     body.lower = body.lower + 1e-3
     with pytest.raises(KitchenFileError, match="body 'six joints' has changed since the proof"):
         certificates.check(layout, "odd.toml", known, body=body.name)
