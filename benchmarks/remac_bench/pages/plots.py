@@ -15,7 +15,7 @@ INTERVAL = 84.0
 BOX = (720.0, 270.0)
 """Width and height of the plot of success against money."""
 
-MARGINS = (58.0, 20.0, 20.0, 48.0)
+MARGINS = (66.0, 20.0, 20.0, 52.0)
 """Left, right, top, bottom."""
 
 LETTER, LINE = 7.6, 15.0
