@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 GENERATED = SPEC.name
 
 
-def _with_ids() -> tuple[str, ...]:
-    return (*known(), GENERATED)
+def _with_ids() -> dict[str, dict[str, str]]:
+    """Task -> what it cannot be played without. Tasks that need the event clock have it by their ids."""
+    return {name: {} for name in (*known(), GENERATED)} | {name: {"clock": "events"} for name in timed()}
 
 
 def tasks(clock: str = "rounds") -> list[str]:

@@ -80,6 +80,8 @@ ROWS: dict[str, Row] = {
     "teams.methods": Row(help="Comma-separated names.", default="SMART-LLM,BASE,CC,RE,REMAC"),
     "teams.starts": Row(help="paper, mixed, or both separated by a comma.", default="paper,mixed"),
     "teams.errors": Row(help="Rates of false alarms and misses: only REMAC, by rate.", default=""),
+    "thinking.methods": _ALL.but(help="Comma-separated names.", default="CC,REACT"),
+    "thinking.seeds": _SEEDS.but(default="0:2"),
     "twin.seeds": _SEEDS.but(default="70000:70020"),
     "twin.grades": Row(help="Comma-separated grades of generated tasks, in place of tasks.", default=""),
     "twin.rounds": rows(Options)["max_rounds"].but(help="Maximum rounds of an episode."),

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from remac_agents.plan import Commands, Plan, PlanError
 from remac_agents.planners.oracle import for_robots
-from remac_agents.planning.lasting import in_time, keeps_open
+from remac_agents.planning.lasting import falls_shut, in_time, keeps_open
 from remac_agents.roles import PlanRequest
 from remac_env import oracle
 from remac_env.events.makespan import set_up
@@ -139,9 +139,16 @@ def _steps(rules: Rules, world: WorldState, part: Part, robot: str) -> list[Subt
     """The first steps of the shortest plans of all ways to a part, the shortest first, as if the robot were alone."""
     own, alone = for_robots(rules, world, (robot,))
     own = replace(own, processes=())
-    found = [oracle.solve(own, alone, way, max_states=MOST_STATES) for way in part.ways]
-    plans = sorted((plan for plan in found if plan is not None and plan.rounds), key=lambda plan: len(plan.rounds))
+    plans = _plans(own, alone, part)
+    # What only a team can do has no plan for one, but the others do their share.
+    plans = plans or (_plans(replace(own, quirks=()), alone, part) if own.quirks and len(rules.robots) > 1 else [])
     return [plan.rounds[0][robot] for plan in plans]
+
+
+def _plans(rules: Rules, world: WorldState, part: Part) -> list[oracle.OraclePlan]:
+    """The shortest plans of all ways to a part, the shortest first."""
+    found = [oracle.solve(rules, world, way, max_states=MOST_STATES) for way in part.ways]
+    return sorted((plan for plan in found if plan is not None and plan.rounds), key=lambda plan: len(plan.rounds))
 
 
 def _may(rules: Rules, world: WorldState, robot: str, step: Subtask, mates: Mapping[str, Subtask]) -> bool:
@@ -151,10 +158,18 @@ def _may(rules: Rules, world: WorldState, robot: str, step: Subtask, mates: Mapp
     if step.row.goes is None:
         return True
     place = destination(rules, world, robot, step.target) if step != STEP_ASIDE else ASIDE
-    goals: list[str | None] = [state.station for name, state in world.robots.items() if name != robot]
+    goals: list[str | None] = [state.station for name, state in world.robots.items()
+                               if name != robot and not _makes_way(rules, world, robot, name, mates)]  # fmt: skip
     goals += [destination(rules, world, name, mate.target) for name, mate in mates.items()
              if mate.row.goes is not None and mate != STEP_ASIDE]  # fmt: skip
     return place is None or not any(goal is not None and rules.conflicting(place, goal) for goal in goals)
+
+
+def _makes_way(rules: Rules, world: WorldState, robot: str, other: str, mates: Mapping[str, Subtask]) -> bool:
+    """Whether another robot, which keeps a door open, leaves as this one comes with what it has in its hand."""
+    if world.robots[robot].holding is None or world.robots[other].holding is not None:
+        return False
+    return mates.get(other, STEP_ASIDE) == STEP_ASIDE and bool(falls_shut(rules, world, other))
 
 
 def _rows(rules: Rules, world: WorldState, goal: Goal) -> dict[str, list[Subtask]]:

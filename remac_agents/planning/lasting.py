@@ -7,9 +7,10 @@ from dataclasses import replace
 
 from remac_env import oracle
 from remac_env.rules.facts import ASIDE, Process, Rules
+from remac_env.rules.places import destination
 from remac_env.rules.processes import WHERE, WHILE
-from remac_env.rules.rounds import transition
-from remac_env.rules.subtasks import WAIT, Subtask
+from remac_env.rules.rounds import at_rest, transition
+from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 from remac_env.state import WorldState
 from remac_env.tasks.compound import Not
 from remac_env.tasks.goals import All, Goal, SwitchedOn
@@ -31,27 +32,35 @@ def keeps_open(
     rules: Rules, world: WorldState, goal: Goal, robot: str, step: Subtask, mates: Mapping[str, Subtask]
 ) -> bool:
     """Whether a robot stays where it is rather than drive off: a door would fall shut through which something of the
-    goal still has to go, and no robot waits with it yet.
+    goal still has to go, and no robot that has it waits or comes.
     """
-    if not step.moves or len(rules.robots) < 2:
+    if len(rules.robots) < 2 or not step.moves or world.robots[robot].holding is not None:
         return False
-    gone, others = world.with_robot(robot, station=ASIDE), [name for name in rules.robots if name != robot]
-    for process, name in _starts(rules, world, gone):
+    here = world.robots[robot].station
+    for name in falls_shut(rules, world, robot):
         wanted = {each for atom in goal.atoms() if name in atom.names() and not atom.holds(rules, world)
                   for each in atom.names() if each in rules.objects}  # fmt: skip
-        brought = any(world.robots[other].holding in wanted and mates.get(other, WAIT) == WAIT for other in others)
-        if process.does == "shut" and wanted and not brought and world.robots[robot].holding is None:
+        able = [other for other in rules.robots if other != robot and world.robots[other].holding in wanted]
+        if wanted and not any(_comes(rules, world, other, mates.get(other, WAIT), here) for other in able):
             return True
     return False
 
 
-def _starts(rules: Rules, world: WorldState, then: WorldState) -> Iterator[tuple[Process, str]]:
-    """What begins by itself where one world becomes another."""
-    for process in rules.processes:
-        begins = WHILE[process.during]
-        for name in process.about or (*rules.objects, *rules.fixtures):
-            if begins(rules, then, name) and not begins(rules, world, name):
-                yield process, name
+def _comes(rules: Rules, world: WorldState, robot: str, step: Subtask, place: str) -> bool:
+    """Whether a robot waits, or comes to a place."""
+    if step in (WAIT, STEP_ASIDE) or step.row.goes is None:
+        return step == WAIT
+    return destination(rules, world, robot, step.target) == place
+
+
+def falls_shut(rules: Rules, world: WorldState, robot: str) -> list[str]:
+    """The doors that fall shut by themselves, at once or in a while, where a robot leaves its place."""
+    gone = world.with_robot(robot, station=ASIDE)
+    then = at_rest(rules, gone).fixtures
+    shuts = (process for process in rules.processes if process.does == "shut")
+    begins = [(WHILE[each.during], name) for each in shuts for name in each.about or rules.fixtures]
+    slow = [name for holds, name in begins if holds(rules, gone, name) and not holds(rules, world, name)]
+    return [name for name, now in world.fixtures.items() if then[name].door != now.door or name in slow]
 
 
 def in_time(rules: Rules, world: WorldState, goal: Goal, step: Subtask, slow: Mapping[str, float]) -> Subtask:

@@ -6,7 +6,7 @@ Where Gymnasium is loaded already, ids are entered at once; else as soon as some
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
@@ -18,7 +18,11 @@ LONGEST = 1200
 """Control periods, 60 s, after which the episode of a skill is cut off: as long as skills have in a round."""
 
 
-def enter_ids(tasks: Callable[[], Sequence[str]]) -> None:
+Tasks = Callable[[], Mapping[str, Mapping[str, str]]]
+"""Task -> options that it cannot be played without."""
+
+
+def enter_ids(tasks: Tasks) -> None:
     """Register the id of each of `tasks()` that has none yet, now or when Gymnasium is first imported."""
     if GYMNASIUM in sys.modules:
         _register(tasks())
@@ -26,14 +30,15 @@ def enter_ids(tasks: Callable[[], Sequence[str]]) -> None:
         sys.meta_path.insert(0, _Waiting(tasks))
 
 
-def _register(tasks: Sequence[str]) -> None:
+def _register(tasks: Mapping[str, Mapping[str, str]]) -> None:
     import gymnasium
 
-    for task in tasks:
+    for task, needed in tasks.items():
         name = f"RemacKitchen-{task}-v0"
         if name not in gymnasium.registry:
             # The kitchen checks its own order of calls and never returns a time limit of Gymnasium's.
-            gymnasium.register(id=name, entry_point="remac_env.envs.gym_view:KitchenEnv", kwargs={"task": task})
+            given = {"task": task, **needed}
+            gymnasium.register(id=name, entry_point="remac_env.envs.gym_view:KitchenEnv", kwargs=given)
     for skill in skills():
         name = f"RemacSkill-{skill}-v0"
         if name not in gymnasium.registry:
@@ -46,7 +51,7 @@ def _register(tasks: Sequence[str]) -> None:
 class _Waiting:
     """A finder that finds nothing itself, and has the ids entered behind the first import of Gymnasium."""
 
-    def __init__(self, tasks: Callable[[], Sequence[str]]) -> None:
+    def __init__(self, tasks: Tasks) -> None:
         self._tasks = tasks
 
     def find_spec(

@@ -250,9 +250,10 @@ def test_no_simulator_no_graphics_no_environment_variables(tmp_path: Path) -> No
 def test_importing_registers_the_gymnasium_ids_in_either_order(order: str, tmp_path: Path) -> None:
     code = (
         f"{order}\n"
-        "missing = [t for t in remac_env.tasks() if f'RemacKitchen-{t}-v0' not in gymnasium.registry]\n"
+        "missing = [t for t in remac_env.tasks('events') if f'RemacKitchen-{t}-v0' not in gymnasium.registry]\n"
         "if missing: raise SystemExit(str(missing))\n"
-        "gymnasium.make('RemacKitchen-OpenCabinetPnP-v0', backend='symbolic').close()"
+        "gymnasium.make('RemacKitchen-OpenCabinetPnP-v0', backend='symbolic').close()\n"
+        "gymnasium.make('RemacKitchen-FallingDoor-v0', backend='symbolic').close()"
     )
     loaded_by(code, tmp_path, first="")
 
