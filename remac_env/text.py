@@ -16,6 +16,7 @@ def describe(
     """The scene as names alone, how it is used, and the goal sentence; facts, and no states.
 
     Args:
+        commands: what can be said to robots; clock: rounds or events, of which it is said how it is used.
         notes: what else everybody may know, a sentence each.
     """
     return "\n".join(

@@ -129,6 +129,7 @@ def read_policy(path: str | Path, *, sha256: str = "") -> Policy:
     """The policy of a file. Nothing in it is run: arrays of objects, which NumPy would unpickle, are refused.
 
     Args:
+        path: of an .npz as `save_policy` writes it.
         sha256: the digest that the file must have; "": any.
 
     Raises:

@@ -19,6 +19,7 @@ def search_goal(
     """What `search` comes to for a goal.
 
     Args:
+        scene, world, goal: see `certify`.
         about: the part of the goal that commands and bound are about, the whole of it where None.
         exact: with all commands that can matter; else with those that the goal is about.
         robots: those that act, all where None; the others are as if they were not there.

@@ -117,12 +117,12 @@ def search(
     """The cheapest sequence of rounds to a state in which `reached` is true.
 
     Args:
-        reached: with three robots or more it must not hang on which robot is which.
+        scene, world: the kitchen, and the state in which it begins.
+        reached: whether a state will do; with three robots or more it must not hang on which robot is which.
         commands: the subtasks that robots may run; waiting is always allowed.
         bound: a cost in rounds that the rest needs at least; 0 makes the search uninformed.
         max_rounds: what a plan may cost at most, in rounds.
-        max_states: states to look at before giving up.
-        max_states: where to give up; `most_states` where None.
+        max_states: states to look at before giving up, `most_states` where None.
         greed: more than 1 finds some plan sooner, not the cheapest; `lower` is then that of the start alone.
     """
     counter = itertools.count()

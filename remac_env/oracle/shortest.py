@@ -21,6 +21,7 @@ def shortest(
     commands that can matter are tried up to a cost of one less. Together that is quicker than to try them all at once.
 
     Args:
+        scene, world, goal: see `certify`.
         max_rounds: what a plan may cost at most, in rounds.
         max_states: states to look at before giving up, `most_states` where None; WIDER times as many for the proof.
 

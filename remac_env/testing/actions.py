@@ -25,6 +25,8 @@ def check_masks(env_fn: EnvMaker, *, seeds: Iterable[int] = (0,), limit: int | N
     `invalid`, the world as before. A legal token never is `invalid`. None of them raises.
 
     Args:
+        env_fn: makes a new environment.
+        seeds: of the starts.
         limit: how many legal and how many masked tokens are tried, evenly chosen; None for all (slow in physics).
 
     Raises:

@@ -26,6 +26,8 @@ def check_names(env_fn: EnvMaker, *, seeds: Iterable[int] = (0, 1), rounds: int 
     Plays random legal episodes, a plan that reaches the goal, and rounds in which both robots are given the same token.
 
     Args:
+        env_fn: makes a new environment.
+        seeds: of the episodes; rounds: of a random one at most.
         replay: play the swapped actions as well and compare every round. Leave it out in physics, where robots that
             start from different places need not do equally well; then only goal, loss and progress are judged on
             swapped worlds.
