@@ -297,5 +297,4 @@ def _shown(span: Iterable[float]) -> str:
 
 
 def _shown_block(block: Block) -> str:
-    spans = zip(block.low, block.high, strict=True)
-    return " ".join(f"{axis} {_shown(span)}" for axis, span in zip("xyz", spans, strict=True))
+    return " ".join(f"{axis} {_shown(span)}" for axis, *span in zip("xyz", block.low, block.high, strict=True))
