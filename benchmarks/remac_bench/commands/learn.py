@@ -229,7 +229,7 @@ def _checker_table(found: Mapping[str, Mapping[str, float]]) -> Any:
     from rich.table import Table
 
     table = Table(box=box.MARKDOWN)
-    columns = ["condition", "n", "true: precision", "recall", "false: precision", "recall", "cannot tell"]
+    columns = ["condition", "n", "true: precision", "true: recall", "false: precision", "false: recall", "cannot tell"]
     for index, name in enumerate([*columns, "hidden", "said"]):
         table.add_column(name, justify="right" if index else "left")
     total = {name: sum(row[name] for row in found.values()) for name in next(iter(found.values()), {})}
