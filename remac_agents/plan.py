@@ -16,6 +16,9 @@ from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.state import FrozenMap
 from remac_env.words import normalise
 
+BYTES = bytes | bytearray | memoryview
+"""A text that nobody decoded: no list of numbers."""
+
 MAX_STEPS = 200
 """A longer row of a plan is refused: no episode has so many rounds."""
 
@@ -196,7 +199,7 @@ def read_plan(reply: object, commands: Commands, robots: Sequence[str], lead: st
         return PlanError(rows) if isinstance(rows, str) else _from_rows(rows, commands, names)
     if is_unordered(reply):
         return PlanError(f"a {type_name(reply)} has no order; valid: a list of commands, or a mapping to lists")
-    if (steps := first_of(reply, MAX_STEPS + 1)) is not None:
+    if not isinstance(reply, BYTES) and (steps := first_of(reply, MAX_STEPS + 1)) is not None:
         return _from_rows({lead: steps}, commands, names)
     return PlanError(f"a plan is a mapping from robots to lists of commands, not {type_name(reply)}")
 
@@ -258,7 +261,7 @@ def _from_rows(rows: Mapping[str, Any], commands: Commands, names: Names) -> Pla
             told = f"the row of {robot} is a {type_name(row)}, which has no order; valid: a list of commands"
             errors.append(PlanError(told))
             continue
-        if isinstance(row, str | Mapping) or not isinstance(row, Iterable):
+        if isinstance(row, str | Mapping | BYTES) or not isinstance(row, Iterable):
             errors.append(PlanError(f"the row of {robot} is not a list of commands"))
             continue
         entries = list(itertools.islice(row, MAX_STEPS + 1))

@@ -92,3 +92,9 @@ def test_steps_put_in_front_keep_later_rounds_side_by_side() -> None:
     assert plan.with_row("a", [CUP, CUP, lamp]).rows["b"] == (WAIT, WAIT, aside, CUP)
     assert plan.with_row("b", [CUP]) == Plan.of({"a": [lamp], "b": [WAIT, CUP]})
     assert Plan.of({"a": [lamp, CUP]}).with_row("a", [CUP]) == Plan.of({"a": [CUP]})
+
+
+@pytest.mark.parametrize("reply", [b"wait", bytearray(b"wait"), memoryview(b"wait"), {"robot_0": b"wait"}])
+def test_bytes_are_no_list_of_numbers(reply: object) -> None:
+    found = read_plan(reply, Commands(["wait"]), ("robot_0",), "robot_0")
+    assert isinstance(found, PlanError) and "not" in found.problem and "command;" not in found.problem
