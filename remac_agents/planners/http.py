@@ -1,6 +1,7 @@
 """The planner behind an HTTP address: it is sent the request as JSON and answers as any planner may, JSON or text.
 
-Nothing but that address is called: redirects are not followed. Whatever goes wrong is an error value.
+Nothing but that address is called: redirects are not followed. Whatever goes wrong once somebody is there is an error
+value.
 """
 
 from __future__ import annotations
@@ -12,8 +13,9 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from remac_agents.plan import PlanError
-from remac_agents.roles import PlanRequest
+from remac_agents.roles import PlanRequest, StopEpisode
 from remac_agents.roles.request_json import as_json
+from remac_agents.text.printable import quoted
 from remac_env.errors import OptionError, real_number
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -34,14 +36,18 @@ class HttpPlanner:
     needs_truth = needs_rules = False
 
     def __init__(self, url: str, *, seconds: float = 60.0, most_bytes: int = 1_000_000) -> None:
-        address = urlsplit(url)
+        try:
+            address = urlsplit(url)
+            port = "" if address.port is None else f":{address.port}"
+        except ValueError as error:
+            raise OptionError(f"address {quoted(url)} is not valid: {error}; valid: http://HOST:PORT/PATH") from error
         if address.scheme not in ("http", "https") or not address.hostname:
-            raise OptionError(f"address {url!r} is not valid; valid: http://HOST:PORT/PATH")
+            raise OptionError(f"address {quoted(url)} is not valid; valid: http://HOST:PORT/PATH")
         for name, value in (("seconds", seconds), ("most_bytes", most_bytes)):
             if not real_number(name, value, 0.0):
                 raise OptionError(f"{name} {value!r} is not valid; valid: a number above 0")
         self._url, self._seconds, self._most = url, float(seconds), int(most_bytes)
-        self._shown = f"{address.scheme}://{address.hostname}{address.path}"
+        self._shown = f"{address.scheme}://{address.hostname}{port}{address.path}"
         self._loopback, self._secure = address.hostname in LOOPBACK, address.scheme == "https"
         self._iteration = 0
 
@@ -50,7 +56,11 @@ class HttpPlanner:
         self._iteration = iteration
 
     def plan(self, request: PlanRequest) -> Any:
-        """The answer: a JSON value, or text."""
+        """The answer: a JSON value, or text.
+
+        Raises:
+            StopEpisode: where nobody is there to be asked, for which no planner is to blame.
+        """
         body = json.dumps(as_json(request, self._iteration)).encode()
         # A loop of its own in a thread of its own: the caller may run in a notebook, which has one already.
         with ThreadPoolExecutor(1) as pool:
@@ -63,6 +73,9 @@ class HttpPlanner:
             status, content = await asyncio.wait_for(self._post(body), self._seconds)
         except TimeoutError:
             return PlanError(f"no answer from {self._shown} within {self._seconds:g} s")
+        except (httpx.ConnectError, httpx.ConnectTimeout) as error:
+            told = f"nobody is at {self._shown}: {type(error).__name__}; start the planner's server first"
+            raise StopEpisode(told, infrastructure=True) from error
         except (httpx.HTTPError, httpx.InvalidURL) as error:
             return PlanError(f"no answer from {self._shown}: {type(error).__name__}")
         if status != 200:

@@ -19,9 +19,8 @@ from agent_kitchens import play, suite_kitchen
 from remac_bench.playing import agents as bench_agents
 
 import remac_agents
-from remac_agents.plan import PlanError
 from remac_agents.planners.http import HttpPlanner
-from remac_agents.roles import PlanRequest
+from remac_agents.roles import PlanRequest, StopEpisode
 from remac_agents.roles.request_json import as_json, png
 from remac_agents.wiring.catalogue import make_role
 from remac_env.errors import OptionError, RemacError, UnknownNameError
@@ -208,8 +207,18 @@ def test_faults_of_an_address_are_errors_of_the_agent(address: str, path: str, t
 
 
 def test_nobody_listens() -> None:
-    answer = HttpPlanner("http://user:secret@127.0.0.1:9/plan", seconds=2.0).plan(request())
-    assert isinstance(answer, PlanError) and "ConnectError" in answer.problem and "secret" not in answer.problem
+    """No planner is to blame for not having been started."""
+    with pytest.raises(StopEpisode, match="nobody is at http://127.0.0.1:9/plan: ConnectError") as found:
+        HttpPlanner("http://user:secret@127.0.0.1:9/plan", seconds=2.0).plan(request())
+    assert found.value.infrastructure and "secret" not in str(found.value)
+    report = play(suite_kitchen(TASK, robots=1), remac_agents.make("BASE", planner="http://127.0.0.1:9/plan"))
+    assert report.infrastructure and "127.0.0.1:9" in report.infrastructure
+
+
+@pytest.mark.parametrize("url", ["http://h:port/x", "http://h:99999/", "http://[::1/x", "http:///x"])
+def test_addresses_that_are_none(url: str) -> None:
+    with pytest.raises(OptionError, match="valid: http://HOST:PORT/PATH"):
+        HttpPlanner(url)
 
 
 def test_the_http_example_works() -> None:
