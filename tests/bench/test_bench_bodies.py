@@ -95,8 +95,22 @@ def test_no_record_has_code_imported(here: Path) -> None:
     assert (here / "sprung").exists(), "the trap is one"
 
 
-def test_a_suite_can_name_a_body(here: Path) -> None:
+def test_a_suite_can_name_a_body(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "body" in suites.KITCHEN
+    monkeypatch.setattr(suites, "_ADDED", {})
+    (here / "mine.toml").write_text(
+        'name = "mine"\nversion = 1\nabout = "with a body"\nmethods = ["CC"]\n[[jobs]]\ntasks = ["HeatOnStove"]\n'
+        f'seeds = "0:1"\nkitchen = {{ backend = "symbolic", body = "{BODY}" }}\n', "utf-8",
+    )
+    assert remac("bench", "run", "--suite", "mine.toml", "-j", "0", "--out", "mine").exit_code == 0
+    assert {row.body for row in Store("mine").read()} == {"six joints"}
+    forget()
+    assert remac("bench", "verify", "mine").exit_code == 1 and BODY not in bodies.names()
+    result = remac("bench", "verify", "mine", "--suite", "mine.toml")
+    assert result.exit_code == 0, result.output
+
+
+def test_a_suite_says_itself_which_body_it_is_for(here: Path) -> None:
     result = remac(*RUN[:2], "--suite", "paper", "--body", BODY, "--out", "out")
     assert result.exit_code == 2 and "--body does not go with suite 'paper'" in " ".join(result.output.split())
     assert not (here / "out").exists()

@@ -28,6 +28,7 @@ from remac_env.files import read_text
 from remac_env.generator.making import for_team
 from remac_env.option_rows import rows
 from remac_env.options import MAX_ROBOTS, Options
+from remac_env.robots import bodies
 from remac_env.seeding import digest
 from remac_env.tasks.generated import SPEC as GENERATED
 
@@ -144,12 +145,16 @@ def names() -> list[str]:
 
 
 def add(file: str) -> None:
-    """Make a suite of one's own known by its name in this process, to whoever reads records of it.
+    """Make a suite of one's own known by its name in this process, to whoever reads records of it, and so its bodies.
 
     Raises:
         UsageError: as `load`, or where the name is one of those that come with the benchmark.
+        UnknownNameError, OptionError: for a body in it that cannot be imported, or is none.
     """
-    name = load(file).name
+    suite = load(file)
+    for block in suite.blocks:
+        bodies.get(block.kitchen.get("body", bodies.STANDARD))
+    name = suite.name
     if (_folder() / f"{name}.toml").is_file():
         raise UsageError(f"suite {file!r} has the name {name!r}, which is taken; valid: another one")
     _ADDED[name] = Path(file)
