@@ -31,26 +31,6 @@ class _Server(ThreadingHTTPServer):
     daemon_threads = True
 
 
-def _handler(seconds: float) -> type[BaseHTTPRequestHandler]:
-    class Handler(BaseHTTPRequestHandler):
-        """Answers every question late, and the same."""
-
-        def do_POST(self) -> None:
-            self.rfile.read(int(self.headers["content-length"]))
-            time.sleep(seconds)
-            body = json.dumps(ANSWER).encode()
-            self.send_response(200)
-            self.send_header("content-type", "application/json")
-            self.send_header("content-length", str(len(body)))
-            self.end_headers()
-            self.wfile.write(body)
-
-        def log_message(self, *_: Any) -> None:
-            """Say nothing."""
-
-    return Handler
-
-
 def measure(*, calls: int, waves: int, latency: float) -> float:
     """Seconds that `waves` times `calls` calls take, `calls` of them at the same time.
 
@@ -70,6 +50,26 @@ def measure(*, calls: int, waves: int, latency: float) -> float:
     if not all(isinstance(reply, ChatReply) for reply in replies):
         raise RuntimeError(f"calls without an answer: {[r for r in replies if not isinstance(r, ChatReply)][0]}")
     return seconds
+
+
+def _handler(seconds: float) -> type[BaseHTTPRequestHandler]:
+    class Handler(BaseHTTPRequestHandler):
+        """Answers every question late, and the same."""
+
+        def do_POST(self) -> None:
+            self.rfile.read(int(self.headers["content-length"]))
+            time.sleep(seconds)
+            body = json.dumps(ANSWER).encode()
+            self.send_response(200)
+            self.send_header("content-type", "application/json")
+            self.send_header("content-length", str(len(body)))
+            self.end_headers()
+            self.wfile.write(body)
+
+        def log_message(self, *_: Any) -> None:
+            """Say nothing."""
+
+    return Handler
 
 
 @takes("calls.calls", "calls.waves", "calls.latency")

@@ -101,7 +101,7 @@ def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> N
     proofs = {**certificate_files.load(body), **proofs}
     ordered = [proofs[name] for name in variants() if name in proofs]
     file.write_text("\n".join(as_toml(ordered)) + "\n", encoding="utf-8")
-    console.print(_shown(ordered, ordered[0].body))
+    console.print(_shown([proofs[name] for name in chosen], ordered[0].body))
 
 
 def _checked(chosen: Sequence[tuple[str, str]], count: int, seed: int, body: str) -> list[str]:

@@ -90,15 +90,6 @@ def physics() -> Iterator[Figure]:
         yield Figure("two robots: steps for each of robosuite's TwoArmLift", median(rates) / peer, "", ">= 25")
 
 
-def _team(seed: int) -> tuple[PhysicsBackend, Start, Goal]:
-    """A kitchen for two robots in physics."""
-    env = remac_env.parallel_env(TASK, robots=2, backend="symbolic")
-    env.reset(seed=seed)
-    backend = PhysicsBackend()
-    backend.reset(env.start)
-    return backend, env.start, env.goal
-
-
 def _team_episode(seed: int) -> dict[str, float]:
     """The shortest plan of two robots, carried out."""
     backend, start, goal = _team(seed)
@@ -119,6 +110,15 @@ def _team_episode(seed: int) -> dict[str, float]:
         "contacts": float(contacts),
         "constraint rows": float(rows),
     }
+
+
+def _team(seed: int) -> tuple[PhysicsBackend, Start, Goal]:
+    """A kitchen for two robots in physics."""
+    env = remac_env.parallel_env(TASK, robots=2, backend="symbolic")
+    env.reset(seed=seed)
+    backend = PhysicsBackend()
+    backend.reset(env.start)
+    return backend, env.start, env.goal
 
 
 def _stepping(seed: int) -> float:

@@ -198,11 +198,6 @@ def _differences(one: WorldState, other: WorldState) -> Iterator[str]:
                 yield f"{name}: {state} predicted, {getattr(other, part)[name]} happened"
 
 
-def _job(job: tuple[tuple[str, int, int, int], str | None, int]) -> list[Compared]:
-    cell, template, quirks = job
-    return play(*cell, template=template, quirks=quirks)
-
-
 @takes(
     *("twin.seeds", "script.tasks", "twin.grades", "template", "quirks", "twin.rounds", "script.processes"),
     "script.file",
@@ -228,6 +223,11 @@ def main(
     show(table(found, f"Both backends on one round, seeds {seeds}"))
     if file is not None:
         file.write_text(json.dumps([asdict(line) for line in found], indent=1), encoding="utf-8")
+
+
+def _job(job: tuple[tuple[str, int, int, int], str | None, int]) -> list[Compared]:
+    cell, template, quirks = job
+    return play(*cell, template=template, quirks=quirks)
 
 
 def table(found: Sequence[Compared], title: str) -> Table:

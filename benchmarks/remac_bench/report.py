@@ -217,17 +217,17 @@ def _with_overall(records: Sequence[Record]) -> list[Row]:
     return [row for where in settings for row in rows if row.setting == where]
 
 
-def _loud(sheet: Sheet, columns: Sequence[Column]) -> tuple[Column, ...]:
-    """Without the columns of alarms that are all silent."""
-    quiet = {key for key in ALARMS if all(row.get(key, _DASH).text in ("0", "-") for row in sheet.rows)}
-    return tuple(column for column in columns if column.key not in quiet)
-
-
 def _tables(sheet: Sheet, columns: Sequence[Column], across: int) -> list[Table]:
     """A sheet as one table, or in parts that fit the terminal; columns without a cell are left out."""
     used = _loud(sheet, [column for column in columns if any(column.key in row for row in sheet.rows)])
     parts = _parts(sheet, used, min(across, ACROSS))
     return [_table(sheet, part, title=not index) for index, part in enumerate(parts)]
+
+
+def _loud(sheet: Sheet, columns: Sequence[Column]) -> tuple[Column, ...]:
+    """Without the columns of alarms that are all silent."""
+    quiet = {key for key in ALARMS if all(row.get(key, _DASH).text in ("0", "-") for row in sheet.rows)}
+    return tuple(column for column in columns if column.key not in quiet)
 
 
 def _parts(sheet: Sheet, used: Sequence[Column], across: int) -> list[tuple[Column, ...]]:

@@ -14,15 +14,15 @@ _NUMBERS = ("one", "two", "three", "four", "five", "six", "seven", "eight")
 _SOME = re.compile(rf"^(?P<which>every|all|any|a|an|some|{'|'.join(_NUMBERS)})(?: of the)? (?P<kind>.+)$")
 
 
+def vessels() -> tuple[tuple[str, str, str], ...]:
+    """(verb, place, vessel): what is done so there is done in such a vessel."""
+    return tuple((row["verb"], row["place"], row["vessel"]) for row in _data()["vessel"])
+
+
 @lru_cache(maxsize=1)
 def _data() -> dict[str, Any]:
     text = resources.files("remac_agents").joinpath("planners", "common_sense.toml").read_text("utf-8")
     return tomllib.loads(text)
-
-
-def vessels() -> tuple[tuple[str, str, str], ...]:
-    """(verb, place, vessel): what is done so there is done in such a vessel."""
-    return tuple((row["verb"], row["place"], row["vessel"]) for row in _data()["vessel"])
 
 
 def places() -> dict[str, tuple[str, tuple[str, ...]]]:

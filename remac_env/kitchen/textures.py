@@ -65,17 +65,17 @@ def blend(first: ArrayLike, second: ArrayLike, amount: Floats) -> Floats:
     return np.asarray(first) * (1 - share) + np.asarray(second) * share
 
 
-def _grid(size: int) -> tuple[Floats, Floats]:
-    rows, columns = np.mgrid[0:size, 0:size] / size
-    return rows, columns
-
-
 def wood(size: int, color: Color, accent: Color) -> Floats:
     """Boards of one piece, the grain running up the image."""
     warp = noise(size, seed=1, base=(2, 8), octaves=4)
     grain = 0.5 + 0.5 * np.sin(2 * np.pi * (6 * _grid(size)[1] + 1.6 * warp))
     fine = noise(size, seed=2, base=(4, 96), octaves=3)
     return blend(accent, color, 0.45 * grain + 0.55 * fine) + (fine - 0.5)[..., None] * 0.08
+
+
+def _grid(size: int) -> tuple[Floats, Floats]:
+    rows, columns = np.mgrid[0:size, 0:size] / size
+    return rows, columns
 
 
 def planks(size: int, color: Color, accent: Color) -> Floats:
@@ -115,6 +115,11 @@ def concrete(size: int, color: Color, accent: Color) -> Floats:
     return blend(color, accent, np.clip((clouds - 0.45) * 1.1, 0, 0.6) + 0.5 * pores)
 
 
+def tiles(size: int, color: Color, accent: Color) -> Floats:
+    """Square floor tiles, three to the metre, with grout in the accent colour."""
+    return _laid(size, color, accent, across=3, rows=3, joint=0.005, shift=0, tint=0.027, clouds=0.10)
+
+
 def _laid(
     size: int,
     color: Color,
@@ -138,11 +143,6 @@ def _laid(
     rim = np.clip(1 - np.abs(edge - 1.1) / 0.6, 0, 1)[..., None]
     face = face + rim * np.where(v < u, 0.045, -0.035)[..., None]
     return blend(face, grout, (0.9 - edge) / 0.4)
-
-
-def tiles(size: int, color: Color, accent: Color) -> Floats:
-    """Square floor tiles, three to the metre, with grout in the accent colour."""
-    return _laid(size, color, accent, across=3, rows=3, joint=0.005, shift=0, tint=0.027, clouds=0.10)
 
 
 def checker(size: int, color: Color, accent: Color) -> Floats:

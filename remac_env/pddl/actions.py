@@ -56,10 +56,6 @@ def actions(rules: Rules) -> list[Action]:
     return [*found, *_water(rules), *_heat(rules)]
 
 
-def _seconds(skill: str) -> float:
-    return SKILLS[skill].seconds
-
-
 def _drives(rules: Rules) -> Iterator[Action]:
     """From each station to each other one; who sets out takes the goal, and keeps the start until it has left."""
     for goal in (*rules.stations, ASIDE):
@@ -79,6 +75,10 @@ def _drives(rules: Rules) -> Iterator[Action]:
                 seconds=_seconds("navigate aside" if goal == ASIDE else "navigate to"),
                 skill="navigate aside" if goal == ASIDE else "navigate to",
             )
+
+
+def _seconds(skill: str) -> float:
+    return SKILLS[skill].seconds
 
 
 def _picking() -> Iterator[Action]:
@@ -178,10 +178,6 @@ def _switches(rules: Rules, facts: FixtureFacts) -> Iterator[Action]:
 # -- what happens by itself -----------------------------------------------------------------------------------------
 
 
-def _slow(rules: Rules, mark: str) -> Process | None:
-    return next((process for process in rules.processes if process.mark == mark), None)
-
-
 def _water(rules: Rules) -> Iterator[Action]:
     """Water washes what stands under it, directly or in a vessel, and fills vessels where that takes its time."""
     for tap, basins in rules.taps:
@@ -192,6 +188,10 @@ def _water(rules: Rules) -> Iterator[Action]:
                 slow = _slow(rules, mark)
                 seconds = INSTANT if slow is None else slow.seconds
                 yield from _by_itself(f"{name_of(tap)}-{mark}", mark, (*running, what), seconds, vessel=mark == WASHED)
+
+
+def _slow(rules: Rules, mark: str) -> Process | None:
+    return next((process for process in rules.processes if process.mark == mark), None)
 
 
 def _heat(rules: Rules) -> Iterator[Action]:

@@ -128,16 +128,16 @@ def _predicates(rules: Rules, found: Iterable[Action], level: str) -> list[str]:
     return list(shapes.values())
 
 
-def _head(action: Action) -> str:
-    return " ".join(f"?{name} - {kind}" for name, kind in action.variables)
-
-
 def _classical(action: Action) -> Iterator[str]:
     effects = [f"({fact})" for fact in action.after] + [f"(not ({fact}))" for fact in (*action.gone, *action.at_once)]
     yield f"  (:action {action.name}"
     yield f"    :parameters ({_head(action)})"
     yield f"    :precondition (and {' '.join(f'({fact})' for fact in action.before)})"
     yield f"    :effect (and {' '.join(effects)}))"
+
+
+def _head(action: Action) -> str:
+    return " ".join(f"?{name} - {kind}" for name, kind in action.variables)
 
 
 def _durative(action: Action) -> Iterator[str]:

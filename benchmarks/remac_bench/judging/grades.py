@@ -84,18 +84,6 @@ def _sort(record: Record) -> Sort:
     return suite_of(record), record.agent, str(kitchen.get("knowledge", "full")), int(kitchen.get("quirks", 0))
 
 
-def _groups(records: Iterable[Record]) -> list[tuple[Sort, list[Record]]]:
-    found: dict[Sort, list[Record]] = {}
-    for record in records:
-        found.setdefault(_sort(record), []).append(record)
-    return sorted(found.items(), key=lambda item: (item[0][0], item[0][3], item[0][2], item[0][1]))
-
-
-def _head(sort: Sort) -> Cells:
-    suite, agent, knows, quirks = sort
-    return {"suite": word(suite or "-"), "agent": word(agent), "knows": word(knows), "quirks": count(quirks)}
-
-
 def _by(records: Sequence[Record], of: Callable[[Record], str], key: str, title: str, folder: str) -> Sheet:
     names = sorted({of(record) for record in records})
     columns = [Column(key=f"{key}-{name}", title=f"Grade {name}") for name in names]
@@ -108,6 +96,18 @@ def _by(records: Sequence[Record], of: Callable[[Record], str], key: str, title:
         key=key, title=title, caption=CAPTION, command=f"remac bench report {folder}", columns=(*_SORT, *columns),
         rows=tuple(rows), facts=tuple(facts),
     )  # fmt: skip
+
+
+def _head(sort: Sort) -> Cells:
+    suite, agent, knows, quirks = sort
+    return {"suite": word(suite or "-"), "agent": word(agent), "knows": word(knows), "quirks": count(quirks)}
+
+
+def _groups(records: Iterable[Record]) -> list[tuple[Sort, list[Record]]]:
+    found: dict[Sort, list[Record]] = {}
+    for record in records:
+        found.setdefault(_sort(record), []).append(record)
+    return sorted(found.items(), key=lambda item: (item[0][0], item[0][3], item[0][2], item[0][1]))
 
 
 def _share(group: Sequence[Record]) -> Cell:

@@ -87,11 +87,6 @@ def _is_like_the_papers(where: str) -> bool:
     return f"{table['starts']} starts" in where and "wording=" not in where
 
 
-def _caption(note: str = "") -> str:
-    paper = published()
-    return " ".join(part for part in (f"The paper: {paper['source']}.", paper["differs"], note) if part)
-
-
 def _table_1(where: str, rows: Sequence[Row], tail: str, folder: str) -> list[Sheet]:
     table = published()["table_1"]
     kept = [row for row in rows if row.method in table.get(row.task, {})]
@@ -108,6 +103,11 @@ def _table_1(where: str, rows: Sequence[Row], tail: str, folder: str) -> list[Sh
             facts=tuple(_facts(row) for row in kept),
         )
     ]
+
+
+def _caption(note: str = "") -> str:
+    paper = published()
+    return " ".join(part for part in (f"The paper: {paper['source']}.", paper["differs"], note) if part)
 
 
 def _table_1_cells(row: Row, paper: Mapping[str, float]) -> Cells:

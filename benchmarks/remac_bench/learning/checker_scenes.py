@@ -78,15 +78,15 @@ Shown = Callable[[Look, Condition, bool], bool | None]
 """Whether pictures tell a condition of this truth; None where it is not to be learnt from."""
 
 
-def _objects(condition: Condition) -> tuple[str, ...]:
-    own = robot_of(condition)
-    return tuple(arg for arg in condition.args if arg != own)
-
-
 def _first_seen(look: Look, condition: Condition, truth: bool) -> bool | None:
     """What it is about is in the picture."""
     objects = _objects(condition)
     return not objects or objects[0] in look.seen
+
+
+def _objects(condition: Condition) -> tuple[str, ...]:
+    own = robot_of(condition)
+    return tuple(arg for arg in condition.args if arg != own)
 
 
 def _worked(look: Look, condition: Condition, truth: bool) -> bool | None:

@@ -45,6 +45,11 @@ class Finding:
     purpose: str
 
 
+def versions() -> dict[str, str]:
+    """The versions on which an episode depends: remac, its code by digest, python, mujoco, numpy."""
+    return dict(_versions())
+
+
 @lru_cache(maxsize=1)
 def _versions() -> tuple[tuple[str, str], ...]:
     import remac_env
@@ -52,11 +57,6 @@ def _versions() -> tuple[tuple[str, str], ...]:
     packages = [(name, _version(name) or "missing") for name in ("mujoco", "numpy")]
     code = ("code", code_digest())
     return (("remac", remac_env.__version__), code, ("python", platform.python_version()), *packages)
-
-
-def versions() -> dict[str, str]:
-    """The versions on which an episode depends: remac, its code by digest, python, mujoco, numpy."""
-    return dict(_versions())
 
 
 @lru_cache(maxsize=1)

@@ -157,11 +157,6 @@ def read(file: Path) -> dict[str, Category]:
     return {name: parse(name, table, source=file) for name, table in tables.items()}
 
 
-def _finite(value: object) -> TypeGuard[float]:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and abs(value) <= sys.float_info.max  # type: ignore[arg-type] # false for NaN
-
-
 @dataclass(frozen=True)
 class _Reader:
     """Reads one category; every complaint names the source and the key."""
@@ -285,3 +280,8 @@ class _Reader:
 
     def _error(self, where: str, problem: str, valid: Iterable[object] | str = "") -> KitchenFileError:
         return KitchenFileError(self.source, f"{self.name}.{where}" if where else self.name, problem, valid)
+
+
+def _finite(value: object) -> TypeGuard[float]:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and abs(value) <= sys.float_info.max  # type: ignore[arg-type] # false for NaN
