@@ -75,7 +75,7 @@ class Options:
     robots: int = option(2, f"1 to {MAX_ROBOTS}; they are called robot_0, robot_1, ...", _ROBOTS)
     backend: str = option("physics", "physics (MuJoCo decides) or symbolic (the skill table).", Choice(BACKENDS))
     body: str = option(
-        "panda", "The kind of robot: panda, a name that was registered, or yours: path/file.py:Name or "
+        "panda", "The kind of robot: panda, another name that is known here, or yours: path/file.py:Name or "
         "package.module:Name.", Word(),
     )  # fmt: skip
     style: str | None = option(None, "Name of a style; by default the seed picks.")
@@ -91,7 +91,7 @@ class Options:
         Word(),
     )  # fmt: skip
     quirks: int = option(
-        0, "How many facts about its kitchen a generated task has that nobody is told.", Whole(0, MOST_QUIRKS)
+        0, "How many facts about its kitchen a generated task hides: no text says them.", Whole(0, MOST_QUIRKS)
     )
     knowledge: str = option(
         "full", "What robots know of where objects are: full, or seen (what stands in the open, and what they have "

@@ -18,7 +18,7 @@ VALID = "scripted, learned, a folder of weights, or SKILL=one of these with comm
 
 @dataclass(frozen=True)
 class Sources:
-    """Whence each skill is taken: `scripted`, `learned` (those that the package has) or a folder of weights.
+    """Where each skill comes from: `scripted`, `learned` (those that the package has) or a folder of weights.
 
     Attributes:
         named: skill -> source, of the skills that were named.

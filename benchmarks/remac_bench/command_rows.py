@@ -41,7 +41,7 @@ ROWS: dict[str, Row] = {
         default="strips", values=Choice(LEVELS),
     ),
     "pddl.out": Row(help="Folder for domain.pddl and problem.pddl.", default=NEEDED, values=File()),
-    "pddl.plan": Row(help="A planner's plan of them, to be played.", values=File()),
+    "pddl.plan": Row(help="What a planner made of these files, to be played.", values=File()),
     "plan.taught": Row(
         help="Tell it a first iteration's plan and reflections.", default=False, values=Switch(), flag="--reflections"
     ),
@@ -88,14 +88,14 @@ ROWS: dict[str, Row] = {
     "play.out": Row(help="Folder for the record.", default="runs/human"),
     "play.terminal": Row(help="Type in the terminal instead of the browser.", default=False, values=Switch()),
     "play.video": Row(help="Also film the episode.", default=True, values=Switch()),
-    "serving.port": Row(help="On which it listens; by default one that is free.", default=0, values=Whole(0, 65_535)),
+    "serving.port": Row(help="Port on which it listens; by default a free one.", default=0, values=Whole(0, 65_535)),
     "replay.iteration": Row(help="Which iteration; by default the last.", values=Whole()),
     "replay.video": Row(help="Also write a video: a file that ends in .webm.", values=File()),
     "records.bodies": Row(
-        help="A body that records name by its address, path/file.py:Name or package.module:Name, and that may be "
+        help="A body of your own that the records name, path/file.py:Name or package.module:Name, so that it is "
         "imported; may be repeated.", values=Texts(), flag="--body",
     ),
-    "records.suite": Row(help="FILE.toml: the suite of your own that the records are of.", flag="--suite"),
+    "records.suite": Row(help="FILE.toml of a suite of your own, for which the records were played.", flag="--suite"),
     "records.as_markdown": Row(help="As Markdown.", default=False, values=Switch(), flag="--markdown"),
     "report.everything": Row(
         help="Every table with every column, not only the main ones.", default=False, values=Switch(), flag="--all"
@@ -110,7 +110,8 @@ ROWS: dict[str, Row] = {
     ),
     "report.out": Row(help="Folder for the pages; needed where several folders are reported together."),
     "blame.rescue": Row(
-        help="Also test whether the oracle's steps from the bad round on reach the goal.", default=True, values=Switch()
+        help="Also test whether the oracle would have reached the goal from the bad round on.", default=True,
+        values=Switch(),
     ),
     "submit.out": Row(help="A new folder for the submission.", default=NEEDED),
     "submit.name": Row(help="The name under which it is listed on boards.", default=NEEDED),
@@ -129,7 +130,7 @@ ROWS: dict[str, Row] = {
         help="OpenDoor, TurnOn ..., with commas; may be repeated. By default all.", values=Texts()
     ),
     "learn.episodes": Row(help="Episodes of each skill.", default=200, values=_COUNT),
-    "learn.first_seed": Row(help="The first of their seeds.", default=1000, values=_SEED),
+    "learn.first_seed": Row(help="Seed of the first episode.", default=1000, values=_SEED),
     "learn.cells": Row(
         help="table (styles and layouts of the tasks' table) or all.", default="table", values=Choice(("table", "all"))
     ),
@@ -143,11 +144,11 @@ ROWS: dict[str, Row] = {
         "by default the seed picks."
     ),
     "learn.led_by": Row(
-        help="A folder of weights that begin; recorded is how the scripted controller goes on from there (DAgger), "
-        "where objects are picked up or put down.",
+        help="A folder of weights that begin each motion; what is recorded is how the scripted controller goes on from "
+        "there (DAgger). For skills that pick up or put down.",
         values=File(),
     ),
-    "learn.disturb": Row(help="How strongly servos are disturbed; 0: not.", default=1.0, values=Real(0.0, 10.0)),
+    "learn.disturb": Row(help="How strongly servos are disturbed; 0: not at all.", default=1.0, values=Real(0.0, 10.0)),
     "learn.format": Row(
         help="hdf5 (robomimic's layout, files of 40 episodes) or lerobot (a dataset of version 3.0).", default="hdf5",
         values=Choice(("hdf5", "lerobot")),
@@ -165,8 +166,8 @@ ROWS: dict[str, Row] = {
     "learn.demos": Row(help="Folder of demonstrations.", default=NEEDED, values=File()),
     "learn.weights": Row(help="Folder of weights, SKILL.npz each.", default=NEEDED, values=File()),
     "learn.together": Row(
-        help="One network for all of the skills, which is told the words of commands; else one each.", default=False,
-        values=Switch(),
+        help="One network for all of the skills, which also reads the words of commands; otherwise one each.",
+        default=False, values=Switch(),
     ),
     "learn.epochs": Row(help="Passes over the demonstrations.", default=60, values=_COUNT),
     "learn.width": Row(help="Units of a hidden layer.", default=384, values=Whole(1, 4096)),
@@ -177,7 +178,7 @@ ROWS: dict[str, Row] = {
         values=Switch(),
     ),
     "learn.trials": Row(help="Tries of each skill in each set of kitchens.", default=100, values=_COUNT),
-    "learn.tried_from": Row(help="The first of their seeds.", default=50_000, values=_SEED, flag="--first-seed"),
+    "learn.tried_from": Row(help="Seed of the first try.", default=50_000, values=_SEED, flag="--first-seed"),
     "learn.note": Row(help="Write the result into the weights.", default=False, values=Switch()),
     "learn.chats": Row(help="A file of JSON lines.", default=NEEDED, values=File(), flag="--out"),
     "learn.roles": Row(help="Questions of these roles, such as planner; by default all.", values=Texts()),
@@ -203,6 +204,6 @@ ROWS: dict[str, Row] = {
     "learn.asked": Row(
         help="Only conditions that a method would have asked about.", default=False, values=Switch()
     ),
-    "learn.processes": Row(help="Processes side by side.", default=1, values=Whole(1, 256)),
+    "learn.processes": Row(help="How many processes.", default=1, values=Whole(1, 256)),
     "memory.keep": Row(help="Number of newest runs to keep per task.", default=NEEDED, values=Whole()),
 }  # fmt: skip

@@ -30,7 +30,9 @@ ROWS: dict[str, Row] = {
     "certify_modules.check": Row(
         help="Run this many trials again and compare; writes nothing.", default=0, values=Whole()
     ),
-    "certify_modules.first_seed": _FIRST.but(help="Of a variant's first trial and --check's choice.", default=44000),
+    "certify_modules.first_seed": _FIRST.but(
+        help="Seed of a variant's first trial, and of what --check picks.", default=44000
+    ),
     "certify_objects.trials": Row(help="Seeds of each category.", default=3, values=_COUNT),
     "certify_objects.only": Row(help="Categories, separated by commas; empty for all.", default=""),
     "fit_memorised.seeds": _SEEDS.but(help="Starts to fit on.", default="40000:40200"),
@@ -53,7 +55,7 @@ ROWS: dict[str, Row] = {
     "model_costs.show": Row(
         help="Measure nothing: show the table as it is.", default=False, values=Switch(), flag="--show"
     ),
-    "model_costs.into": Row(help="A document: puts the Markdown between its marks.", values=File()),
+    "model_costs.into": Row(help="A document: the Markdown replaces what stands between its marks.", values=File()),
     "offline_tables.seeds": Row(help="Starts per task; 50, for outsiders 20.", values=_COUNT),
     "oracle_physics.layouts": Row(help="Comma-separated names, each with every seed; by default drawn at random."),
     "oracle_physics.by": Row(help="A row for each task, layout or style, and number of robots.", default="task"),

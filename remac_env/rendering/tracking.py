@@ -113,8 +113,8 @@ def _over_shoulder(hand: Floats, layout: Layout, facing: Floats) -> Floats:
 def _following(robots: Sequence[Mapping[str, Floats]]) -> list[Aim]:
     """As near as the camera can be while all who are at work are in the picture.
 
-    The places from which a point is in a picture taken in one direction are convex. A shot is taken from where all is
-    seen that is seen in it and just before and after it; so a mean of such places near in time sees all of its moment.
+    The places from which a point is in the picture, for one direction of view, are convex. Each place chosen here also
+    shows what is at work just before and after its moment; so the mean of places near in time shows all of its own.
     """
     turn = axes(_BACK, _UP)
     busy = [_busy(robots, at) for at in range(len(robots))]

@@ -52,7 +52,7 @@ def record(
         raise UsageError("--pictures videos: HDF5 keeps images; valid: images, or --format lerobot")
     chosen = _skills(skills)
     if led_by is not None and (others := [name for name in chosen if not (SKILLS[name].takes or SKILLS[name].puts)]):
-        raise UsageError(f"--led-by: {', '.join(others)} cannot be gone on with midway; valid: what takes or puts")
+        raise UsageError(f"--led-by: {', '.join(others)} cannot be taken over midway; valid: skills that take or put")
     seen, _ = choose(cells, _names(held_out, "--hold-out"))
     where = (chosen, range(first_seed, first_seed + episodes), seen.narrowed(style, layout))
     make = partial(

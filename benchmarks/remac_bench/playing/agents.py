@@ -46,7 +46,7 @@ class Access:
     cassette: str | None = same(AgentOptions, "cassette")
     replay: bool = same(AgentOptions, "replay")
     isolated: bool = option(
-        True, "Code from outside runs in processes of its own; tables name it where not.", Switch(),
+        True, "Code from outside runs in processes of its own; tables say so where it does not.", Switch(),
         flag="--isolation/--no-isolation",
     )  # fmt: skip
 

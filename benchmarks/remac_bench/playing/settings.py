@@ -28,7 +28,7 @@ class Settings:
     engine: str = option(
         "auto", "auto (threads if models are asked, else processes), processes, threads or ray.", Choice(ENGINES)
     )
-    address: str | None = option(None, "Of a Ray cluster; by default one on this machine.")
+    address: str | None = option(None, "Address of a Ray cluster; by default one is started on this machine.")
     workers: int | None = option(
         1, "Jobs at the same time; 0: one by one, in this process. Default: one per core, 16 threads.",
         Whole(valid="a whole number, 0 (in this process) or more"), flag="--jobs -j", open=True,
@@ -38,7 +38,7 @@ class Settings:
         "Maximum wall time of a job; then it fails. Default: 3600, or 86400 if models or people are asked.",
         Real(0.001, 1e9),
     )
-    optimum: bool = option(False, "Also search each episode's shortest plan.", Switch())
+    optimum: bool = option(False, "Also search for each episode's shortest plan.", Switch())
     extensions: tuple[str, ...] = option(
         (), "Module or file.py that registers tasks; may be repeated.", Texts(), flag="--import"
     )

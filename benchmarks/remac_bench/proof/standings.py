@@ -16,7 +16,7 @@ from remac_env.files import prepare_folder
 
 
 def gather(folders: Sequence[str | Path], out: str | Path) -> Path:
-    """Write the records of accepted submissions into a new folder, whence tables and pages are made; returns it.
+    """Write the records of accepted submissions into a new folder, of which tables and pages are made; returns it.
 
     A suite's floors are the same in every submission and stand there once, under their own names.
 
