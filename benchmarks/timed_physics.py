@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import tomllib
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import product
@@ -97,48 +97,55 @@ class Episode:
 
 def play(backend: Backend, start: Start, goal: Goal, steps: Sequence[Step], deadline: float) -> Played:
     """Carry a plan out under the event clock, in a backend that has been reset."""
-    clock, told = EventClock(backend, start.scene, deadline=deadline), Played()
-    left, tries = dict(enumerate(steps)), defaultdict[int, int](int)
-    at: dict[str, tuple[int, float]] = {}
+    clock, told, agenda = EventClock(backend, start.scene, deadline=deadline), Played(), Agenda(steps)
+    tries = defaultdict[str, int](int)
+    at: dict[str, tuple[Step, float]] = {}
     while not clock.over:
         if goal.holds(start.scene, backend.world):
             told.success = True
             break
         if spoilt(start.scene, backend.world, goal.names()) or any(count > RETRIES for count in tries.values()):
             break
-        ended = {_label(span) for span in clock.timeline if span.status == "success"}
-        orders = {robot: Order(WAIT) for robot in clock.ready}
-        for robot in clock.ready:
-            number = _next(robot, left, ended)
-            if number is not None:
-                orders[robot], at[robot] = Order(steps[number].subtask), (number, clock.now)
+        able = agenda.able(clock.ready, clock.timeline)
+        at |= {robot: (step, clock.now) for robot, step in able.items()}
+        orders = {robot: Order(able[robot].subtask if robot in able else WAIT) for robot in clock.ready}
         for robot, outcome in clock.run(orders).items():
             if robot not in at:
                 continue
-            number, began = at.pop(robot)
+            step, began = at.pop(robot)
             if outcome.success:
-                del left[number]
+                agenda.done(robot)
+                tries[robot] = 0
             elif not outcome.refused:
-                tries[number] += 1
-                told.failures.append(f"{steps[number].subtask.text}: {outcome.reason}: {outcome.detail}")
+                tries[robot] += 1
+                told.failures.append(f"{step.subtask.text}: {outcome.reason}: {outcome.detail}")
             if not outcome.refused:  # what it took until its robot was asked again, with the kitchen at rest
-                told.took[steps[number].subtask].append(round(clock.now - began, 6))
+                told.took[step.subtask].append(round(clock.now - began, 6))
     told.seconds = clock.now
-    told.cut = {steps[number].subtask: round(clock.now - began, 6) for number, began in at.values()}
+    told.cut = {step.subtask: round(clock.now - began, 6) for step, began in at.values()}
     good = [span for span in clock.timeline if span.kind in ("subtask", "process") and span.status == "success"]
     told.ends = [(span.ended, span.who, span.what) for span in good]
     return told
 
 
-def _label(span: Span) -> str:
-    """What has ended: a command, or a process and what it is about."""
-    return span.what if span.kind == "subtask" else f"{span.what} {span.who}"
+class Agenda:
+    """What is left of a plan: each robot's commands in order, each of which begins once what it waits for ended."""
 
+    def __init__(self, steps: Iterable[Step]) -> None:
+        self._left = defaultdict[str, list[Step]](list)
+        for step in steps:
+            self._left[step.robot].append(step)
 
-def _next(robot: str, left: Mapping[int, Step], ended: Collection[str]) -> int | None:
-    """The step that a robot can begin now."""
-    number = next((number for number, step in left.items() if step.robot == robot), None)
-    return number if number is not None and left[number].after <= set(ended) else None
+    def able(self, ready: Iterable[str], timeline: Iterable[Span]) -> dict[str, Step]:
+        """The next steps of those robots that are ready and can begin theirs now."""
+        good = (span for span in timeline if span.status == "success")
+        ended = {span.what if span.kind == "subtask" else f"{span.what} {span.who}" for span in good}
+        left = self._left
+        return {robot: left[robot][0] for robot in ready if left[robot] and left[robot][0].after <= ended}
+
+    def done(self, robot: str) -> None:
+        """A robot is through with its next step."""
+        self._left[robot].pop(0)
 
 
 def plan_of(task: str, start: Start, words: Vocabulary) -> list[Step]:

@@ -13,7 +13,7 @@ from typing import Any
 
 from event_turns import Infos, turns
 from make_animation import make
-from timed_physics import plan_of
+from timed_physics import Agenda, plan_of
 
 from remac_env.rendering.renderer import VIDEO
 
@@ -31,13 +31,13 @@ def main() -> None:
 def cooked(env: Any, task: str, seed: int) -> None:
     """The plan of a timed task, each robot's commands as soon as what they wait for is over."""
     _, infos = env.reset(seed=seed)
-    steps = plan_of(task, env.start, env.vocabulary)
-    left = {robot: [step for step in steps if step.robot == robot] for robot in env.agents}
+    agenda = Agenda(plan_of(task, env.start, env.vocabulary))
 
     def choose(ready: Sequence[str], infos: Infos) -> dict[str, int]:
-        over = {s.what if s.kind == "subtask" else f"{s.what} {s.who}" for s in env.timeline if s.status == "success"}
-        able = [robot for robot in ready if left[robot] and left[robot][0].after <= over]
-        return {robot: env.vocabulary.encode(left[robot].pop(0).subtask.text) for robot in able}
+        able = agenda.able(ready, env.timeline)
+        for robot in able:
+            agenda.done(robot)
+        return {robot: env.vocabulary.encode(step.subtask.text) for robot, step in able.items()}
 
     *_, infos = turns(env, infos, choose)
     if not all(info["success"] for info in infos.values()):
