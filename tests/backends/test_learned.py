@@ -13,6 +13,7 @@ import pytest
 from learned_kit import CHUNK, COMMANDED, SKILL, network, weights
 
 from remac_env.backends.physics.backend import PhysicsBackend
+from remac_env.backends.physics.controllers.learned.aim import feels
 from remac_env.backends.physics.controllers.learned.controller import Learned
 from remac_env.backends.physics.controllers.learned.library import file_name, learned_skills
 from remac_env.backends.physics.controllers.learned.seen import entries
@@ -26,7 +27,9 @@ from remac_env.backends.physics.controllers.learned.weights import (
 )
 from remac_env.errors import OptionError
 from remac_env.lowlevel.starts import ROBOT, get_ready
+from remac_env.rules.outcomes import Outcome
 from remac_env.rules.skills import SKILLS
+from remac_env.rules.subtasks import Subtask
 
 
 def test_what_is_saved_says_the_same_when_it_is_read(tmp_path: Path) -> None:
@@ -171,3 +174,35 @@ def test_a_network_for_several_skills_is_told_the_words_of_the_command() -> None
 def test_weights_of_another_skill_are_not_played() -> None:
     outcome, _ = played(weights("open door"))
     assert outcome.reason == "invalid" and "open door" in outcome.detail
+
+
+class _Stops:
+    """Does as the scripted controller does, until its fingers have been round something for a while."""
+
+    def __init__(self, pilots: list[Any]) -> None:
+        self._pilots = pilots
+
+    def run(self, subtask: Subtask, sensing: Any) -> Any:
+        held = 0
+        for command in self._pilots[0].wanted(subtask, sensing):
+            yield command
+            held += feels(sensing.body)
+            if held > 3:
+                return Outcome("success")
+        raise AssertionError("it has never taken hold of anything")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("skill", "target"), [("open door", "cabinet"), ("close door", "cabinet"), ("turn on", "stove")]
+)
+def test_a_policy_that_stops_with_its_fingers_round_a_handle_bars_nothing_that_follows(skill: str, target: str) -> None:
+    pilots: list[Any] = []
+    ready, backend = get_ready(
+        {}, SKILLS[skill], target, 3, style="modern_1", layout="one_wall_large",
+        make=partial(PhysicsBackend, controllers={skill: lambda: _Stops(pilots)}),
+    )  # fmt: skip
+    pilots.append(backend.by_hand(ROBOT, ready.subtask)._pilot)
+    assert not backend.run_round({ROBOT: ready.subtask}).outcomes[ROBOT].success
+    for text in (("navigate to", "sink"), ("navigate to", "vegetable"), ("pick up", "vegetable")):
+        assert backend.run_round({ROBOT: Subtask(*text)}).outcomes[ROBOT].success, text

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from types import SimpleNamespace
@@ -141,6 +142,27 @@ def test_a_learned_drive_moves_the_base_and_nothing_else(laden: tuple[Any, Physi
     commands = list(islice(Learned(wild).run(ready.subtask, sensing), 24))
     assert all(np.array_equal(command.q[3:], arm) and command.opening == fingers for command in commands)
     assert np.linalg.norm(commands[-1].q[:2] - sensing.body.q[:2]) > 0.03
+
+
+def test_drives_are_learned_with_and_without_something_in_the_hand(laden: tuple[Any, PhysicsBackend]) -> None:
+    ready, backend = laden
+    learned = Learned(read_weights(SHIPPED / file_name("navigate to")))
+    sensing = backend.by_hand(ROBOT, ready.subtask).sensing
+    assert learned.covers(ready.subtask, sensing)
+    assert learned.covers(ready.subtask, replace(sensing, told=sensing.told.with_robot(ROBOT, holding=None)))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(4))
+def test_the_packages_own_drives_bring_what_they_carry(seed: int) -> None:
+    weights, skill = read_weights(SHIPPED / file_name("navigate to")), SKILLS["navigate to"]
+    ready, backend = get_ready(
+        {}, skill, None, seed, style="coastal", layout=PLAN, cases=(CARRYING,),
+        make=partial(PhysicsBackend, controllers={skill.name: partial(Learned, weights)}),
+    )  # fmt: skip
+    held = backend.world.robots[ROBOT].holding
+    assert backend.run_round({ROBOT: ready.subtask}).outcomes[ROBOT].success
+    assert held is not None and backend.world.robots[ROBOT].holding == held
 
 
 @pytest.mark.long

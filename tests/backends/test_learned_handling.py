@@ -142,18 +142,29 @@ def test_a_policy_that_goes_on_when_all_is_done_is_ended_once_its_hand_is_empty(
 
 
 @pytest.mark.parametrize(("began", "opening", "wanted", "told"), [
-    (0.029, 0.062, (0.030, 0.0309, 0.028), (0.029, 0.029, 0.029)),  # held as it was, whatever drifts
-    (0.029, 0.062, (0.030, 0.033, 0.030), (0.029, 0.033, 0.030)),  # let go, and then as the network says
+    (0.029, 0.062, (0.030, 0.034, 0.028), (0.029, 0.029, 0.029)),  # held as it was, whatever drifts
+    (0.029, 0.062, (0.034, 0.035, 0.030), (0.029, 0.035, 0.030)),  # let go, and then as the network says
+    (0.000, 0.005, (0.001, 0.0), (0.001, 0.0)),  # a vessel's rim, pressed as hard as can be
     (0.037, 0.078, (0.0384, 0.0388), (0.037, 0.0388)),  # hardly thinner than the hand opens
     (0.040, 0.080, (0.030, 0.001), (0.030, 0.001)),  # nothing is held: the hand closes
     (0.000, 0.0, (0.001,), (0.001,)),
 ])  # fmt: skip
-def test_what_is_held_stays_held_until_it_is_let_go_for_certain(
+def test_what_is_held_gently_stays_held_until_it_is_let_go_for_certain(
     began: float, opening: float, wanted: tuple[float, ...], told: tuple[float, ...]
 ) -> None:
     felt: Any = SimpleNamespace(commanded_opening=began, opening=opening)
     grip = controller._Grip(felt, bodies.get().finger_travel)
     assert [grip.told(each) for each in wanted] == pytest.approx(list(told))
+
+
+@pytest.mark.long
+def test_nothing_is_let_go_far_from_where_it_is_to_be_put() -> None:
+    made, wide = weights("place to"), np.zeros((CHUNK, COMMANDED), np.float32)
+    wide[:, COMMANDED - 1] = 0.04  # m that each finger is to open
+    object.__setattr__(made, "network", _Saying(lambda: wide))
+    outcome, backend, _ = played(made)
+    assert outcome.reason == "slipped" and "let go far" in outcome.detail, outcome
+    assert backend.world.robots[ROBOT].holding == "vegetable"
 
 
 @pytest.mark.parametrize(("noun", "away", "held"), [

@@ -138,7 +138,7 @@ def test_the_packages_own_weights_are_small_whole_and_measured() -> None:
 def test_it_is_told_in_which_cases_things_are_handled_by_what_was_learned() -> None:
     env = remac_env.parallel_env(TASK, robots=1, skills="learned")
     assert env.skill_cases == {
-        "navigate to": ["empty-handed"],
+        "navigate to": ["carrying", "empty-handed"],
         "pick up": ["food on surface", "vessel on surface"],
         "place to": [
             *("food in vessel on basin", "food in vessel on burner", "food in vessel on surface", "food on surface"),

@@ -7,7 +7,7 @@ from collections.abc import Generator
 import numpy as np
 
 from remac_env.backends.physics.controllers.base import Command, Proprioception, Sensing
-from remac_env.backends.physics.controllers.learned.aim import feels
+from remac_env.backends.physics.controllers.learned.aim import Aim, feels
 from remac_env.backends.physics.controllers.learned.aims import aim_of
 from remac_env.backends.physics.controllers.learned.cases import case_of
 from remac_env.backends.physics.controllers.learned.hand import towards_hand
@@ -22,7 +22,7 @@ from remac_env.rules.subtasks import Subtask
 
 LONGEST = 700  # control periods, 35 s: three times as long as scripted skills take
 _DONE = 12  # chunks on end, 5 s, in which it is done with an empty hand, and then has ended however the hand moves
-_LET_GO = 0.002  # m by which fingers have to open, as a network says, to let go of what they held
+_ASTRAY = 0.2  # m from where it is to be put at which nothing is let go any more
 _STILL = 0.02  # rad or m that commands change at most while the robot stands still
 
 
@@ -74,7 +74,10 @@ class Learned:
                     q[3:] = arm
                 elif len(change) > commanded(body):
                     q = towards_hand(self._kinematics, aim.stand, q, hand, change)
-                yield Command(q, grip.told(float(change[fingers])) if aim.by_hand else grip.began)
+                opening = grip.told(float(change[fingers])) if aim.by_hand else grip.began
+                if grip.opened and subtask.row.puts and _astray(sensing, aim):
+                    return failure("slipped", "it was about to let go far from where it was to put it")
+                yield Command(q, opening)
                 aim.update()
             done = done + 1 if aim.achieved() and not feels(sensing.body) else 0
             if aim.over() or done >= _DONE:
@@ -87,22 +90,32 @@ class Learned:
 
 
 class _Grip:
-    """What fingers are told. What they hold when a subtask begins they go on holding as they do until it is let go.
+    """What fingers are told. What they hold gently when a subtask begins they hold as they do until it is let go.
 
-    A network says by how much they are open within a millimetre or two, which is as much as a held object is squeezed
-    by; and where it opens them a little, it sees them open, and opens them further.
+    A network says by how much they are open within a few millimetres, which is more than food is squeezed by; and where
+    it opens them a little, it sees them open, and opens them further. So half of the way is for certain. What is held
+    as hard as can be, as vessels are, bears that.
 
     Attributes:
         began: what they were told when the subtask began, m.
+        opened: whether they are about to let go of it.
     """
 
     def __init__(self, body: Proprioception, travel: float) -> None:
         """Args: travel: m that each finger goes at most."""
         self.began, self._travel = body.commanded_opening, travel
-        self._loose = min(_LET_GO, 0.5 * (travel - self.began))
-        self._holds = feels(body)
+        self._loose = 0.5 * (self.began + travel)
+        self._holds, self.opened = feels(body) and self.began > 0.0, False
 
     def told(self, wanted: float) -> float:
         """What they are told where a network wants this, m."""
-        self._holds &= wanted <= self.began + self._loose
+        self.opened = self._holds and wanted > self._loose
+        self._holds &= not self.opened
         return self.began if self._holds else float(np.clip(wanted, 0.0, self._travel))
+
+
+def _astray(sensing: Sensing, aim: Aim) -> bool:
+    """Whether what the hand holds is far from where it is to be put."""
+    held = sensing.told.robots[sensing.name].holding
+    away = 0.0 if held is None else aim.target().at - aim.stand.point(sensing.pose(held).position)
+    return float(np.linalg.norm(away)) > _ASTRAY
