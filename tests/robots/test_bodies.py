@@ -6,10 +6,12 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
 
 import remac_env
+from remac_env import plugins
 from remac_env.errors import OptionError, UnknownNameError
 from remac_env.robots import bodies
 from remac_env.robots.panda.body import Panda
@@ -87,8 +89,14 @@ def test_a_body_is_had_by_the_address_of_its_class_or_object(tmp_path: Path, mon
         env.reset(seed=1)
         assert env.start.body == address and bodies.get(address) is bodies.get(address)
         assert bodies.get(address).mount_height == 0.62
-    monkeypatch.setattr(bodies, "installed", lambda group: {"lowest": f"{tmp_path / 'mine.py'}:low"})
+    kitchen = gymnasium.make("RemacKitchen-OpenCabinetPnP-v0", backend="symbolic", body=f"{tmp_path / 'mine.py'}:low")
+    kitchen.reset(seed=1)
+    monkeypatch.syspath_prepend(tmp_path)
+    added = {"remac.bodies": {"lowest": "mine:low"}}
+    for module in (bodies, plugins):
+        monkeypatch.setattr(module, "installed", lambda group: added.get(group, {}))
     assert "lowest" in bodies.every_name() and "lowest" not in bodies.names()
+    assert bodies.get("lowest").name == "low" and bodies.described("lowest")["body"] == "low"
     (tmp_path / "mine.py").write_text("class Short:\n    def __init__(self, height):\n        pass\n", "utf-8")
     with pytest.raises(OptionError, match="cannot be made: missing a required argument: 'height'; valid: a class"):
         bodies.get(f"{tmp_path / 'mine.py'}:Short")
