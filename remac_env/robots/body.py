@@ -82,7 +82,7 @@ class Body(Hashable, Protocol):
         folded: postures of the arm's joints: ``tuck`` of a robot at rest; via: those that ways lead by.
         lift_tucked: of the lift at rest; lifts: heights of it that are tried.
         arm_weights, door_weights: (n,) what counts in tracking: the arm, or the base too, a little.
-        fingerprint: a name for what learnt skills depend on.
+        fingerprint: a name for what learnt skills and certificates depend on; it changes whenever the model does.
     """
 
     joints: tuple[str, ...]
@@ -116,7 +116,7 @@ class Body(Hashable, Protocol):
 
     @property
     def fingerprint(self) -> str:
-        """A name for what skills that were learnt with it depend on."""
+        """A name for what skills that were learnt with it, and its certificates, depend on."""
 
     def tuck(self, x: float, y: float, yaw: float) -> Array:
         """The configuration (n,) with the arm folded and its axis at ``x``, ``y``, heading ``yaw``."""
