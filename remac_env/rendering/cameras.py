@@ -29,6 +29,10 @@ FRONT = "front"
 WIDE = "wide"
 """The same in a picture of 16 to 9, for people."""
 
+ROOM = "room"
+"""The whole kitchen with its back wall, from nearer by: the picture `station` while a robot is away from all stations.
+Checkers that see have learnt it so: what is shipped does not know robots that stand aside from FRONT."""
+
 WRIST = "{robot}/wrist"
 """What a robot's hand sees."""
 
@@ -66,6 +70,9 @@ _BETWEEN_PANELS = 0.25  # of the way to the side, where a door opens to either s
 _WORK_LOW, _ROBOT_TOP = 0.7, 1.3  # m above the floor: fixtures are seen from here up, robots up to here
 _ROBOT_HALF = 0.40  # m, of a robot's base, and how far it may stand off its place
 _FRAMED = 0.98  # of the picture
+# The room's camera: degrees above the horizon, fewer of them a metre of depth, and at least; m, as above.
+_HIGHEST, _LOWER, _LOWEST = 34.0, 2.8, 16.0
+_FRONT_SLACK, _WALL_TOP, _ROBOT_NEAR = 0.3, 2.25, 0.36
 _WALL_GAP = 0.12  # seen from behind, a wall would be a veil over the picture
 # In the hand's frame: z along the fingers, which end at 0.115, and x away from the robot when it works ahead of itself.
 WRIST_AT, WRIST_LOOKS_AT, _WRIST_FIELD = (0.115, 0.0, 0.04), (0.02, 0.0, 0.17), 72.0
@@ -83,8 +90,8 @@ class Camera:
 
 
 def fixed_cameras(layout: Layout) -> tuple[Camera, ...]:
-    """The front and the wide camera and one side camera for each station."""
-    whole = (front_camera(layout), wide_camera(layout))
+    """The front, the wide and the room's camera and one side camera for each station."""
+    whole = (front_camera(layout), wide_camera(layout), room_camera(layout))
     return (*whole, *(side_camera(layout, station) for station in layout.stations))
 
 
@@ -101,12 +108,33 @@ def wide_camera(layout: Layout) -> Camera:
     return _before_room(WIDE, WIDE_ASPECT, layout)
 
 
+def room_camera(layout: Layout) -> Camera:
+    """As near as it can be with the same and the back wall in a square picture; the deeper the kitchen, the lower."""
+    used = [fixture for fixture in layout.fixtures.values() if fixture.station is not None]
+    blocks = [layout.frame(fixture.name).block(block) for fixture in used for block in fixture.blocks]
+    depth = max(0.0, -min((block.low[1] for block in blocks), default=0.0) - _FRONT_SLACK)
+    points = [
+        (x, y, z) for b in blocks for x, y, z in product((b.low[0], b.high[0]), (b.low[1], b.high[1]), (0.0, b.high[2]))
+    ]
+    points += [(x, y, z) for x in layout.room.x for y in (0.0, WALL_Y) for z in (0.0, _WALL_TOP)]
+    for place in (*layout.stations.values(), *layout.asides):
+        sides = place.x - _ROBOT_NEAR, place.x + _ROBOT_NEAR
+        heights = (0.0, _ROBOT_TOP) if place in layout.asides else (0.0,)
+        points += [(place.x, place.y - _ROBOT_NEAR, 0.0), (place.x, place.y, _ROBOT_TOP)]
+        points += [(x, place.y, z) for x in sides for z in heights]
+    return _placed(ROOM, 1.0, max(_LOWEST, _HIGHEST - _LOWER * depth), FIELD, points, low=True)
+
+
 def _before_room(name: str, aspect: float, layout: Layout, *, low: bool = False) -> Camera:
     """Before the open side, as near as it can be while all the work is in the picture."""
-    back = np.array([0.0, -cos(radians(STEEP)), sin(radians(STEEP))])
-    turn, points = axes(back, np.array([0.0, 0.0, 1.0])), np.array([*_work(layout), *_robots(layout)])
-    position = fitted(points, turn, WHOLE_FIELD, aspect=aspect, framed=_FRAMED, low=low)
-    return Camera(name, _point(position), _point(position - back), WHOLE_FIELD)
+    return _placed(name, aspect, STEEP, WHOLE_FIELD, [*_work(layout), *_robots(layout)], low=low)
+
+
+def _placed(name: str, aspect: float, steep: float, field: float, points: Sequence[Point], *, low: bool) -> Camera:
+    back = np.array([0.0, -cos(radians(steep)), sin(radians(steep))])
+    turn = axes(back, np.array([0.0, 0.0, 1.0]))
+    position = fitted(np.array(points), turn, field, aspect=aspect, framed=_FRAMED, low=low)
+    return Camera(name, _point(position), _point(position - back), field)
 
 
 def fitted(

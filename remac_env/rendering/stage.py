@@ -16,7 +16,7 @@ from remac_env.kitchen.canvas import HIDDEN_GROUP
 from remac_env.kitchen.floor_plan import Layout
 from remac_env.kitchen.objects.catalogue import Category
 from remac_env.kitchen.objects.drawing import show_seasoned, show_stains
-from remac_env.rendering.cameras import CLOSE, FOLLOW, FRONT, HELD, SIDE, WIDE, WRIST, add_cameras
+from remac_env.rendering.cameras import CLOSE, FOLLOW, FRONT, HELD, ROOM, SIDE, WIDE, WRIST, add_cameras
 from remac_env.rendering.following import follow
 from remac_env.rendering.posing import pose
 from remac_env.rendering.renderer import BEAUTY, OBSERVATION, VIDEO, Quality, Renderer
@@ -212,8 +212,10 @@ class Stage:
 def _cameras(robot: str, world: WorldState) -> dict[str, str]:
     """Picture of an observation -> the camera that takes it."""
     state = world.robots[robot]
-    station = FRONT if state.station == ASIDE else SIDE.format(station=state.station)
-    side = station if state.holding is None else HELD.format(robot=robot)
+    away = state.station == ASIDE
+    near = SIDE.format(station=state.station)
+    station, side = (ROOM, FRONT) if away else (near, near)
+    side = side if state.holding is None else HELD.format(robot=robot)
     return {"front": FRONT, "wrist": WRIST.format(robot=robot), "side": side, "station": station}
 
 

@@ -93,7 +93,7 @@ def test_the_pictures_of_a_station_are_the_same_whatever_a_robot_holds(kitchen: 
     full = env.world.with_robot("robot_0", station=station, holding="fish")
     seen = stage.observe("robot_0", full, size=32, cameras=("station", "side"))
     assert set(seen) == {"station", "side"} and (seen["station"] != seen["side"]).any()
-    camera = cameras.FRONT if station == "aside" else cameras.SIDE.format(station=station)
+    camera = cameras.ROOM if station == "aside" else cameras.SIDE.format(station=station)
     assert (stage._render(camera, (32, 32), OBSERVATION) == seen["station"]).all()
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 import pytest
+from quirk_sheet import load, task_of
 
 import remac_env
 from remac_env.kitchen.canvas import COARSE_GROUP, FINE_GROUP
@@ -61,6 +62,22 @@ def test_what_is_on_is_seen_to_be_on(env: remac_env.KitchenParallelEnv, stage: S
             assert not changed.all(axis=0).any() and not changed.all(axis=1).any()
         else:
             assert not changed.any(), name
+
+
+def test_every_switch_of_a_rich_kitchen_is_seen_to_be_on_from_its_station() -> None:
+    rich = task_of("dead switch", load()["dead switch"], quirky=False)
+    env = remac_env.parallel_env(rich, robots=1, backend="symbolic")
+    env.reset(seed=1)
+    stage = env._pictures._stage(env._moment())
+    owners = [name for name, fixture in env.start.scene.fixtures.items() if fixture.switches]
+    assert len(owners) > 3
+    for name in owners:
+        pictures = []
+        for on in ((), env.start.scene.fixtures[name].switches[:1]):
+            stage.show_world(env.start, env.world.with_fixture(name, on=frozenset(on)))
+            pictures.append(stage._render(side(env, name), (SIZE, SIZE), OBSERVATION))
+        assert differs(*pictures).sum() > 0.005 * SIZE**2, name
+    env.close()
 
 
 def test_what_was_seasoned_shows_grains(env: remac_env.KitchenParallelEnv, stage: Stage) -> None:

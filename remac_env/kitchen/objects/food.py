@@ -111,7 +111,7 @@ def corn() -> tuple[DrawnPart, ...]:
 
 
 def potato() -> tuple[DrawnPart, ...]:
-    """A lumpy brown tuber with eyes."""
+    """A lumpy yellow tuber with eyes."""
     angle = np.linspace(-np.pi / 2, np.pi / 2, 15)
     ball = _lie(revolve(np.column_stack([np.maximum(np.cos(angle), 0), np.sin(angle)]), sides=18))
     x, y, z = ball.vertices.T
@@ -119,7 +119,7 @@ def potato() -> tuple[DrawnPart, ...]:
     tuber = transform(Mesh(ball.vertices * lumps[:, None], ball.faces, ball.uv), scale=(0.0445, 0.0295, 0.0265))
     speckles = noise(128, seed=61, base=(6, 6))
     eyes = np.clip((noise(128, seed=62, base=(10, 10), octaves=2) - 0.70) * 8, 0, 1)
-    skin = blend(blend((0.78, 0.62, 0.40), (0.62, 0.45, 0.26), speckles), (0.36, 0.24, 0.13), eyes)
+    skin = blend(blend((0.88, 0.72, 0.36), (0.76, 0.58, 0.22), speckles), (0.36, 0.24, 0.13), eyes)
     dull = Finish(color=(1.0, 1.0, 1.0), specular=0.05, shininess=0.2)
     return (DrawnPart(tuber, dull, picture(skin)),)
 

@@ -13,7 +13,7 @@ _ROUND = 32
 
 
 def plate() -> tuple[DrawnPart, ...]:
-    """White porcelain with a blue line around the rim."""
+    """White porcelain with a blue rim, which sets it off from pale worktops."""
     mesh = revolve(
         [(0, 0.002), (0.068, 0.002), (0.070, 0), (0.078, 0), (0.095, 0.006), (0.1045, 0.019), (0.1115, 0.0305),
          (0.1125, 0.0323), (0.1100, 0.0327), (0.1010, 0.0203), (0.093, 0.0108), (0.086, 0.009), (0, 0.009)],
@@ -21,7 +21,7 @@ def plate() -> tuple[DrawnPart, ...]:
     )  # fmt: skip
     white, blue = (0.96, 0.96, 0.94), (0.18, 0.34, 0.60)
     return (
-        DrawnPart(mesh, _PORCELAIN, bands((0, white), (0.505, blue), (0.535, white), (0.550, blue), (0.565, white))),
+        DrawnPart(mesh, _PORCELAIN, bands((0, white), (0.505, blue), (0.585, white))),
     )
 
 
