@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pwd
+import signal
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -193,6 +194,26 @@ def test_who_wants_to_stop() -> None:
     with stoppable(*SIGNALS):
         assert is_stop(Stopped()) and not is_stop(KeyboardInterrupt())
     assert is_stop(KeyboardInterrupt()) and not is_stop(SystemExit())
+
+
+def test_who_presses_ctrl_c_again_does_not_stop_the_stopping() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    ended = []
+    with pytest.raises(Stopped), stoppable(*SIGNALS):
+        try:
+            with stoppable(signal.SIGINT):
+                try:
+                    signal.raise_signal(signal.SIGINT)
+                finally:
+                    signal.raise_signal(signal.SIGINT)
+                    ended.append("inner")
+        finally:
+            for number in SIGNALS:
+                signal.raise_signal(number)
+            ended.append("outer")
+    assert ended == ["inner", "outer"] and signal.getsignal(signal.SIGINT) is before
+    with pytest.raises(Stopped), stoppable(signal.SIGINT):
+        signal.raise_signal(signal.SIGINT)
 
 
 # -- a user without a home -------------------------------------------------------------------------------------

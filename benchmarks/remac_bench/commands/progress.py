@@ -49,19 +49,19 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
     refuse_unsolvable(jobs if settings.fresh else pending(jobs, folder))
     # A bar that is drawn anew would write over what a person types.
     bar = Bar(shown=not any(agents.asks_person(job.agent) for job in jobs))
-    try:
-        with stoppable(*SIGNALS):
+    with stoppable(*SIGNALS):
+        try:
             if settings.preflight:
                 _preflight(jobs, folder)
             summary = run_jobs(jobs, folder, settings, listener=bar)
-    except KeyboardInterrupt:
-        bar.stop()
-        left = len(pending(jobs, folder))
-        how = "the same command with --resume" if settings.fresh else "the same command"
-        typer.echo(f"stopped: {len(jobs) - left} of {len(jobs)} jobs are recorded; {how} resumes", err=True)
-        raise typer.Exit(INTERRUPTED) from None
-    finally:
-        bar.stop()
+        except KeyboardInterrupt:
+            bar.stop()
+            left = len(pending(jobs, folder))
+            how = "the same command with --resume" if settings.fresh else "the same command"
+            typer.echo(f"stopped: {len(jobs) - left} of {len(jobs)} jobs are recorded; {how} resumes", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+        finally:
+            bar.stop()
     show(*main_table(folder, across=across()))
     console().print(
         f"{summary.played} {'job' if summary.played == 1 else 'jobs'} played, {summary.skipped} found finished. "

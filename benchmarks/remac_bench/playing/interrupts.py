@@ -20,7 +20,8 @@ class Stopped(KeyboardInterrupt):
 
 @contextmanager
 def stoppable(*signals: signal.Signals) -> Iterator[None]:
-    """Let these signals raise Stopped; nothing outside the main thread, which alone may set handlers."""
+    """Let these signals raise Stopped, once: from then on more of them are ignored until the block is left, so that
+    what is under way can be ended. Nothing outside the main thread, which alone may set handlers."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -29,7 +30,9 @@ def stoppable(*signals: signal.Signals) -> Iterator[None]:
         yield
     finally:
         for number, handler in before.items():
-            signal.signal(number, handler)
+            stopping = handler is _stop and signal.getsignal(number) is signal.SIG_IGN
+            if not stopping:  # a block around this one ends that
+                signal.signal(number, handler)
 
 
 @contextmanager
@@ -68,4 +71,7 @@ def is_stop(error: BaseException) -> bool:
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
+    for each in SIGNALS:
+        if signal.getsignal(each) is _stop:
+            signal.signal(each, signal.SIG_IGN)
     raise Stopped
