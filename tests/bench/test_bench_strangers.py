@@ -88,6 +88,7 @@ def test_nothing_that_records_name_is_run(
     assert not (tmp_path / "ran").exists()
 
 
+@pytest.mark.long
 def test_the_evil_planner_does_run_where_it_is_given(tmp_path: Path) -> None:
     (tmp_path / "evil.py").write_text(EVIL)
     agent = {"planner": f"{tmp_path}/evil.py:Planner"}
