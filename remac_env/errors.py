@@ -9,6 +9,9 @@ from typing import Any
 from remac_env.quoting import quoted
 from remac_env.values import python_value
 
+MOST_LISTED, NEAREST = 2_000, 12
+"""Letters of a list of valid names that an error shows whole, and how many of a longer list it shows."""
+
 
 class RemacError(Exception):
     """Base of all errors of this project."""
@@ -68,8 +71,18 @@ def check_choice(kind: str, given: object, valid: Iterable[object]) -> None:
     """Raise UnknownNameError unless `given` is one of `valid`."""
     given, choices = python_value(given), list(valid)
     if not any(type(given) is type(choice) and given == choice for choice in choices):
-        listed = ", ".join(str(choice) for choice in choices)
-        raise UnknownNameError(f"unknown {kind} {quoted(given)}; valid: {listed}")
+        raise UnknownNameError(f"unknown {kind} {quoted(given)}; valid: {_listed(quoted(given), choices)}")
+
+
+def _listed(given: str, choices: list[object]) -> str:
+    """All of them, or the nearest where they are too many to be read."""
+    names = [str(choice) for choice in choices]
+    if len(", ".join(names)) <= MOST_LISTED:
+        return ", ".join(names)
+    from difflib import get_close_matches
+
+    near = get_close_matches(given, names, n=NEAREST, cutoff=0.0)
+    return f"{', '.join(near)} and {len(names) - len(near)} more"
 
 
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:

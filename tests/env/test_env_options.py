@@ -11,7 +11,7 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 
 import remac_env
-from remac_env.errors import ActionError, LifecycleError, OptionError, UnknownNameError
+from remac_env.errors import ActionError, LifecycleError, OptionError, UnknownNameError, check_choice
 from remac_env.kitchen import layout, style
 
 TASKS = tuple(remac_env.tasks())
@@ -231,3 +231,11 @@ def test_life_cycle_of_the_view() -> None:
         env.step(0)
     with pytest.raises(LifecycleError):
         env.reset(seed=0)
+
+
+def test_of_a_long_list_of_valid_names_an_error_shows_the_nearest() -> None:
+    names = [f"template number {number:03} about fruit" for number in range(200)] + ["hidden glasses"]
+    with pytest.raises(UnknownNameError) as told:
+        check_choice("template", "hiden glases", names)
+    assert "valid: hidden glasses, template" in str(told.value) and str(told.value).endswith(" and 189 more")
+    assert len(str(told.value)) < 1_000
