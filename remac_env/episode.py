@@ -57,8 +57,12 @@ class Terms:
 
     @cached_property
     def label(self) -> dict[str, Any]:
-        """The episode's cell, seed and digest, as infos and records carry it."""
+        """The episode's cell, seed and digest, as infos and records carry it.
+
+        How long a known plan is hangs on what is behind doors: it is told to those alone who may know that.
+        """
         made = self.spec.generated
+        known = {} if not made or self.scene.hides else {"known_rounds": made["upper"]}
         return {
             "task": self.spec.name,
             "style": self.start.style,
@@ -68,7 +72,8 @@ class Terms:
             "digest": self.start.digest,
             "robots": len(self.scene.robots),
             "backend": self.options.backend,
-            **({} if not made else {"template": made["template"], "known_rounds": made["upper"]}),
+            **({} if not made else {"template": made["template"]}),
+            **known,
         }
 
     @property

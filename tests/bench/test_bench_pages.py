@@ -382,3 +382,11 @@ def test_a_page_says_what_a_generated_task_was_made_from(tmp_path: Path) -> None
     assert made_from(one) == f"{told} known" and told in parse(page(one, folder=tmp_path)).text
     plain = record(task="Generated", options={"kitchen": {"grade": 1, "quirks": 1}})
     assert made_from(plain) == "Grade 1, 1 quirk, everything is known" and made_from(record()) == ""
+
+
+@pytest.mark.parametrize(
+    ("quirks", "said"), [(0, "1 quirk (takes two robots)"), (2, "3 quirks (one of them takes two robots)")]
+)
+def test_the_page_of_a_task_for_a_team_counts_the_quirk_that_it_is_about(quirks: int, said: str) -> None:
+    kitchen = {"grade": 2, "quirks": quirks, "knowledge": "full"}
+    assert said in made_from(record(task="Generated", template="dishwasher for two", options={"kitchen": kitchen}))

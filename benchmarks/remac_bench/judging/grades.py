@@ -11,6 +11,7 @@ from remac_bench.judging.cells import Cells, count, number, only_known, rate, wo
 from remac_bench.judging.episodes import problem, suite_of
 from remac_bench.judging.statistics import cluster_bootstrap, mean
 from remac_bench.records import Record
+from remac_env.generator import templates as template_rows
 from remac_env.tasks.generated import SPEC
 
 KEYS = ("grades", "templates", "learning")
@@ -42,15 +43,23 @@ def made_from(record: Record) -> str:
     grade, kitchen = grade_of(record), record.options.get("kitchen", {})
     if not grade:
         return ""
-    quirks = int(kitchen.get("quirks", 0))
     parts = [
         f"Grade {grade}",
         f"template “{record.template}”" if record.template else "",
-        f"{quirks or 'no'} quirk{'s' * (quirks != 1)}",
+        _quirks(int(kitchen.get("quirks", 0)), record.template),
         "what is behind doors has to be found" if kitchen.get("knowledge") == "seen" else "everything is known",
         f"a plan of {record.known_rounds} rounds is known" if record.known_rounds else "",
     ]
     return ", ".join(part for part in parts if part)
+
+
+def _quirks(drawn: int, template: str | None) -> str:
+    """How many quirks a task has: those that were drawn, and that of a template for a team."""
+    row = template_rows.load().get(template or "")
+    team = row is not None and row.team is not None
+    count = drawn + team
+    for_team = f" ({'one of them ' if count > 1 else ''}takes two robots)" if team else ""
+    return f"{count or 'no'} quirk{'s' * (count != 1)}{for_team}"
 
 
 def chosen(records: Iterable[Record], *, grades: Sequence[str] = (), templates: Sequence[str] = ()) -> list[Record]:

@@ -86,6 +86,7 @@ class Course:
     progress: float = 0.0
     certificate: Certificate | None = None
     problem: str | None = None
+    made: Mapping[str, Any] = field(default_factory=dict)
     joined: bool = False
     shortest: dict[str, Any] = field(default_factory=dict)
     book: StepBook = field(default_factory=StepBook)
@@ -173,6 +174,7 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, 
     course.progress = env.progress
     course.worlds.append(as_values(env.world))
     course.problem = problem_id(env.start.scene, env.world, env.goal)
+    course.made = made_from(env, job.seed)
     if optimum and job.options.clock == "events":
         course.shortest = shortest(env)
     elif optimum:
@@ -198,6 +200,12 @@ def _play(env: Any, agent: Agent, job: Job, course: Course, deadline: Deadline, 
             env.render()
     with blaming("agent"):
         agent.close_episode(observations, course.infos)
+
+
+def made_from(env: Any, seed: int) -> dict[str, Any]:
+    """The fields of a record that say what the task of a seed was generated from; none where it was not."""
+    told = env.worlds.of(seed).spec.generated
+    return {"template": told["template"], "known_rounds": told["upper"]} if told else {}
 
 
 def proven(certificate: Certificate | None) -> dict[str, Any]:
@@ -250,8 +258,7 @@ def make_record(
         near_misses=int(shared.get("near_misses", 0)),
         physics_steps=int(shared.get("physics_steps", 0)),
         problem=course.problem,
-        template=episode.get("template"),
-        known_rounds=episode.get("known_rounds"),
+        **course.made,
         littered=fallen(course.worlds),
         **proven(course.certificate),
         **course.shortest,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
 from remac_bench.entries import EXCHANGES_MAX
 from remac_bench.playing import agents
-from remac_bench.playing.episodes import Course, make_record, proven
+from remac_bench.playing.episodes import Course, made_from, make_record, proven
 from remac_bench.playing.jobs import Job
 from remac_bench.playing.outside import plugins
 from remac_bench.playing.shared import make
@@ -123,7 +123,7 @@ def play_rounds(env: Any, row: Record, *, searched: bool = False) -> dict[str, A
         "worlds": worlds,
         "littered": fallen(worlds),
         "problem": problem_id(*start),
-        **{name: _noted(row, name, episode) for name in ("template", "known_rounds")},
+        "template": None, "known_rounds": None, **_noted(row, env),
         "skills": dict(getattr(env, "skills", {})),
         "skill_cases": dict(getattr(env, "skill_cases", {})),
         "body": None, "body_digest": None, **bodies.described(env.start.body),
@@ -136,9 +136,9 @@ def play_rounds(env: Any, row: Record, *, searched: bool = False) -> dict[str, A
     }
 
 
-def _noted(row: Record, name: str, episode: Mapping[str, Any]) -> Any:
+def _noted(row: Record, env: Any) -> dict[str, Any]:
     """What is known of a generated task, where the record has it: older ones do not."""
-    return episode.get(name) if name in row.model_fields_set else None
+    return {name: value for name, value in made_from(env, row.seed).items() if name in row.model_fields_set}
 
 
 def _optimum(env: Any, row: Record, start: tuple[Any, WorldState, Any], *, searched: bool) -> dict[str, Any]:
