@@ -94,7 +94,7 @@ def main() -> None:
 
 def all_styles() -> NDArray[np.uint8]:
     """One layout in every style."""
-    return sheet({name: closer(kitchen(name, LAYOUT)) for name in style.names()}, columns=3)
+    return sheet({name: kitchen(name, LAYOUT) for name in style.names()}, columns=3)
 
 
 def all_layouts() -> NDArray[np.uint8]:
@@ -131,13 +131,6 @@ def kitchen(look: str, plan: str) -> NDArray[np.uint8]:
     picture = env.render()
     env.close()
     return picture
-
-
-def closer(picture: NDArray[np.uint8], share: float = 0.80) -> NDArray[np.uint8]:
-    """The upper middle of a picture, `share` of its width and height: the wall with the fixtures."""
-    height, width, _ = picture.shape
-    left, top = round(width * (1 - share) / 2), round(0.04 * height)
-    return np.ascontiguousarray(picture[top : top + round(share * height), left : left + round(share * width)])
 
 
 def inside(look: str, plan: str) -> dict[str, NDArray[np.uint8]]:
