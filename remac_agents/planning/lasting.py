@@ -15,8 +15,8 @@ from remac_env.state import WorldState
 from remac_env.tasks.compound import Not
 from remac_env.tasks.goals import All, Goal, SwitchedOn
 
-SLOWER = 1.7
-"""How many times as long as by the skill table subtasks may take: in physics 1.3 to 1.8 times (docs/time.md)."""
+SPARE = 3.0
+"""s by which a robot wants to be early, as in physics a subtask may take that much longer than by the skill table."""
 
 MOST_STATES = 4_000
 """States that the search for the way to end something looks at."""
@@ -67,14 +67,14 @@ def in_time(rules: Rules, world: WorldState, goal: Goal, step: Subtask, slow: Ma
     """A step of the only robot, or what it does instead where it would then come too late to end what spoils."""
     (robot,) = rules.robots
     own = replace(rules, processes=())
-    for process, spent, most in _spoiling(rules, world, goal, slow):
+    for process, left in _spoiling(rules, world, goal, slow):
         on = [place for place in WHERE.get(process.during, _nowhere)(rules) if world.fixtures[place].on]
         if not on:
             continue
         off = All(*(Not(SwitchedOn(place)) for place in on))
         after, _ = transition(own, world, {robot: step})
         then = oracle.solve(own, after, off, max_states=MOST_STATES)
-        if then is not None and SLOWER * (spent + _seconds([step, *(each[robot] for each in then.rounds)])) <= most:
+        if then is not None and _seconds([step, *(each[robot] for each in then.rounds)]) + SPARE <= left:
             continue
         now = oracle.solve(own, world, off, max_states=MOST_STATES)
         first = step if now is None or not now.rounds else now.rounds[0][robot]
@@ -85,20 +85,18 @@ def in_time(rules: Rules, world: WorldState, goal: Goal, step: Subtask, slow: Ma
 
 def _spoiling(
     rules: Rules, world: WorldState, goal: Goal, slow: Mapping[str, float]
-) -> Iterator[tuple[Process, float, float]]:
-    """What goes on and spoils something of the goal, at its end or by what follows it; for how long already, and how
-    long it may, s.
-    """
+) -> Iterator[tuple[Process, float]]:
+    """What goes on and spoils something of the goal, at its end or by what follows it, and in how many seconds."""
     for process in rules.processes:
         for name in set(process.about or rules.objects) & set(goal.names()):
             spent = slow.get(f"{process.name} {name}")
             if spent is None:
                 continue
             if process.spoils:
-                yield process, spent, process.seconds
+                yield process, process.seconds - spent
             for after in rules.processes:
                 if after.spoils and process.mark in after.needs and after.during == process.during:
-                    yield process, spent, process.seconds + after.seconds
+                    yield process, process.seconds - spent + after.seconds
 
 
 def _nowhere(rules: Rules) -> list[str]:
