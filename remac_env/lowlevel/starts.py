@@ -1,7 +1,8 @@
 """Starts of one skill: the kitchen of a task in which the skill can begin, and what brings the robot there.
 
 Doors and switches stand as the skill needs them from the beginning; the robot itself drives to its station, and takes
-into its hand what it is to hold, by the scripted skills.
+into its hand what it is to hold, by the scripted skills. Where something is to be put into a vessel that stands neither
+on a worktop nor in a plain start, the robot has put that there too, as it has in tasks: never quite in the middle.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remac_env.backends.physics.backend import PhysicsBackend
-from remac_env.backends.physics.controllers.learned.cases import EMPTY_HANDED, case_of
+from remac_env.backends.physics.controllers.learned.cases import EMPTY_HANDED, IN_VESSEL, case_of
 from remac_env.errors import SamplingError, UnknownNameError, check_choice
 from remac_env.kitchen.fixtures.door import OPEN_TO
 from remac_env.kitchen.worlds import TaskWorlds
@@ -21,7 +22,7 @@ from remac_env.oracle import search_plan
 from remac_env.robots.bodies import STANDARD
 from remac_env.rules.claims import first_false
 from remac_env.rules.facts import Rules
-from remac_env.rules.places import kind_around
+from remac_env.rules.places import kind_around, landing
 from remac_env.rules.scene import public_scene
 from remac_env.rules.skill_row import Skill
 from remac_env.rules.skills import SKILLS
@@ -110,8 +111,9 @@ def _draw(
     if target is None:
         names = [names[index] for index in chance.permutation(len(names))]
     laden = bool(cases) and EMPTY_HANDED not in cases
+    laid = _laid(worlds, start, cases) if skill.puts and kind == "paper" else ()
     for name in names if target is None else [target] * (target in names):
-        found = _brought_about(start, Subtask(skill.name, name), chance, laden=laden)
+        found = _brought_about(start, Subtask(skill.name, name), chance, laden=laden, laid=laid)
         if found is not None:
             start, before = found
             if skill.moves and not before and chance.random() >= _FROM_PARKING:
@@ -122,6 +124,13 @@ def _draw(
                 continue
             return Ready(worlds, start, begun, before, case)
     return None
+
+
+def _laid(worlds: TaskWorlds, start: Start, cases: Sequence[str]) -> tuple[str, ...]:
+    """The fixtures on or in which a vessel is to stand in these cases; those where one stands by itself left out."""
+    kinds = [case.partition(IN_VESSEL)[2] for case in cases if IN_VESSEL in case]
+    layout = worlds.layout_of(start)
+    return tuple(dict.fromkeys(s.fixture for s in layout.slots.values() if s.kind in kinds and s.kind != "surface"))
 
 
 def _kitchens(skill: Skill, target: str | None) -> list[TaskSpec]:
@@ -141,17 +150,18 @@ def _speaks_of(spec: TaskSpec, target: str) -> bool:
 
 
 def _brought_about(
-    start: Start, subtask: Subtask, chance: np.random.Generator, *, laden: bool
+    start: Start, subtask: Subtask, chance: np.random.Generator, *, laden: bool, laid: Sequence[str] = ()
 ) -> tuple[Start, tuple[Subtask, ...]] | None:
     """The start with doors and switches as the skill needs them, and what the robot does before it; None: no way.
 
-    ``laden``: a drive is to begin with something in the hand.
+    ``laden``: a drive is to begin with something in the hand. ``laid``: in one of these fixtures the vessel is to stand
+    into which something is put; the robot puts it there.
     """
     scene = start.scene
     names = list(scene.objects)
     empty = [] if laden and subtask.moves else [None]
     for held in (*empty, *(names[index] for index in chance.permutation(len(names)))):
-        before = _plan(scene, start.world, subtask, held)
+        before = _plan(scene, start.world, subtask, held, laid)
         if before is None:
             continue
         world, doors = start.world, dict(start.doors)
@@ -162,7 +172,7 @@ def _brought_about(
             if state.door != start.world.fixtures[name].door:
                 doors[name] = OPEN_TO if state.door == "open" else 0.0
         changed = replace(start, world=world, doors=doors)
-        rest = _plan(scene, world, subtask, held)
+        rest = _plan(scene, world, subtask, held, laid)
         if rest is not None and all(_of_fixtures(scene, world, step) is None for step in rest):
             return changed, rest
     return None
@@ -179,24 +189,45 @@ def _case(worlds: TaskWorlds, start: Start, subtask: Subtask, before: Sequence[S
 
 def _of_fixtures(scene: Rules, world: WorldState, step: Subtask) -> WorldState | None:
     """The world after a step that changes fixtures alone; None for another."""
-    if step.row.effect is None or step.row.goes is not None:
+    if step.row.effect is None or step.row.goes is not None or step.row.puts:
         return None
     after = step.row.effect(scene, world, ROBOT, step.target)
     return after if after.robots == world.robots and after.objects == world.objects else None
 
 
-def _plan(scene: Rules, world: WorldState, subtask: Subtask, held: str | None) -> tuple[Subtask, ...] | None:
+def _plan(
+    scene: Rules, world: WorldState, subtask: Subtask, held: str | None, laid: Sequence[str]
+) -> tuple[Subtask, ...] | None:
     """The fewest subtasks after which the skill can begin with this in hand, or None."""
+
+    def reached(state: WorldState) -> bool:
+        ready = state.robots[ROBOT].holding == held and _may_begin(scene, state, subtask)
+        return ready and (not laid or _into_laid(scene, state, subtask, laid))
+
     found = search_plan(
-        scene, world, lambda state: state.robots[ROBOT].holding == held and _may_begin(scene, state, subtask),
-        commands=_commands(scene, world, subtask, held), max_states=_MOST, max_rounds=8,
-    )  # fmt: skip
+        scene, world, reached, commands=_commands(scene, world, subtask, held, laid), max_states=_MOST, max_rounds=8
+    )
     return None if found is None else tuple(joint[ROBOT] for joint in found.rounds)
 
 
-def _commands(scene: Rules, world: WorldState, subtask: Subtask, held: str | None) -> list[Subtask]:
-    """What can help: everything about the target, what is around it, and what is to be held, but putting down."""
+def _into_laid(scene: Rules, world: WorldState, subtask: Subtask, laid: Sequence[str]) -> bool:
+    """Whether what is held would be put into a vessel that stands in one of these fixtures."""
+    place = landing(scene, world, ROBOT, subtask.target)
+    if place is None or place.relation != "vessel":
+        return False
+    under = world.objects[place.where].place
+    return under.relation == "slot" and scene.slots[under.where].fixture in laid
+
+
+def _commands(
+    scene: Rules, world: WorldState, subtask: Subtask, held: str | None, laid: Sequence[str]
+) -> list[Subtask]:
+    """What can help: everything about the target, what is around it, and what is to be held; to put down only vessels
+    where they are to be laid.
+    """
     nouns = [subtask.target] if held is None else [subtask.target, held]
+    if laid:
+        nouns += [*laid, *(name for name, facts in scene.objects.items() if facts.vessel_in)]
     kinds = [kind_around(scene, world, noun) for noun in nouns]
     nouns += [name for name, facts in scene.fixtures.items() if facts.kind in kinds]
     kitchen = public_scene(scene)
@@ -204,8 +235,9 @@ def _commands(scene: Rules, world: WorldState, subtask: Subtask, held: str | Non
         Subtask(skill.name, noun)
         for skill in SKILLS.values()
         for noun in dict.fromkeys(nouns)
-        if skill.target != "none" and not skill.puts and not skill.leaves and noun in kitchen.names(skill.target)
-    ]
+        if skill.target != "none" and (not skill.puts or noun in laid) and not skill.leaves
+        and noun in kitchen.names(skill.target)
+    ]  # fmt: skip
 
 
 def _may_begin(scene: Rules, world: WorldState, subtask: Subtask) -> bool:

@@ -15,6 +15,7 @@ import pytest
 from bench_helpers import record
 from remac_bench.cli import app
 from remac_bench.errors import UsageError
+from remac_bench.learning import train as learning
 from remac_bench.learning.cells import HELD_OUT, cells
 from remac_bench.learning.chats import chats, write_chats
 from remac_bench.learning.demos import Demo, check_body, file_digest, read_demos, shards, write_shard
@@ -127,6 +128,28 @@ def test_what_is_overlooked_has_no_weight() -> None:
     assert np.allclose(network.commands(other), network.commands(seen[0]), atol=1e-5)
     other[1] += 1.0
     assert not np.allclose(network.commands(other), network.commands(seen[0]), atol=1e-5)
+
+
+def test_training_is_the_same_with_any_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    torch = pytest.importorskip("torch", reason="torch is not installed: docs/learning.md says how")
+    chance = np.random.default_rng(0)
+    seen = chance.normal(size=(2048, 56)).astype(np.float32)
+    data, recipe = Frames(seen, np.repeat(seen[:, None, :12], 16, axis=1), []), Recipe(epochs=2)
+
+    def weights(threads: int) -> bytes:
+        torch.set_num_threads(threads)
+        network = train(data, recipe)
+        assert torch.get_num_threads() == threads, "as it was before"
+        return network.last[0].tobytes()
+
+    before = torch.get_num_threads()
+    try:
+        assert weights(1) == weights(2) == weights(3)
+        ours = weights(1)
+        monkeypatch.setattr(learning, "THREADS", 1)
+        assert weights(1) != ours, "so it does depend on them"
+    finally:
+        torch.set_num_threads(before)
 
 
 def test_cells_that_are_held_out_are_never_recorded() -> None:

@@ -16,6 +16,7 @@ from gymnasium.utils.env_checker import check_env
 import remac_env  # noqa: F401 - enters the ids
 from remac_env.backends.physics.controllers.base import in_room
 from remac_env.errors import ActionError, OptionError, PhysicsError, UncertifiedWarning, UnknownNameError
+from remac_env.lowlevel import starts
 from remac_env.lowlevel.names import skills
 from remac_env.lowlevel.options import targets
 from remac_env.robots import bodies
@@ -317,3 +318,18 @@ def test_the_environment_for_lerobots_hub_is_what_lerobot_reads() -> None:
     *_, infos = envs.step(envs.action_space.sample())
     assert infos["final_info"]["is_success"].tolist() == [False, False], "where LeRobot reads successes"
     envs.close()
+
+
+def test_a_vessel_where_no_plain_start_has_one_is_put_there_by_the_robot() -> None:
+    skill, case = SKILLS["place to"], "food in vessel on burner"
+
+    def draw(kind: str, cases: tuple[str, ...] = (case,)) -> starts.Ready | None:
+        chance, cell = np.random.default_rng(4), {"style": None, "layout": "one_wall_large", "body": "panda"}
+        return starts._draw(skill, None, 5, chance, kind=kind, cases=cases, **cell)  # type: ignore[arg-type]
+
+    ready = draw("paper")
+    assert ready is not None and ready.case == case
+    put = [step.target for step in ready.before if step.row.puts]
+    assert put == ["stove"], "once, and never the food"
+    plain = draw("paper", ("food on surface",))
+    assert plain is None or not any(step.row.puts for step in plain.before)

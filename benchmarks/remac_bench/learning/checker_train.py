@@ -17,7 +17,7 @@ from remac_agents.vision.network import ANSWERS, CAMERAS, CELLS, HEADS, STRIDES,
 from remac_agents.vision.questions import MOST_NAMES, predicates, words_of
 from remac_bench.errors import UsageError
 from remac_bench.learning.checker_files import Album, answers
-from remac_bench.learning.train import torch
+from remac_bench.learning.train import fixed_threads, torch
 
 Codes = NDArray[np.int64]
 
@@ -108,6 +108,7 @@ def shares(album: Album, asked: Codes, fine: NDArray[np.bool_]) -> NDArray[np.fl
     return np.where(fine, share, 0.0)
 
 
+@fixed_threads()
 def train(
     album: Album, recipe: Recipe, *, report: Callable[[int, float], None] = lambda epoch, loss: None
 ) -> Network:

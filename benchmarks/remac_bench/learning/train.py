@@ -7,7 +7,8 @@ which the command does not change are left out for the same reason.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,9 @@ _ARM = 3  # from where on a command's numbers are about lift, arm and fingers
 _AFTER = 24  # frames that are shown after an object was taken or put, while the hand goes clear
 _MOVED = 2e-4  # rad or m by which a command differs from the one before it where it counts as motion
 _LITTLE = 1e-3  # added to deviations: of numbers that hardly vary
+THREADS = 2
+"""Threads that networks are trained with on every machine: the last bits of torch's sums depend on their number."""
+
 _BLIND = 1e9  # the deviation by which numbers are divided that are not to be looked at: nothing is left of them
 
 
@@ -79,6 +83,22 @@ def torch() -> Any:
         return importlib.import_module("torch")
     except ImportError as error:
         raise UsageError("training needs torch; install it: pip install 'remac-kitchen[learn]'") from error
+
+
+@contextmanager
+def fixed_threads() -> Iterator[None]:
+    """Let torch use as many threads as it does anywhere, for now.
+
+    Raises:
+        UsageError: where torch is not installed.
+    """
+    library = torch()
+    before = library.get_num_threads()
+    library.set_num_threads(THREADS)
+    try:
+        yield
+    finally:
+        library.set_num_threads(before)
 
 
 def code_digest() -> str:
@@ -135,6 +155,7 @@ def _ends(demo: Demo) -> int:
     return int(done[0]) + _AFTER if (row.takes or row.puts) and len(done) else len(demo.commands)
 
 
+@fixed_threads()
 def train(data: Frames, recipe: Recipe, *, report: Any = lambda epoch, loss: None) -> Network:
     """A network that says what the demonstrations did. ``report`` is told of each epoch."""
     library = torch()

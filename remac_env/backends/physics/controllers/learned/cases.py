@@ -14,6 +14,9 @@ from remac_env.state import Place, WorldState
 NONE = ""
 """The case of a skill that moves nothing but doors and switches."""
 
+IN_VESSEL = " in vessel on "
+"""What stands in cases between an object in a vessel and the kind of place where that stands."""
+
 EMPTY_HANDED, CARRYING = "empty-handed", "carrying"
 """The cases of drives."""
 
@@ -34,11 +37,11 @@ def case_of(
     if handled is None:
         return NONE
     place = world.objects[handled].place if row.takes else landing(rules, world, robot, subtask.target)
-    inside, kind = "", objects[handled]
+    between, kind = " on ", objects[handled]
     while place is not None and place.relation == "vessel":
-        inside, place = " in vessel", world.objects[place.where].place
+        between, place = IN_VESSEL, world.objects[place.where].place
     what = "vessel" if kind.vessel else "food" if kind.small else "object"
-    return f"{what}{inside} on {_around(place, layout)}"
+    return f"{what}{between}{_around(place, layout)}"
 
 
 def _around(place: Place | None, layout: Layout) -> str:
