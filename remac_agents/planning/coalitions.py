@@ -28,7 +28,6 @@ Skills = Mapping[str, frozenset[str]]
 """Robot -> the names of its skills."""
 
 
-
 @dataclass(frozen=True)
 class Task:
     """A part of the goal. `after`: ids of those that must have ended before it begins."""

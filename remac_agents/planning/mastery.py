@@ -21,7 +21,6 @@ from remac_env.rules.subtasks import Subtask
 Steps = tuple[Subtask, ...]
 
 
-
 def proven_plan(runs: Sequence[Run], commands: Commands, facts: Rules, *, last: bool = False) -> Steps | None:
     """The single-robot plan of a task that is mastered, or None.
 

@@ -12,7 +12,6 @@ from remac_env.rules.subtasks import STEP_ASIDE, Subtask
 Steps = list[Subtask]
 
 
-
 def apply(steps: Sequence[Subtask], lesson: Lesson) -> Steps:
     """The plan with one lesson followed; unchanged where the lesson speaks of steps that it does not have."""
     if isinstance(lesson, Before):

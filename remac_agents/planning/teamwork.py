@@ -23,7 +23,6 @@ MOST_ALLOCATIONS = 1024
 """Allocations tried one by one at most; beyond that each part in turn goes where it ends soonest."""
 
 
-
 def parts_of(steps: Sequence[Subtask], *, fine: bool = False) -> list[Part]:
     """The row cut where a hand is empty and a way begins, so that each part can be any robot's.
 

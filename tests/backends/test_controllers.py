@@ -282,7 +282,6 @@ def sensed(noise: float) -> tuple[PhysicsBackend, Briefed]:
     return backend, Looking.seen[-1]
 
 
-
 def test_everything_but_the_robot_is_seen_with_noise() -> None:
     for noise in (0.0, 0.02):
         backend, sensing = sensed(noise)

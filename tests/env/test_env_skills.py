@@ -163,7 +163,6 @@ def test_the_packages_own_skills_take_pan_and_food_and_put_them_down() -> None:
     env.close()
 
 
-
 @pytest.mark.long
 def test_the_packages_own_skills_turn_things_on_and_off() -> None:
     env = remac_env.parallel_env("HeatOnStove", robots=1, skills="learned")
