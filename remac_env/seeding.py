@@ -13,6 +13,9 @@ from remac_env.values import python_value
 
 SEED_MAX = 2**63 - 1
 
+KEPT_SEEDS = 900_000
+"""Seeds from here on are kept for judging: no suite plays them, and nothing draws them by itself."""
+
 
 def generator(seed: int, *names: object) -> np.random.Generator:
     """A generator that depends on the seed and on the names alone, on every platform.

@@ -24,16 +24,13 @@ from remac_env.pictures import Moment, Pictures
 from remac_env.rewards import make_reward
 from remac_env.rules.claims import feasible
 from remac_env.rules.knowledge import held_back
-from remac_env.seeding import generator
+from remac_env.seeding import KEPT_SEEDS, generator
 from remac_env.start import Start
 from remac_env.state import WorldState
 from remac_env.tasks.goals import Goal
 from remac_env.tasks.spec import TaskSpec
 from remac_env.values import python_value
 from remac_env.vocabulary import Vocabulary
-
-UNSEEDED_BELOW = 900_000
-"""Seeds drawn for reset(seed=None) stay below this; the rest is kept for judging."""
 
 Seen = dict[str, Any]
 """Robot -> its observation."""
@@ -108,7 +105,7 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         self._check_open()
         seed = python_value(seed)
         if seed is None:
-            seed = int(self._seeds.integers(UNSEEDED_BELOW))
+            seed = int(self._seeds.integers(KEPT_SEEDS))
         else:
             self._seeds = generator(seed, "seeds of further resets")
         wanted = reset_options(options)

@@ -29,11 +29,8 @@ from remac_env.generator.making import for_team
 from remac_env.option_rows import rows
 from remac_env.options import MAX_ROBOTS, Options
 from remac_env.robots import bodies
-from remac_env.seeding import digest
+from remac_env.seeding import KEPT_SEEDS, digest
 from remac_env.tasks.generated import SPEC as GENERATED
-
-KEPT_SEEDS = 900_000
-"""Seeds from here on are kept for judging: no suite uses them."""
 
 CELLS = ("seed", "all", "held out")
 """Cells of a block: the one that each seed picks, or every style and layout of the task's rows of the style table."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from remac_env.backends.physics.controllers.scripted.collision import IGNORED
 from remac_env.backends.physics.controllers.scripted.paths import Path
 from remac_env.backends.physics.controllers.scripted.workspace import Workspace
-from remac_env.backends.physics.encounters import Encounter
+from remac_env.backends.physics.encounters import Encounter, distances
 from remac_env.backends.physics.litter import blocks
 from remac_env.backends.physics.routes import Departure, Outline, sampled
 from remac_env.backends.physics.separation import NEAR_MISS, Separation
@@ -104,7 +104,7 @@ class Drives:
             return True
         moments = [*path[::SAMPLE], path[-1]]
         middles, radii = driver.outline.circles(np.array(moments)[:, :3])
-        gaps = np.linalg.norm(middles[:, :, None] - circles[:, :2], axis=3) - radii[:, None] - circles[:, 2]
+        gaps = distances(middles[:, :, None], circles[:, :2]) - radii[:, None] - circles[:, 2]
         near = np.flatnonzero(gaps.min(axis=(1, 2)) < _APART)
         name = driver.here.robot.name
         return all(self._clear({name: driver}, {name: moments[k]}, standing) for k in near)

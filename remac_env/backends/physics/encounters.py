@@ -48,10 +48,10 @@ class Encounter:
 
 def _gaps(one: Array, other: Array) -> Array:
     """Least distances (t, u) between points (t, n, 2) and (u, m, 2)."""
-    return _distances(one[:, None, :, None], other[None, :, None]).min(axis=(2, 3))
+    return distances(one[:, None, :, None], other[None, :, None]).min(axis=(2, 3))
 
 
-def _distances(one: Array, other: Array) -> Array:
+def distances(one: Array, other: Array) -> Array:
     """Distances between points (..., 2)."""
     x, y = one[..., 0] - other[..., 0], one[..., 1] - other[..., 1]
     return np.asarray(np.sqrt(x * x + y * y))
@@ -60,11 +60,11 @@ def _distances(one: Array, other: Array) -> Array:
 def _near(ways: tuple[Array, Array], outlines: tuple[Outline, Outline], apart: float) -> NDArray[np.bool_]:
     """Pairs of moments (t, u) in which circles around parts of the two robots come nearer than ``apart`` (m)."""
     reaches = [float(np.linalg.norm(np.maximum(-o.low, o.high)[:, :2], axis=1).max()) for o in outlines]
-    near: NDArray[np.bool_] = _distances(ways[0][:, None, :2], ways[1][None, :, :2]) < sum(reaches) + apart
+    near: NDArray[np.bool_] = distances(ways[0][:, None, :2], ways[1][None, :, :2]) < sum(reaches) + apart
     (one, one_radii), (other, other_radii) = (o.circles(w) for o, w in zip(outlines, ways, strict=True))
     i, j = np.nonzero(near)
     for start in range(0, len(i), _BLOCK * _BLOCK):
         a, b = i[start : start + _BLOCK * _BLOCK], j[start : start + _BLOCK * _BLOCK]
-        between = _distances(one[a][:, :, None], other[b][:, None])
+        between = distances(one[a][:, :, None], other[b][:, None])
         near[a, b] = (between - one_radii[:, None] - other_radii).min(axis=(1, 2)) < apart
     return near

@@ -88,7 +88,7 @@ class Pilot:
         """
         for left in reversed(range(getattr(controller, "tries", 1))):
             came: list[Array] = []
-            outcome = yield from self._owned(self._followed(guarded(controller, subtask, sensing), came), sensing)
+            outcome = yield from self._owned(guarded(controller, subtask, sensing), sensing, came)
             home = yield from self._home_again(came, sensing.body, well=outcome.success)
             if not left or outcome.reason != "slipped" or not home.success or self.stopping or hindered():
                 break
@@ -129,10 +129,12 @@ class Pilot:
         yield from self.steps(go_home(here), RECOVERY_TIME)
         return outcome
 
-    def _owned(self, run: Generator[Command, None, Outcome], sensing: Briefed) -> Attempt:
+    def _owned(
+        self, run: Generator[Command, None, Outcome], sensing: Briefed, came: list[Array] | None = None
+    ) -> Attempt:
         """Pass on the commands of a controller of the robot's own; scripted motions can go on from what it has left."""
         stood = {name: sensing.pose(name) for name in sensing.objects}
-        outcome = yield from self._bounded(self._stoppable(run), SKILL_TIME)
+        outcome = yield from self._bounded(self._stoppable(run, came), SKILL_TIME)
         self.here.robot.catch_up()
         self._feel(sensing.told, stood)
         return outcome
@@ -153,22 +155,13 @@ class Pilot:
         self._handle.hold(robot.in_world(robot.q), robot.grip)
         return outcome
 
-    def _followed(
-        self, run: Generator[Command, None, Outcome], came: list[Array]
+    def _stoppable(
+        self, run: Generator[Command, None, Outcome], came: list[Array] | None = None
     ) -> Generator[Command, None, Outcome]:
-        """The same commands; where the robot was before each of them is noted."""
-        while True:
-            came.append(self.here.robot.measured)
-            try:
-                command = next(run)
-            except StopIteration as end:
-                outcome: Outcome = end.value
-                return outcome
-            yield command
-
-    def _stoppable(self, run: Generator[Command, None, Outcome]) -> Generator[Command, None, Outcome]:
-        """The same commands, up to where the robot is told to stop."""
+        """The same commands, up to where the robot is told to stop. ``came``: takes where it was before each."""
         while not self.stopping:
+            if came is not None:
+                came.append(self.here.robot.measured)
             try:
                 command = next(run)
             except StopIteration as end:

@@ -38,10 +38,10 @@ class RobotHandle:
         fingers = [model.joint(f"{name}/{part}") for part in body.fingers]
         self.qpos = np.array([j.qposadr[0] for j in joints])
         self.finger_qpos = np.array([j.qposadr[0] for j in fingers])
-        self._joints = _run(self.qpos)
-        self._controls = _run(np.array([s.id for s in servos]))
-        self._activations = _run(np.array([s.actadr[0] for s in servos]))
-        self._finger_controls = _run(np.array([model.actuator(f"{name}/{part}").id for part in body.fingers]))
+        self._joints = _as_slice(self.qpos)
+        self._controls = _as_slice(np.array([s.id for s in servos]))
+        self._activations = _as_slice(np.array([s.actadr[0] for s in servos]))
+        self._finger_controls = _as_slice(np.array([model.actuator(f"{name}/{part}").id for part in body.fingers]))
         self._site = model.site(f"{name}/grip").id
         self.commanded = body.tuck(0.0, 0.0, 0.0)
         self.grip = body.finger_travel
@@ -103,7 +103,7 @@ class RobotHandle:
         return Pose(self._data.site_xpos[self._site].copy(), rotation, WORLD)
 
 
-def _run(ids: NDArray[np.int_]) -> slice | NDArray[np.int_]:
+def _as_slice(ids: NDArray[np.int_]) -> slice | NDArray[np.int_]:
     """The same entries of an array, as a slice where they follow one another, which is quicker to read and write."""
     first = int(ids[0])
     return slice(first, first + len(ids)) if (np.diff(ids) == 1).all() else ids

@@ -15,7 +15,6 @@ from robosuite.utils.observables import Observable
 from remac_env.backends.physics.simulation import CONTROL_PERIOD
 from remac_env.backends.physics.stage import pose_start
 from remac_env.backends.physics.truth import Truth
-from remac_env.envs.parallel import UNSEEDED_BELOW
 from remac_env.errors import ActionError, PhysicsError, check_choice, whole_number
 from remac_env.integrations.robosuite.arena import KitchenArena, recorded_facts
 from remac_env.integrations.robosuite.episode import Cell, Episode, draw, redraw
@@ -26,7 +25,7 @@ from remac_env.kitchen.builder import show_switches
 from remac_env.kitchen.starts import NAMINGS, STARTS
 from remac_env.kitchen.worlds import TaskWorlds
 from remac_env.options import MAX_ROBOTS
-from remac_env.seeding import SEED_MAX, generator
+from remac_env.seeding import KEPT_SEEDS, SEED_MAX, generator
 from remac_env.state import WorldState, switches_on
 from remac_env.tasks.goals import progress
 from remac_env.tasks.spec import TaskSpec
@@ -147,7 +146,7 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
         super()._load_model()
         check_robots(self.robots)
         self._put_together(
-            self._wanted() or draw(self._worlds, self._cell(int(self._seeds.integers(UNSEEDED_BELOW))))
+            self._wanted() or draw(self._worlds, self._cell(int(self._seeds.integers(KEPT_SEEDS))))
         )
 
     def _put_together(self, episode: Episode) -> None:
