@@ -206,6 +206,8 @@ def test_thinking_and_rounds_do_not_go_together() -> None:
 def test_nobody_is_asked_who_is_busy_in_the_cycle() -> None:
     env = remac_env.env(TASK, backend="symbolic", clock="events", max_seconds=200.0)
     env.reset(seed=2)
+    for number, robot in enumerate((A, B)):
+        env.action_space(robot).seed(number)  # or, once in a while, chance ends the episode while they still take turns
     asked, clock = [], 0.0
     for robot in env.agent_iter(200):
         seen, reward, terminated, truncated, info = env.last()
