@@ -56,6 +56,20 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(autouse=True)
+def the_path_stays_as_it_was() -> Iterator[None]:
+    """Folders that a test imports from are forgotten after it, with what lies there: many call a file ``mine.py``."""
+    path, before = list(sys.path), set(sys.modules)
+    yield
+    sys.path[:] = path
+    known = tuple(folder for folder in (*path, sys.prefix, sys.base_prefix) if folder)
+    for name in set(sys.modules) - before:
+        file = getattr(sys.modules[name], "__file__", None)
+        folders = [file] if file else list(getattr(sys.modules[name], "__path__", []))
+        if folders and not name.startswith("remac_file_") and not folders[0].startswith(known):
+            del sys.modules[name]
+
+
+@pytest.fixture(autouse=True)
 def the_table_of_tasks_stays_as_it_was() -> Iterator[None]:
     """Tasks that a test registers are forgotten after it, whatever order the tests run in."""
     table = sys.modules["remac_env.tasks"]._SPECS
