@@ -18,8 +18,9 @@ import numpy as np
 import typer
 from module_record import Touch
 from module_trials import STATION, Found, any_layout, colliders_hash, origin, run, tables, trials, variants
+from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
+from remac_bench.console import say
 from remac_bench.errors import UsageError
 from remac_bench.flags import takes
 from rich.table import Table
@@ -75,7 +76,7 @@ def certificate(kind: str, variant: str, found: Iterable[Found], body: str) -> C
 )  # fmt: skip
 def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> None:
     """Print a table of every variant and skill, and every failure."""
-    console, file = make_console(), certificate_files.file_of(body)
+    file = certificate_files.file_of(body)
     if file is None:
         raise UsageError(f"the code of body {body!r} lies in no file, beside which its certificates could be written")
     wanted = [name.strip() for name in only.split(",") if name.strip()]
@@ -83,8 +84,8 @@ def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> N
     if check:
         problems = _checked(chosen, check, first_seed, body)
         for problem in problems:
-            console.print(problem)
-        console.print(f"{check} trials proven again, {len(problems)} differences")
+            say(problem)
+        say(f"{check} trials proven again, {len(problems)} differences")
         raise typer.Exit(int(bool(problems)))
     prepare_file(file, "certificates")
     warnings.simplefilter("ignore", UncertifiedWarning)  # that is what is being mended
@@ -96,12 +97,12 @@ def main(*, only: str, rounds: int, check: int, first_seed: int, body: str) -> N
             found += parts
             for part in parts:
                 if part.problem:
-                    console.print(f"{kind}.{variant} {trial.robot} seed {trial.seed}: {part.problem}")
+                    say(f"{kind}.{variant} {trial.robot} seed {trial.seed}: {part.problem}")
         proofs[kind, variant] = certificate(kind, variant, found, body)
     proofs = {**certificate_files.load(body), **proofs}
     ordered = [proofs[name] for name in variants() if name in proofs]
     file.write_text("\n".join(as_toml(ordered)) + "\n", encoding="utf-8")
-    console.print(_shown([proofs[name] for name in chosen], ordered[0].body))
+    show(_shown([proofs[name] for name in chosen], ordered[0].body))
 
 
 def _checked(chosen: Sequence[tuple[str, str]], count: int, seed: int, body: str) -> list[str]:

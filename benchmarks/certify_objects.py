@@ -11,7 +11,7 @@ from collections import defaultdict
 from module_trials import OwnCategories
 from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
+from remac_bench.console import say
 from remac_bench.flags import takes
 from rich.table import Table
 
@@ -66,19 +66,18 @@ def trial(category: str, seed: int, body: str) -> str:
 @takes("certify_objects.trials", "script.first_seed", "certify_objects.only", "script.body")
 def main(*, trials: int, first_seed: int, only: str, body: str) -> None:
     """Print a table of categories and every failure."""
-    console = make_console()
     names = [name.strip() for name in only.split(",") if name.strip()] or list(catalogue.load())
     failures: dict[str, list[str]] = defaultdict(list)
     for name in names:
         for seed in range(first_seed, first_seed + trials):
             if problem := trial(name, seed, body):
                 failures[name].append(problem)
-                console.print(f"{name}: {problem}")
+                say(f"{name}: {problem}")
     table = Table("category", "trials", "without a failure", title=f"Handling objects in physics with body {body}")
     for name in names:
         table.add_row(name, str(trials), str(trials - len(failures[name])))
     show(table)
-    console.print(f"{sum(not failures[name] for name in names)} of {len(names)} categories without a failure")
+    say(f"{sum(not failures[name] for name in names)} of {len(names)} categories without a failure")
 
 
 if __name__ == "__main__":

@@ -18,8 +18,8 @@ from typing import Any
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
 from remac_bench.flags import takes
 from rich.table import Table
 from skills import CHAINS, ROBOT, run_chain
@@ -136,9 +136,8 @@ def main(*, trials: int, first_seed: int, only: str, processes: int) -> None:
                 found[text].append(measured)
     by_command = {text: together(parts) for text, parts in found.items()}
     every = together(by_command.values())
-    console = make_console()
-    console.print(_torques({**by_command, "all": every}))
-    console.print(_doors({**by_command, "all": every}))
+    show(_torques({**by_command, "all": every}))
+    show(_doors({**by_command, "all": every}))
 
 
 def _job(job: tuple[Mapping[str, Any], int]) -> dict[str, Measured]:

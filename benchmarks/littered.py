@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
+from remac_bench.console import say
 from remac_bench.flags import takes
 from rich.table import Table
 
@@ -213,20 +213,19 @@ _SPEC = TaskSpec(
 def main(*, trials: int, first_seed: int, processes: int) -> None:
     """Print how robots get away from objects on the floor, and how deep those are pressed into what."""
     jobs = [(seed, robots) for robots in (1, 2) for seed in range(first_seed, first_seed + trials)]
-    console = make_console()
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         found = list(pool.map(play, *zip(*jobs, strict=True)))
     show(_table(found))
     for trial in found:
         lost = [f"{robot} {text}: {o.reason}: {o.detail}" for robot, text, o in trial.drives if not o.success]
         for line in lost:
-            console.print(f"seed {trial.seed}, {trial.way} of {trial.objects}, {trial.robots} robots: {line}")
+            say(f"seed {trial.seed}, {trial.way} of {trial.objects}, {trial.robots} robots: {line}")
         for where, what in trial.deepest.items():
             if trial.depth[where] > _DEEP:
                 deep = f"{1000 * trial.depth[where]:.1f} mm in {where}: {what}"
-                console.print(f"seed {trial.seed}, {trial.way} of {trial.objects}, {trial.robots} robots: {deep}")
+                say(f"seed {trial.seed}, {trial.way} of {trial.objects}, {trial.robots} robots: {deep}")
         if trial.stuck:
-            console.print(f"seed {trial.seed}: never got away: {', '.join(trial.stuck)}")
+            say(f"seed {trial.seed}: never got away: {', '.join(trial.stuck)}")
 
 
 def _table(found: list[Trial]) -> Table:

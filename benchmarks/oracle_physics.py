@@ -19,7 +19,7 @@ from time import process_time
 
 from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
+from remac_bench.console import say
 from remac_bench.flags import takes
 from remac_bench.playing.job_lists import parse_names, parse_seeds
 from rich.table import Table
@@ -148,14 +148,13 @@ def main(
         ]
     else:
         jobs = [Job(*cell, starts, replans) for cell in product(names, counts, parse_seeds(seeds), places)]
-    console = make_console()
     groups: dict[tuple[str, int], list[Played]] = defaultdict(list)
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         for played in pool.map(play, jobs):
             groups[getattr(played, by), played.robots].append(played)
             for failure in played.failures:
                 where = f"{played.task} {played.robots} seed {played.seed} {played.layout} {played.style}"
-                console.print(f"{where} {played.end}: {failure}", markup=False, soft_wrap=True)
+                say(f"{where} {played.end}: {failure}")
     columns = (by, "robots", "n", "success", "first try", "rounds", "sim s", "CPU s", "contacts", "near misses")
     where = layouts or "layouts of the seeds"
     kind = f"{quirks} quirks, knowledge {knowledge}" if grades else f"{where}, {starts} starts"

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
+from remac_bench.console import say
 from remac_bench.flags import takes
 from rich.table import Table
 
@@ -197,13 +197,13 @@ def main(*, only: str, backend: str, picture: Path | None) -> None:
     """Print what became of each trial."""
     if picture is not None:
         prepare_file(picture, "--picture")
-    console, shown = make_console(), []
+    shown = []
     table = Table("quirk", "condition", "after the try", "then", title=f"Quirks, {backend}")
     for kind, trial in load().items():
         if only in kind:
             each = play(kind, trial, backend=backend, pictures=picture is not None)
             shown.append(each)
-            console.print(f"{kind}: {each.sentence}: {', '.join(each.told)}", markup=False, soft_wrap=True)
+            say(f"{kind}: {each.sentence}: {', '.join(each.told)}")
             table.add_row(kind, each.condition, str(each.held), str(each.held_then))
     show(table)
     if picture is not None:

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
+from remac_bench.console import say
 from remac_bench.flags import takes
 from remac_bench.judging.statistics import wilson
 from rich.table import Table
@@ -119,21 +119,20 @@ def main(
     noises = [float(value) for value in perception_noise.split(",")]
     seeds = range(first_seed, first_seed + trials)
     jobs = [_Job(chain, seed, style, layout, noise, body) for noise in noises for chain in chains for seed in seeds]
-    console = make_console()
     curve: dict[float, list[Trial]] = {noise: [] for noise in noises}
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         for job, part in zip(jobs, pool.map(_play, jobs), strict=True):
             curve[job.perception_noise] += part
     if len(noises) > 1:
-        console.print(_curve(curve))
+        show(_curve(curve))
         return
     found = curve[noises[0]]
     show(_table(found))
     for trial in found:
         if trial.outcome is None:
-            console.print(f"seed {trial.seed}: {trial.label}: not tried, what it needs was not there")
+            say(f"seed {trial.seed}: {trial.label}: not tried, what it needs was not there")
         elif not trial.outcome.success:
-            console.print(f"seed {trial.seed}: {trial.label}: {trial.outcome.reason}: {trial.outcome.detail}")
+            say(f"seed {trial.seed}: {trial.label}: {trial.outcome.reason}: {trial.outcome.detail}")
 
 
 def _play(job: _Job) -> list[Trial]:

@@ -20,7 +20,7 @@ from typing import Any
 
 from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
+from remac_bench.console import say
 from remac_bench.flags import takes
 from remac_bench.playing.job_lists import parse_names, parse_seeds
 from rich.table import Table
@@ -217,13 +217,13 @@ def _numbered(ends: Sequence[tuple[float, str, str]]) -> dict[tuple[str, str, in
 def main(*, seeds: str, tasks: str | None) -> None:
     """Print a table of the tasks, every failed subtask, and what each skill takes. Ctrl-C ends with what was played."""
     timed = [name for name in remac_env.tasks("events") if name not in remac_env.tasks()]
-    console, groups = make_console(), dict[str, list[Episode]]()
+    groups = dict[str, list[Episode]]()
     with suppress(KeyboardInterrupt):
         for seed, task in product(parse_seeds(seeds), parse_names(tasks, "tasks") if tasks else timed):
             done = episode(task, seed)
             groups.setdefault(task, []).append(done)
             for line in _lines(done):
-                console.print(line, markup=False, soft_wrap=True)
+                say(line)
     columns = ("task", "n", "by the table", "success", "first try", "s", "s by the table", "ratio", "order agrees")
     table = Table(*columns, "contacts", "near misses", "CPU s", title=f"Plans of timed tasks in physics, seeds {seeds}")
     for task, group in groups.items():

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 from remac_bench.columns import show
 from remac_bench.command import run_script
-from remac_bench.console import console as make_console
+from remac_bench.console import say
 from remac_bench.flags import takes
 from remac_bench.playing.job_lists import parse_names, parse_seeds
 from rich.table import Table
@@ -212,14 +212,14 @@ def main(
     asked, kind = (grades, "grades") if grades else (tasks, "tasks")
     names = remac_env.tasks() if asked is None else parse_names(asked, kind)
     cells = [(*cell, rounds) for cell in product(names, (1, 2), parse_seeds(seeds))]
-    console, found = make_console(), list[Compared]()
+    found = list[Compared]()
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
         for lines in pool.map(_job, [(cell, template, quirks) for cell in cells]):
             found += lines
             for line in lines:
                 if line.verdict != "agree":
                     where = f"{line.task} {line.robots} seed {line.seed} {line.layout} round {line.round} {line.robot}"
-                    console.print(f"{line.verdict}: {where}: {line.subtask}: {line.differs}", markup=False)
+                    say(f"{line.verdict}: {where}: {line.subtask}: {line.differs}")
     show(table(found, f"Both backends on one round, seeds {seeds}"))
     if file is not None:
         file.write_text(json.dumps([asdict(line) for line in found], indent=1), encoding="utf-8")

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import TypeVar
 
+from rich.cells import cell_len, set_cell_size
 from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from remac_bench.console import console
+from remac_bench.console import broken, console
 
 T = TypeVar("T")
 
 _AROUND = 3  # letters between the texts of two columns: a blank on each side, and a line
+_LONG, _KEPT = 24, 16
+"""Columns that a text takes which footnotes leave as it is at least; what they keep of another at most."""
 
 
 def across() -> int:
@@ -22,30 +27,53 @@ def across() -> int:
 
 
 def show(*parts: RenderableType) -> None:
-    """Print tables as wide as the terminal takes them, and what stands between them."""
-    made = console()
+    """Print tables as wide as the terminal takes them, and what stands between them, lines that end with words."""
+    made, notes = console(), Footnotes()
     for part in parts:
-        for piece in laid_out(part, made.width) if isinstance(part, Table) else [part]:
-            made.print(piece, crop=False)
+        for piece in laid_out(part, made.width, notes) if isinstance(part, Table) else [part]:
+            if isinstance(piece, Table):
+                made.print(piece, crop=False)
+                continue
+            text = piece if isinstance(piece, Text) else Text.from_markup(str(piece), emoji=False)
+            for line in broken(text.plain, made.width):
+                made.print(Text(line, style=_style(text)), soft_wrap=True)
 
 
-def laid_out(table: Table, width: int) -> list[RenderableType]:
-    """The table with columns in which every word fits into a line; where that is too wide, its rows as lists."""
-    heads = [_text(column.header) for column in table.columns]
-    columns = [[_text(cell) for cell in column.cells] for column in table.columns]
-    least = [
-        max(column.min_width or 0, *(_longest(text, whole=column.no_wrap) for text in (head, *texts)))
-        for column, head, texts in zip(table.columns, heads, columns, strict=True)
-    ]
-    wanted = [max(_longest(text, whole=True) for text in (head, *texts))
-              for head, texts in zip(heads, columns, strict=True)]  # fmt: skip
-    room = width - _AROUND * len(least) - 1 - sum(least)
-    if room < 0:
-        return list(_lists(table, heads, columns))
-    for column, one, most in zip(table.columns, least, wanted, strict=True):
-        column.width = one + min(room, most - one)
-        room -= column.width - one
-    return [table]
+@dataclass
+class Footnotes:
+    """Long texts, each with a number that stands for it in tables: the same number in all that are shown together."""
+
+    _numbers: dict[str, int] = field(default_factory=dict)
+    _used: dict[str, int] = field(default_factory=dict)
+
+    def short(self, text: str) -> str:
+        """The text, or, where it is long, how it begins, and the number of its note: "CC [2]"."""
+        if cell_len(text) <= _LONG:
+            return text
+        self._used[text] = self._numbers.setdefault(text, len(self._numbers) + 1)
+        head = re.split(r"[^\w.-]", text, maxsplit=1)[0] or text
+        if cell_len(head) > _KEPT:
+            head = f"{set_cell_size(head, _KEPT - 1).rstrip()}…"
+        return f"{head} [{self._used[text]}]"
+
+    def told(self) -> list[Text]:
+        """The notes of what was made short since they were told last."""
+        lines = [f"[{number}] {text}" for text, number in sorted(self._used.items(), key=lambda item: item[1])]
+        self._used.clear()
+        return [*map(_line, lines), Text("")] if lines else []
+
+
+def laid_out(table: Table, width: int, notes: Footnotes | None = None) -> list[RenderableType]:
+    """The table with columns in which every word fits into a line; where that is too wide, with long texts in
+    footnotes; and where that is too wide still, its rows as lists."""
+    notes = notes or Footnotes()
+    if _fitted(table, width):
+        return _framed(table)
+    shorter = _shortened(table, notes)
+    if _fitted(shorter, width):
+        return [*_framed(shorter), *notes.told()]
+    notes.told()
+    return list(_lists(table))
 
 
 def in_parts(columns: Sequence[tuple[T, int]], room: int) -> list[list[T]]:
@@ -68,7 +96,54 @@ def _filled(columns: Sequence[tuple[T, int]], room: int) -> list[list[T]]:
     return parts
 
 
-def _lists(table: Table, heads: Sequence[str], columns: Sequence[Sequence[str]]) -> Iterator[Text]:
+def _fitted(table: Table, width: int) -> bool:
+    """Whether every word fits; the columns then have their widths."""
+    texts = [[_text(column.header), *map(_text, column.cells)] for column in table.columns]
+    least = [
+        max(column.min_width or 0, *(_longest(text, whole=column.no_wrap) for text in each))
+        for column, each in zip(table.columns, texts, strict=True)
+    ]
+    wanted = [max(_longest(text, whole=True) for text in each) for each in texts]
+    room = width - _AROUND * len(least) - 1 - sum(least)
+    if room < 0:
+        return False
+    for column, one, most in zip(table.columns, least, wanted, strict=True):
+        column.width = one + min(room, most - one)
+        room -= column.width - one
+    return True
+
+
+def _framed(table: Table) -> list[RenderableType]:
+    """The table; title and caption before and after it where it is too narrow for their words."""
+    title, caption = _text(table.title), _text(table.caption)
+    room = sum((column.width or 0) + _AROUND - 1 for column in table.columns)
+    if max(_longest(title, whole=False), _longest(caption, whole=False)) <= room:
+        return [table]
+    table.title = table.caption = None
+    before, after = Text(title, style="italic"), Text(caption, style="dim")
+    return [*([before] if title else []), table, *([after] if caption else [])]
+
+
+def _shortened(table: Table, notes: Footnotes) -> Table:
+    """The table with footnotes in place of texts of which a word, or what may not be broken, is long."""
+    made = Table(title=table.title, caption=table.caption, box=table.box, pad_edge=table.pad_edge,
+                 title_justify=table.title_justify)  # fmt: skip
+    cells: list[list[RenderableType]] = []
+    for column in table.columns:
+        head, *texts = (
+            Text(notes.short(text)) if _longest(text, whole=column.no_wrap) > _LONG else cell
+            for cell in (column.header, *column.cells) for text in [_text(cell)]
+        )  # fmt: skip
+        made.add_column(head, justify=column.justify, no_wrap=column.no_wrap)
+        cells.append(texts)
+    for row, across_ in zip(table.rows, zip(*cells, strict=True), strict=True):
+        made.add_row(*across_, end_section=row.end_section)
+    return made
+
+
+def _lists(table: Table) -> Iterator[Text]:
+    heads = [_text(column.header) for column in table.columns]
+    columns = [[_text(cell) for cell in column.cells] for column in table.columns]
     if table.title:
         yield Text(_text(table.title), style="italic")
     for number in range(table.row_count):
@@ -79,19 +154,28 @@ def _lists(table: Table, heads: Sequence[str], columns: Sequence[Sequence[str]])
             if not text:
                 continue
             if name:
-                yield Text(f"{mark}{name}: {text}", overflow="ignore")
+                yield _line(f"{mark}{name}: {text}")
             mark = "" if name else f"{mark}{text} "
         if mark:
-            yield Text(mark.rstrip(), overflow="ignore")
+            yield _line(mark.rstrip())
     if table.caption:
         yield Text(f"\n{_text(table.caption)}", style="dim")
     yield Text("")
 
 
+def _line(text: str) -> Text:
+    return Text(text, overflow="ignore")
+
+
+def _style(text: Text) -> str:
+    """The one style of a text."""
+    return str(text.style or (text.spans[0].style if text.spans else ""))
+
+
 def _text(cell: RenderableType | None) -> str:
-    return cell.plain if isinstance(cell, Text) else Text.from_markup(str(cell or "")).plain
+    return cell.plain if isinstance(cell, Text) else Text.from_markup(str(cell or ""), emoji=False).plain
 
 
 def _longest(text: str, *, whole: bool) -> int:
-    """Letters of the longest line, or of the longest word."""
-    return max((len(part) for part in (text.splitlines() if whole else text.split())), default=1)
+    """Columns that the longest line takes, or the longest word."""
+    return max((cell_len(part) for part in (text.splitlines() if whole else text.split())), default=1)

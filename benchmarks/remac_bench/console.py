@@ -6,11 +6,13 @@ import errno
 import functools
 import io
 import os
+import re
 import sys
 from collections.abc import Callable
 from typing import ParamSpec, TextIO, TypeVar
 
 import typer
+from rich.cells import cell_len
 from rich.console import Console
 
 from remac_bench.errors import RecordFileError, UsageError
@@ -35,12 +37,14 @@ _WIDTH = 120
 _LEAST, _MOST = 60, 1000
 """Columns between which tables can be laid out; a narrower terminal breaks the lines itself."""
 
+_WORDS, _PARTS = re.compile(r"\s*\S+\s*"), re.compile(r"[^,/:=]*[,/:=]+\s*|[^,/:=]+")
 _HEIGHT = 40  # given together with the width, or rich believes terminals that say nothing sensible
 
 
 def console(*, stderr: bool = False) -> Console:
-    """A console that keeps tables whole, whatever the terminal says of itself."""
-    return Console(stderr=stderr, width=_width(sys.stderr if stderr else sys.stdout), height=_HEIGHT, highlight=False)
+    """A console that keeps tables and texts as they are, whatever the terminal says of itself."""
+    width = _width(sys.stderr if stderr else sys.stdout)
+    return Console(stderr=stderr, width=width, height=_HEIGHT, highlight=False, emoji=False)
 
 
 def _width(stream: TextIO) -> int:
@@ -58,7 +62,26 @@ def _width(stream: TextIO) -> int:
 def say(line: str, *, stderr: bool = False) -> None:
     """Print a line: a terminal gets it in lines that end with a word, a file or another program as it is."""
     made = console(stderr=stderr)
-    made.print(line, markup=False, emoji=False, soft_wrap=not made.is_terminal)
+    for part in broken(line, made.width) if made.is_terminal else [line]:
+        made.print(part, markup=False, soft_wrap=True)
+
+
+def broken(text: str, width: int) -> list[str]:
+    """Lines of at most so many columns that end with a word, or, where one is wider than a line, with a part of it.
+
+    Parts end with a comma, a slash, a colon or an equals sign; one that is wider than a line stays whole.
+    """
+    lines: list[str] = []
+    for line in text.split("\n"):
+        made = ""
+        for word in _WORDS.findall(line):
+            for part in _PARTS.findall(word) if cell_len(word.rstrip()) > width else [word]:
+                if made.strip() and cell_len(made + part.rstrip()) > width:
+                    lines.append(made.rstrip())
+                    made = ""
+                made += part
+        lines.append(made.rstrip())
+    return lines
 
 
 def tame_columns() -> None:

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import csv
 import io
-import itertools
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from rich import box
-from rich.console import JustifyMethod, RenderableType
+from rich.console import RenderableType
 from rich.markup import escape
-from rich.table import Table
 
 from remac_bench import judging
 from remac_bench.blame.labels import Blame
 from remac_bench.blame.sheet import read_blames
 from remac_bench.board import Board, Cell, Column, Sheet
-from remac_bench.columns import in_parts
+from remac_bench.columns import Footnotes
 from remac_bench.console import plain
 from remac_bench.errors import UsageError
 from remac_bench.judging.checkers import with_checkers
@@ -28,6 +25,8 @@ from remac_bench.judging.readers import with_readers
 from remac_bench.judging.results import results_sheets
 from remac_bench.metrics import Row, overall, summarise
 from remac_bench.records import Record
+from remac_bench.sheets import DASH
+from remac_bench.sheets import tables as sheet_tables
 from remac_bench.store import FILE, Store, latest
 from remac_env.files import prepare_file, prepare_folder
 
@@ -37,16 +36,8 @@ COMPACT = (
 )
 """Columns of the results that stand in the main table; the others come with `--all`."""
 
-ALARMS = ("crashed", "infrastructure", "crash", "unclear", "unknown", "retries", "cannot_tell", "unmatched")
-"""Columns that a terminal shows only where one of their numbers is not 0."""
-
 FIRST = ("grades", "learning", "results", "ranking", "blame")
 """Sheets that are shown without `--all`, by the beginning of their key."""
-
-ACROSS = 118
-"""Characters side by side at most, however wide the terminal is; a wider sheet is shown in parts."""
-
-_GAP = 3  # characters between two columns
 
 LEGEND = (
     "TSR: goal holds at the end, with Wilson's 95% interval. SCR: rounds done of the final plans. "
@@ -54,7 +45,6 @@ LEGEND = (
     "Crashed: failures by an exception of the agent. Infra: not scored, run again at the next call."
 )
 
-_DASH = Cell(text="-")
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")  # text that begins so is taken for a formula by spreadsheets
 
 
@@ -125,7 +115,8 @@ def tables(rows: Sequence[Row], *, note: str = "", across: int) -> list[Renderab
     sheets = with_checkers(results_sheets(rows, (), folder="DIR"), {row.agent: row.checker for row in rows})
     sheets = with_readers(sheets, {row.agent: row.given for row in rows})
     legend = f"[dim]{escape(plain(f'{LEGEND} {note}'))}[/dim]"
-    return [*(part for sheet in sheets for part in _tables(sheet, compact(sheet), across)), legend]
+    notes = Footnotes()
+    return [*(part for sheet in sheets for part in sheet_tables(sheet, compact(sheet), across, notes)), legend]
 
 
 def board_tables(board: Board, *, everything: bool = False, across: int) -> list[RenderableType]:
@@ -135,9 +126,10 @@ def board_tables(board: Board, *, everything: bool = False, across: int) -> list
         across: columns of the terminal; a wider sheet comes in parts.
     """
     made: list[RenderableType] = []
+    notes = Footnotes()
     for sheet in shown(board, everything=everything):
         narrow = sheet.key.startswith("results") and not everything
-        made += _tables(sheet, compact(sheet) if narrow else sheet.columns, across)
+        made += sheet_tables(sheet, compact(sheet) if narrow else sheet.columns, across, notes)
         if sheet.caption and not narrow:
             made.append(f"[dim]{escape(plain(sheet.caption))}[/dim]\n")
     return [*made, *([f"[dim]{escape(plain(f'{LEGEND} {board.note}'))}[/dim]"] if _has_results(board) else [])]
@@ -217,54 +209,6 @@ def _with_overall(records: Sequence[Record]) -> list[Row]:
     return [row for where in settings for row in rows if row.setting == where]
 
 
-def _tables(sheet: Sheet, columns: Sequence[Column], across: int) -> list[Table]:
-    """A sheet as one table, or in parts that fit the terminal; columns without a cell are left out."""
-    used = _loud(sheet, [column for column in columns if any(column.key in row for row in sheet.rows)])
-    parts = _parts(sheet, used, min(across, ACROSS))
-    return [_table(sheet, part, title=not index) for index, part in enumerate(parts)]
-
-
-def _loud(sheet: Sheet, columns: Sequence[Column]) -> tuple[Column, ...]:
-    """Without the columns of alarms that are all silent."""
-    quiet = {key for key in ALARMS if all(row.get(key, _DASH).text in ("0", "-") for row in sheet.rows)}
-    return tuple(column for column in columns if column.key not in quiet)
-
-
-def _parts(sheet: Sheet, used: Sequence[Column], across: int) -> list[tuple[Column, ...]]:
-    """The columns in parts, each with the first words; all in one, to be shown as lists, where most would have one."""
-    front = tuple(itertools.takewhile(lambda column: not column.numeric, used))
-    room = across - sum(_width(sheet, column) for column in front)
-    rest = [(column, _width(sheet, column)) for column in used[len(front) :]]
-    parts = in_parts(rest, room)
-    if room < max((width for _, width in rest), default=0) or len(parts) > (len(rest) + 1) // 2 > 0:
-        return [tuple(used)]
-    return [(*front, *part) for part in parts]
-
-
-def _width(sheet: Sheet, column: Column) -> int:
-    texts = (plain(row.get(column.key, _DASH).text) for row in sheet.rows)
-    return _GAP + max(len(column.title), *(len(text) for text in texts), 1)
-
-
-def _table(sheet: Sheet, columns: Sequence[Column], *, title: bool = True) -> Table:
-    """One sheet. Columns never shrink: a number cut short would be another number."""
-    heading = escape(plain(sheet.title)) if title else None
-    table = Table(title=heading, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
-    texts = [[plain(row.get(column.key, _DASH).text) for column in columns] for row in sheet.rows]
-    for index, column in enumerate(columns):
-        least = max(len(column.title), *(len(row[index]) for row in texts), 1)
-        side: JustifyMethod = "right" if column.numeric else "left"
-        table.add_column(column.title, justify=side, no_wrap=True, min_width=least)
-    firsts, before = [row[0] for row in texts], None
-    for cells in texts:
-        group = cells[0]
-        if before not in (None, group) and len(set(firsts)) < len(firsts):
-            table.add_section()
-        before = group
-        table.add_row(*(escape(text) for text in cells))
-    return table
-
-
 def _markdown(sheet: Sheet, columns: Sequence[Column]) -> list[str]:
     lines = [
         f"**{_text(sheet.title)}**",
@@ -273,7 +217,7 @@ def _markdown(sheet: Sheet, columns: Sequence[Column]) -> list[str]:
         "|" + "".join("---:|" if column.numeric else "---|" for column in columns),
     ]
     for row in sheet.rows:
-        lines.append(f"| {' | '.join(_text(row.get(column.key, _DASH).text) for column in columns)} |")
+        lines.append(f"| {' | '.join(_text(row.get(column.key, DASH).text) for column in columns)} |")
     return [*lines, ""]
 
 

@@ -10,7 +10,8 @@ import pytest
 from bench_helpers import record
 from remac_bench.cli import app
 from remac_bench.columns import across, show
-from remac_bench.report import ACROSS, board_tables, read_board, read_rows, tables
+from remac_bench.report import board_tables, read_board, read_rows, tables
+from remac_bench.sheets import ACROSS
 from remac_bench.store import Store
 from rich.console import Console
 from typer.testing import CliRunner

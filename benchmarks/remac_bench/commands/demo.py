@@ -6,8 +6,10 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import typer
+
 from remac_bench.command import joined
-from remac_bench.console import console
+from remac_bench.console import say
 from remac_bench.flags import takes
 
 if TYPE_CHECKING:
@@ -59,7 +61,7 @@ def _name_videos(out: str) -> None:
     for record in Store(out).read():
         if record.video is not None:
             told = Path(out, record.video.path) if record.video.path else f"none ({record.video.error})"
-            console().print(f"{record.task}, {record.agent}, seed {record.seed}: {told}", markup=False)
+            say(f"{record.task}, {record.agent}, seed {record.seed}: {told}")
 
 
 def show_pages(out: str) -> None:
@@ -67,5 +69,5 @@ def show_pages(out: str) -> None:
     from remac_bench.pages import write_pages
 
     page = write_pages(out)
-    console().print(f"Pages: {page.resolve().as_uri()}", markup=False, crop=False, soft_wrap=True)
-    console().print(f"or over the network's loopback: remac view {shlex.quote(out)}", markup=False, soft_wrap=True)
+    typer.echo(f"Pages: {page.resolve().as_uri()}")
+    typer.echo(f"or over the network's loopback: remac view {shlex.quote(out)}")

@@ -12,7 +12,7 @@ import typer
 
 from remac_bench.columns import show
 from remac_bench.command import Command, joined
-from remac_bench.console import console
+from remac_bench.console import say
 from remac_bench.errors import UsageError
 from remac_bench.flags import takes
 
@@ -66,7 +66,7 @@ def record(
         dataset = Dataset(out, videos=pictures != "images", language=not wordless, body=body)
         lines = record_dataset(*where, dataset, make, processes=processes)
     for line in lines:
-        console().print(line)
+        say(line)
 
 
 @app.command(cls=Command)
@@ -92,7 +92,7 @@ def train(
     chosen = _skills(skills)
     every = (train_skill(skill, demos, weights, recipe, body) for skill in chosen)
     for line in train_together(chosen, demos, weights, recipe, body) if together else chain.from_iterable(every):
-        console().print(line)
+        say(line)
 
 
 @app.command(cls=Command)
@@ -138,7 +138,7 @@ def record_checker(
     for line in record_pictures(
         seeds, chosen, pictures_out, backend=pictures_backend, processes=processes, paints=not held_kitchens
     ):
-        console().print(line)
+        say(line)
 
 
 @app.command("train-checker", cls=Command)
@@ -151,7 +151,7 @@ def train_checker(*, albums: Path, checker_out: Path, checker_epochs: int) -> No
 
     torch()
     for line in train_on(albums, checker_out, Recipe(epochs=checker_epochs)):
-        console().print(line)
+        say(line)
 
 
 @app.command("evaluate-checker", cls=Command)
@@ -165,7 +165,7 @@ def evaluate_checker(*, albums: Path, checker: Path | None, asked: bool, note: b
     weights = SHIPPED if checker is None else checker
     found, album = measured(weights, albums, asked_only=asked)
     show(_checker_table(found))
-    console().print(
+    say(
         f"{len(album.station)} views of {len(album.seeds)} episodes; layouts {', '.join(album.layouts)}; "
         f"styles {', '.join(album.styles)}"
     )

@@ -34,11 +34,11 @@ def play(
 
 
 def _typed(job: Job, out: str, *, video: bool) -> None:
-    from remac_bench.console import console
+    from remac_bench.console import say
     from remac_bench.live.episode import play as play_episode
     from remac_bench.live.terminal import planner, teller
 
-    tell = teller(lambda line: console().print(line, markup=False))
+    tell = teller(say)
     try:
         record = play_episode(job, out, planner(), tell=tell, video=video)
     except KeyboardInterrupt:

@@ -22,7 +22,7 @@ from rich.table import Column
 from rich.text import Text
 
 from remac_bench.columns import across, show
-from remac_bench.console import FAILED, INTERRUPTED, console, plain
+from remac_bench.console import FAILED, INTERRUPTED, broken, console, plain, say
 from remac_bench.playing import agents
 from remac_bench.playing.deadline import waited_for
 from remac_bench.playing.interrupts import SIGNALS, stoppable
@@ -63,10 +63,9 @@ def run_and_report(jobs: Sequence[Job], folder: str, settings: Settings) -> None
         finally:
             bar.stop()
     show(*main_table(folder, across=across()))
-    console().print(
+    say(
         f"{summary.played} {'job' if summary.played == 1 else 'jobs'} played, {summary.skipped} found finished. "
-        f"Records: {plain(str(Path(folder) / FILE))}",
-        markup=False,
+        f"Records: {plain(str(Path(folder) / FILE))}"
     )
     if summary.infrastructure:
         told = "" if len(summary.infrastructure) == 1 else f", and {len(summary.infrastructure) - 1} more"
@@ -133,7 +132,8 @@ class Bar(Listener):
         asked = " and ".join(waited_for(job.agent, providers=job.access.providers))
         waits = f", the waiting for answers of {asked} included" if asked else ""
         told = f"job {job.key}: {job.task} seed {job.seed} ({job.label}) has been running for {seconds:.0f} s{waits}"
-        self.progress.console.print(plain(told), markup=False, highlight=False)
+        for line in broken(plain(told), self._screen.width):
+            self.progress.console.print(line, markup=False, soft_wrap=True)
 
     def stop(self) -> None:
         """Let go of the screen, once; a bar that was never shown leaves no trace."""

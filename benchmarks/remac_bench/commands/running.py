@@ -10,7 +10,7 @@ import typer
 from remac_bench import flags
 from remac_bench.command import joined
 from remac_bench.commands.progress import run_and_report
-from remac_bench.console import FAILED, console, plain
+from remac_bench.console import FAILED, plain, say
 from remac_bench.errors import UsageError
 from remac_bench.judging.endings import ending
 from remac_bench.playing import agents, suites
@@ -91,17 +91,15 @@ def verify_command(
     verdict = verify(folder, sample=sample, seed=seed, cassette=cassette, providers=providers)
     if not (verdict.jobs or verdict.findings):
         raise UsageError(f"no finished jobs in {folder!r}; give the --out of a `remac bench run`")
-    screen = console()
     for strange in verdict.strange:
-        screen.print(f"made with {strange}: differences in physics then prove nothing", markup=False)
+        say(f"made with {strange}: differences in physics then prove nothing")
     for finding in verdict.findings[:SHOWN]:
-        screen.print(plain(f"job {finding.job or '-'}: {finding.told}"), markup=False)
+        say(plain(f"job {finding.job or '-'}: {finding.told}"))
     wrong = len({finding.job for finding in verdict.findings})
     replayed = f", {verdict.replayed} of them by their subtasks alone" if verdict.replayed else ""
-    screen.print(
+    say(
         f"{verdict.jobs} jobs with {verdict.records} records played again{replayed}: "
-        + (f"{wrong} contradicted" if wrong else "all as recorded"),
-        markup=False,
+        + (f"{wrong} contradicted" if wrong else "all as recorded")
     )
     if wrong:
         raise typer.Exit(FAILED)
@@ -122,15 +120,14 @@ def replay_command(
     load_named(extensions, bodies)
     record = find(folder, job, iteration)
     told = replay(record, video=video)
-    screen = console()
     title = f"{record.task}, {record.agent}, seed {record.seed}, iteration {record.iteration}"
     for line in (title, *told.lines):
-        screen.print(plain(line), markup=False)
+        say(plain(line))
     if video is not None:
-        screen.print(f"video: {plain(str(video))}", markup=False)
+        say(f"video: {plain(str(video))}")
     for line in told.differences[:SHOWN]:
-        screen.print(plain(line), markup=False)
-    screen.print("not as recorded" if told.differences else f"as recorded: {ending(record)}", markup=False)
+        say(plain(line))
+    say("not as recorded" if told.differences else f"as recorded: {ending(record)}")
     if told.differences:
         raise typer.Exit(FAILED)
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from remac_bench.columns import across, show
-from remac_bench.console import FAILED, console, plain
+from remac_bench.console import FAILED, plain, say
 from remac_bench.flags import takes
 
 SHOWN = 20
@@ -39,17 +39,16 @@ def accept(
     if suite is not None:
         suites.add(suite)
     found = judge(folder, reask=reask, seed=seed, access=Access(base_url=base_url, providers=providers))
-    screen = console()
     if found.reasons:
         for reason in found.reasons[:SHOWN]:
-            screen.print(plain(reason), markup=False)
-        screen.print(f"not accepted: {len(found.reasons)} reasons", markup=False)
+            say(plain(reason))
+        say(f"not accepted: {len(found.reasons)} reasons")
         raise typer.Exit(FAILED)
     show(*tables(found.rows, across=across()))
     again = "" if found.reasked is None else (
         f"; {found.reasked.jobs} jobs asked again: {found.reasked.before} successes then, {found.reasked.now} now"
     )
-    screen.print(f"accepted: {plain(found.entry.name)}, {found.tier}{again}", markup=False)
+    say(f"accepted: {plain(found.entry.name)}, {found.tier}{again}")
 
 
 @takes("board.out", "records.suite")

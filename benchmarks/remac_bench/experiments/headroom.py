@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
+from remac_bench.console import plain
 from remac_bench.judging.grades import gain, regret
 from remac_bench.playing.job_lists import make_jobs
 from remac_bench.playing.jobs import Job
@@ -126,7 +128,7 @@ def tables(records: Sequence[Record]) -> Iterator[Table]:
     table.add_column("with quirks", justify="right")
     for name in sorted(scored, key=_order):
         cells = [share(scored[name], grade=grade, quirks=quirks).told for quirks, grade in columns]
-        table.add_row(name, *cells, half_of(scored[name], 0), half_of(scored[name], QUIRKS[-1]))
+        table.add_row(escape(plain(name)), *cells, half_of(scored[name], 0), half_of(scored[name], QUIRKS[-1]))
     yield table
     yield _curve({name: found for name, found in by.items() if any(r.iteration for r in found)})
 
@@ -143,7 +145,7 @@ def _curve(by: Mapping[str, Sequence[Record]]) -> Table:
             regrets = [regret(found) for found in kept]
             told = ["-" if each is None else f"{each:.2f}" for each in regrets]
             cells = [*(share(found).told for found in kept), *told, gain([r for found in kept for r in found]).text]
-            table.add_row(name, str(quirks), str(len(kept[0])) if kept else "0", *cells)
+            table.add_row(escape(plain(name)), str(quirks), str(len(kept[0])) if kept else "0", *cells)
     return table
 
 

@@ -15,7 +15,8 @@ from remac_bench.pages.episode_rows import FILTERS, EpisodeRow, episode_rows
 from remac_bench.pages.plots import Interval, Scatter, interval, scatter
 from remac_bench.pages.rendering import render
 from remac_bench.records import Record
-from remac_bench.report import ALARMS, COMPACT, LEGEND
+from remac_bench.report import COMPACT, LEGEND
+from remac_bench.sheets import ALARMS
 
 SCRIPTS = (
     *("tables.js", "statistics.js", "episodes.js", "address.js", "filters.js"),
