@@ -14,7 +14,7 @@ from remac_env.generator.certified import Certified, beyond_one, certified, scen
 from remac_env.generator.drawing import draw
 from remac_env.generator.obstacles import obstructed, untold
 from remac_env.generator.quirking import with_quirks
-from remac_env.generator.templates import BUILT, Template
+from remac_env.generator.templates import BUILT, RICH, Template
 from remac_env.options import KNOWLEDGE, MAX_ROBOTS, MOST_QUIRKS
 from remac_env.oracle.witness import witness
 from remac_env.seeding import SEED_MAX, generator
@@ -31,8 +31,8 @@ POOLS: dict[str | None, Callable[[Template], bool]] = {
     None: lambda row: not (row.held_out or row.team or row.family),
     "held out": lambda row: row.held_out and not row.family,
     "teams": lambda row: row.team is not None and not row.family,
-    "physics": lambda row: bool(row.family) and row.family != BUILT and not (row.held_out or row.team),
-    "physics teams": lambda row: bool(row.family) and row.family != BUILT and row.team is not None,
+    "physics": lambda row: row.family == RICH and not (row.held_out or row.team),
+    "physics teams": lambda row: row.family == RICH and row.team is not None,
     "built": lambda row: row.family == BUILT and not (row.held_out or row.team),
     "built held out": lambda row: row.family == BUILT and row.held_out,
     "built teams": lambda row: row.family == BUILT and row.team is not None,

@@ -20,8 +20,8 @@ from remac_env.tasks.goals import All, DoorIs, Goal, Inside, Marked, Released, S
 
 FILE = "templates.toml"
 
-BUILT = "built"
-"""The folder of layouts in which annexes stand, so that physics can have them."""
+RICH, BUILT = "rich", "built"
+"""The folders of layouts with more than the usual fixtures, and with annexes, so that physics can have them."""
 
 HIDDEN = "hidden"
 """Where objects are that stand behind a shut door that the goal does not name."""
@@ -126,14 +126,15 @@ def load() -> Mapping[str, Template]:
     return {row.name: row for row in (*rows, *twins)}
 
 
-def _built(row: Template, grades: Mapping[str, Sequence[int]]) -> Template | None:
+def _built(row: Template, where: Mapping[str, Any]) -> Template | None:
     """The same template in a kitchen that has its annexes; None where there is no such kitchen, or no room in it."""
     across = row.team is not None and QUIRKS[row.team.kind].across
-    own = {int(grade): (int(least), int(most)) for grade, (least, most) in grades.items()}
+    family = str(where.get("family", BUILT))
+    own = {int(grade): (int(span[0]), int(span[1])) for grade, span in where.items() if grade != "family"}
     sizes = {grade: span for grade, span in {**row.sizes, **own}.items() if span[0] <= span[1]}
     if not row.annexes or across or not sizes:
         return None
-    return replace(row, name=built_name(row.name), annexes=(), family=BUILT, sizes=sizes)
+    return replace(row, name=built_name(row.name), annexes=(), family=family, sizes=sizes)
 
 
 def built_name(name: str) -> str:

@@ -27,7 +27,7 @@ HEADINGS = (0, 90, 180, 270)
 """How walls may be turned, degrees."""
 
 
-FAMILIES = ("", "rich", "built")
+FAMILIES = ("", "rich", "built", "scullery")
 """The folders of layouts. Tasks and suites draw from the first one; those of others are had by name alone."""
 
 
