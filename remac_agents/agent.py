@@ -102,7 +102,7 @@ class Agent:
         self._tokens = {robot: dict(infos[robot]["commands"]) for robot in infos}
         self._pace = Pace(in_step=not self.method.by_events)
         self._thoughts: dict[str, Thought] = {}
-        self._spent = (0, 0.0)
+        self._spent, self._acts = (0, 0.0), 0
         self._played: dict[str, Subtask] | None = None
         self._sent: dict[str, Subtask] = {}
         self._open, self._success, self._ended = True, False, False
@@ -119,6 +119,7 @@ class Agent:
             raise LifecycleError("act() needs an episode under way: call reset(obs, infos) first")
         check_told(obs, infos)
         self._thoughts = {}
+        run.book.steps, self._acts = self._acts, self._acts + 1
         if not self._pace.take_in(infos):
             return self._tokens_of({}, infos, WAIT)
         run.thoughts = {}
@@ -149,6 +150,7 @@ class Agent:
             check_told(obs, infos)
         self._open = False
         if infos:
+            run.book.steps = self._acts
             self._pace.take_in(infos)
             if self._played is not None:
                 run.observe(*look(obs, self._pace.gathered(infos), run.briefing, self._sent), self._pace.played())
@@ -217,7 +219,7 @@ class Agent:
                 return next(self._turns)
             view, world = look(obs, infos, run.briefing, self._sent)
             run.observe(view, world, self._pace.played())
-            self._correspondence.begin_round(run.book.rounds)
+            self._correspondence.begin_round(run.book.steps)
             return self._turns.send(view)
         except StopIteration:
             self._ended = True

@@ -16,9 +16,10 @@ from remac_env.state import WorldState
 class Check:
     """One verdict (None: the checker cannot tell) beside the truth (None where the kitchen did not tell it).
 
-    `round` counts rounds played before it; `robot` is about to run `subtask`, or has run it, and `condition` is the
-    sentence that was judged (`verdict`, beside `truth`); `asked` marks a question of the adjuster's, which is no pre-
-    check itself; `reason` is the checker's, where it gives one; `unmatched` marks words that no predicate says.
+    `round` counts the rounds (by the event clock: decision points) before it; `robot` is about to run `subtask`, or has
+    run it, and `condition` is the sentence that was judged (`verdict`, beside `truth`); `asked` marks a question of the
+    adjuster's, which is no pre-check itself; `reason` is the checker's, where it gives one; `unmatched` marks words
+    that no predicate says.
     """
 
     round: int
@@ -35,7 +36,7 @@ class Check:
     def of(
         cls,
         verdict: Verdict,
-        rounds: int,
+        steps: int,
         robot: str,
         subtask: Subtask,
         scene: Rules,
@@ -46,7 +47,7 @@ class Check:
         """A verdict about a moment, beside what was true then."""
         condition = verdict.condition
         return cls(
-            round=rounds,
+            round=steps,
             robot=robot,
             subtask=subtask.text,
             condition=condition.sentence,
@@ -101,7 +102,7 @@ class Exchange:
     """One question to a language model and its answer.
 
     Attributes:
-        round: rounds played before it.
+        round: rounds played before it; by the event clock decision points.
         role, label: who asked, and what about.
         messages: (role, text) in order.
         reply, reasoning: the answer, and the reasoning text that came apart from it.

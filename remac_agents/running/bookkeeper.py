@@ -26,6 +26,8 @@ class Bookkeeper:
         self.view, self._world, self.rules = view, world, rules
         self.ledger = Ledger()
         self.moments: list[Moment] = []
+        self.steps = 0
+        """Steps of the kitchen so far; with the event clock some pass without a moment, as nobody decides in them."""
         self._began: dict[str, WorldState | None] = {}
         self._verdicts: dict[Condition, Verdict] = {}
         self._noted: set[tuple[When, str, str, Condition]] = set()
@@ -92,4 +94,4 @@ class Bookkeeper:
             key = (when, robot, subtask.text, condition)
             if key not in self._noted:
                 self._noted.add(key)
-                book.append(Check.of(verdict, self.rounds, robot, subtask, self.rules, self._world, asked=asked))
+                book.append(Check.of(verdict, self.steps, robot, subtask, self.rules, self._world, asked=asked))

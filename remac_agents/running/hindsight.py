@@ -86,5 +86,5 @@ def _judged(
     verdicts = checker.check(wanted, replace(book.seen_at(moment, when, checker), robot=robot, ran=ran))
     world = moment.world_after if after else moment.world_before
     noted = book.ledger.post_checks if after else book.ledger.pre_checks
-    noted += [Check.of(verdict, book.rounds, robot, step, book.rules, world, asked=True) for verdict in verdicts]
+    noted += [Check.of(verdict, book.steps, robot, step, book.rules, world, asked=True) for verdict in verdicts]
     return verdicts

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -138,6 +139,34 @@ def test_a_forged_field_is_found_by_playing_the_subtasks_again(honest: list[Reco
 def test_what_is_taken_as_told_has_to_add_up(honest: list[Record], changes: dict[str, Any]) -> None:
     changed = Record.model_validate({**honest[-1].model_dump(), **changes})
     assert findings([*honest[:-1], changed], chosen=False)
+
+
+@pytest.mark.parametrize("change", [{"verdict": None}, {"robot": "robot_7"}])
+def test_checks_of_a_checker_that_knows_are_the_truth_about_robots_that_are_there(
+    honest: list[Record], change: dict[str, Any]
+) -> None:
+    record = next(record for record in honest if record.pre_checks)
+    checks = [record.pre_checks[0].model_copy(update=change), *record.pre_checks[1:]]
+    changed = [one.model_copy(update={"pre_checks": checks}) if one is record else one for one in honest]
+    assert findings(changed, chosen=False)
+
+
+def test_a_model_that_planned_was_asked() -> None:
+    """Else anybody's subtasks could go by the name of a model."""
+    job = Job(method="BASE", task="OpenCabinetPnP", seed=3, options=Options(backend="symbolic"))
+    named = replace(job, agent={"planner": "custom:m"})
+    options = {**named.facts}
+    records = [one.model_copy(update={"options": options, "job": named.key, "agent": named.label}) for one in play(job)]
+    assert any("was asked nothing" in told for told in check_rounds(records))
+
+
+def test_a_check_stands_at_the_decision_point_at_which_it_was_made() -> None:
+    """By the event clock robots think and work in steps in which nobody decides: these count too."""
+    timed = Options(backend="symbolic", robots=2, clock="events", think="fixed:2")
+    records = play(Job(method="REMAC", task="OpenCabinetPnP", seed=3, options=timed))
+    silent = [number for number, orders in enumerate(records[0].orders) if not orders]
+    assert silent and any(check.round > silent[0] for check in records[0].pre_checks)
+    assert list(check_rounds(records)) == []
 
 
 def test_a_crash_that_is_hushed_up_is_found() -> None:

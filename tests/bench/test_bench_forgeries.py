@@ -18,7 +18,7 @@ from remac_bench.playing.code import code_digest
 from remac_bench.playing.runner import Settings, run_jobs
 from remac_bench.proof.acceptance import ACCEPTED, accept
 from remac_bench.proof.standings import gather
-from remac_bench.proof.submission import ENTRY, pack, read_entry, submission_digest
+from remac_bench.proof.submission import ENTRY, looks, pack, read_entry, submission_digest
 from remac_bench.proof.verify import verify
 from test_bench_cli import remac
 
@@ -70,6 +70,11 @@ def forged(honest: Path, copy: Path, change: Forgery) -> Path:
     change(lines)
     path.write_text("".join(json.dumps(line) + "\n" for line in lines))
     return copy
+
+
+def stands(folder: Path) -> list[str]:
+    """What stands in a folder's records, whoever reads it."""
+    return [json.dumps(json.loads(line)) for line in (folder / "records.jsonl").read_text().splitlines()]
 
 
 def asked(lines: Lines) -> dict[str, Any]:
@@ -254,6 +259,11 @@ def _time_was_up(lines: Lines) -> None:
     failure(lines).update(success=True, end="success", progress=1.0, digest=None, error=error)
 
 
+def _no_times(lines: Lines) -> None:
+    for outcome in learner(lines)["outcomes"][0].values():
+        del outcome["began"], outcome["ended"]
+
+
 def _endless(lines: Lines) -> None:
     """Whoever verifies is to play until the end of days."""
     learner(lines)["options"]["iterations"] = 10**9
@@ -333,6 +343,18 @@ FORGERIES: dict[str, Forgery] = {
     "requests": _usage("requests", 0.5e9),
     "pictures for nobody": lambda lines: learner(lines)["options"].update(viewers=["checker"]),
     "a video from elsewhere": set_field(learner, "video", {"path": "../../elsewhere.webm"}),
+    "a text for a truth value": set_field(failure, "success", "off"),
+    "a text for a number": set_field(learner, "rounds", str),
+    "a truth value for a number": set_field(learner, "iteration", bool),
+    "a field inside that no record has": _usage("cost", 0.0),
+    "times of outcomes left out": _no_times,
+    "template left out": lambda lines: learner(lines).pop("template"),
+    "requests that were not sent": _usage("requests", 0),
+    "seconds of requests": _usage("seconds", 1e6),
+    "not over yet": set_field(learner, "wall_seconds", 9e8),
+    "no time at all": set_field(learner, "started", None),
+    "no machine": set_field(learner, "machine", None),
+    "a video that runs backwards": set_field(learner, "video", {"path": "videos/a.webm", "rounds": [3.0, 1.0]}),
     "a role of someone else": lambda lines: asked(lines)["options"]["agent"].update(checker="noisy"),
 }
 
@@ -350,7 +372,7 @@ def test_an_honest_run_is_proven_whole(honest: Path) -> None:
 )
 def test_a_forgery_is_found(honest: Path, tmp_path: Path, name: str, replays: None) -> None:
     copy = forged(honest, tmp_path / "copy", FORGERIES[name])
-    assert read(copy) != read(honest), "this forgery changes nothing"
+    assert stands(copy) != stands(honest), "this forgery changes nothing"
     assert verify(copy).findings, name
 
 
@@ -526,6 +548,27 @@ def test_no_entry_stands_in_for_another(submission: Path, tmp_path: Path, name: 
     assert not accept(first).reasons and not accept(second).reasons
     with pytest.raises(UsageError, match="stands there already"):
         gather([first, second], tmp_path / "board")
+
+
+LOOK_ALIKE = (
+    "kitchen crevv", "Kltchen Crew", "K\u0131tchen Crew", "Kitchen Crew\ufe0f", "Kitchen Cr\u00eaw",
+    "Kitchen Crew\u02b9",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LOOK_ALIKE)
+def test_names_that_look_alike_are_one_name(name: str) -> None:
+    assert looks(name) == looks("Kitchen Crew") != looks("Kitchen Craw")
+
+
+def test_a_name_of_another_alphabet_may_look_the_same() -> None:
+    assert looks("COCA 7") == looks("\u0421\u041e\u0421\u0410 7") and looks("AB") == looks("\u0391\u0392")
+
+
+@pytest.mark.parametrize("name", ["\ufe0f", "Crew\u3164", "\u2800", "Kitchen \u13dfrew"])
+def test_a_name_of_which_something_is_not_seen_is_none(honest: Path, tmp_path: Path, name: str) -> None:
+    with pytest.raises(UsageError, match="is not valid"):
+        pack(honest, tmp_path / "out", name=name, kind="custom")
 
 
 def test_a_name_has_letters_of_one_alphabet(honest: Path, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from remac_bench.playing import agents, sight
 from remac_bench.playing.agents import Access
+from remac_bench.playing.code import code_digest
 from remac_bench.playing.extensions import check_body
 from remac_bench.playing.jobs import MOST_ITERATIONS, Job, SuiteMark
 from remac_bench.playing.shared import Shared
@@ -29,9 +30,6 @@ NOT_PROVEN_INSIDE: Mapping[str, tuple[str, ...]] = {
     "options": ("access",),
 }
 """The same for parts of fields: times on the wall, lines of code in an error, and where a cassette lay."""
-
-Outcomes = Mapping[str, Mapping[str, Any]]
-"""Robot -> the fields of its outcome, of one round."""
 
 TIMES = ("began", "ended")
 """Fields of outcomes that records from before 2026-11-30 lack."""
@@ -151,9 +149,14 @@ def searched_best(row: Record) -> bool:
     return row.optimum_proof is not None or row.optimum_seconds_lower is not None
 
 
+def of_this_code(record: Record) -> bool:
+    """Whether a record says that the code of today made it: then it says all that this code says."""
+    return record.versions.get("code") == code_digest()
+
+
 def differences(row: Record, again: Record) -> Iterator[str]:
     """Every field in which a record differs from the same episode played again."""
-    recorded, played = _provable(row), _provable(again)
+    recorded, played = _provable(row), as_told(row, _provable(again))
     yield from compare(row.iteration, recorded, played, [name for name in recorded if name in played])
 
 
@@ -176,19 +179,21 @@ def compare(
     iteration: int, recorded: Mapping[str, Any], again: Mapping[str, Any], names: Sequence[str]
 ) -> Iterator[str]:
     """The named fields in which what was played again differs from what was recorded."""
-    again = {**again, "outcomes": _as_told(recorded["outcomes"], again["outcomes"])} if "outcomes" in again else again
     for name in names:
         if recorded[name] != again[name]:
             yield f"iteration {iteration}, {name}: recorded {_short(recorded[name])}, again {_short(again[name])}"
 
 
-def _as_told(recorded: Sequence[Outcomes], again: Sequence[Outcomes]) -> list[Outcomes]:
-    """Outcomes without the times that an older record does not tell."""
-    told = list(again)
-    for number, (old, new) in enumerate(zip(recorded, again, strict=False)):
-        silent = {robot: [key for key in TIMES if old[robot].get(key) is None] for robot in old.keys() & new.keys()}
+def as_told(row: Record, again: Mapping[str, Any]) -> dict[str, Any]:
+    """What was played again, without the times of outcomes that an older record does not tell."""
+    if of_this_code(row):
+        return dict(again)
+    told = list(again["outcomes"])
+    for number, (old, new) in enumerate(zip(row.outcomes, again["outcomes"], strict=False)):
+        both = old.keys() & new.keys()
+        silent = {robot: [key for key in TIMES if getattr(old[robot], key) is None] for robot in both}
         told[number] = {robot: {**entry, **dict.fromkeys(silent.get(robot, ()))} for robot, entry in new.items()}
-    return told
+    return {**again, "outcomes": told}
 
 
 def _short(value: object) -> str:

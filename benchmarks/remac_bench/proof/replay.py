@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from remac_bench.errors import UsageError
-from remac_bench.proof.again import compare, read_job
+from remac_bench.proof.again import as_told, compare, read_job
 from remac_bench.proof.rounds import PLAYED, play_rounds
 from remac_bench.records import Record
 from remac_bench.store import Store
@@ -64,5 +64,5 @@ def replay(record: Record, *, video: str | Path | None = None) -> Replayed:
         for number, outcomes in enumerate(again["outcomes"], start=1)
         for robot, told in outcomes.items()
     ]
-    found = compare(record.iteration, record.model_dump(), again, PLAYED)
+    found = compare(record.iteration, record.model_dump(), as_told(record, again), PLAYED)
     return Replayed(lines=tuple(lines), differences=tuple(found))

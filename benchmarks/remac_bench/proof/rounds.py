@@ -14,7 +14,7 @@ from remac_bench.playing.outside import plugins
 from remac_bench.playing.shared import make
 from remac_bench.playing.timing import StepBook, replayed, shortest, timeline, token_of
 from remac_bench.playing.worlds import as_values, fallen
-from remac_bench.proof.again import NOT_PROVEN, check_key, compare, read_job
+from remac_bench.proof.again import NOT_PROVEN, as_told, check_key, compare, of_this_code, read_job
 from remac_bench.records import CheckEntry, Record
 from remac_env.errors import RemacError
 from remac_env.oracle import certify, problem_id
@@ -61,7 +61,8 @@ def check_rounds(rows: Sequence[Record], *, searched: bool = False) -> Iterator[
             yield f"its options make no job: {error}"
             return
         try:
-            yield from compare(row.iteration, row.model_dump(), play_rounds(env, row, searched=searched), PLAYED)
+            again = as_told(row, play_rounds(env, row, searched=searched))
+            yield from compare(row.iteration, row.model_dump(), again, PLAYED)
         except (RemacError, KeyError, IndexError, ValueError) as error:
             yield f"iteration {row.iteration}: its subtasks cannot be played: {error}"
         finally:
@@ -138,7 +139,8 @@ def play_rounds(env: Any, row: Record, *, searched: bool = False) -> dict[str, A
 
 def _noted(row: Record, env: Any) -> dict[str, Any]:
     """What is known of a generated task, where the record has it: older ones do not."""
-    return {name: value for name, value in made_from(env, row.seed).items() if name in row.model_fields_set}
+    whole = of_this_code(row)
+    return {name: value for name, value in made_from(env, row.seed).items() if whole or name in row.model_fields_set}
 
 
 def _optimum(env: Any, row: Record, start: tuple[Any, WorldState, Any], *, searched: bool) -> dict[str, Any]:
@@ -186,7 +188,7 @@ def _check_sums(row: Record, job: Job) -> Iterator[str]:
         plans = {name: plan for name, plan in lengths.items() if recorded[name] is not None}
         expected |= {name: max(map(len, plan.values()), default=0) for name, plan in plans.items()}
     yield from compare(row.iteration, recorded, expected, list(expected))
-    yield from (f"iteration {row.iteration}, {told}" for told in _wrong_sums(row, job))
+    yield from (f"iteration {row.iteration}, {told}" for told in (*_wrong_sums(row, job), *_wrong_words(row, job)))
 
 
 def _wrong_sums(row: Record, job: Job) -> Iterator[str]:
@@ -222,15 +224,10 @@ def _wrong_usage(row: Record) -> Iterator[str]:
 def _readers(row: Record, job: Job) -> dict[str, Any]:
     """The roles of our own that read the truth and the rules, and whether code from outside was kept apart."""
     from remac_agents.roles.grants import reads_rules, reads_truth, weights
-    from remac_agents.wiring.catalogue import ROLES
 
     if row.error is not None:
         return {}
-    given = {role: str(job.agent[role]).partition(",")[0] for role in agents.ROLES if role in job.agent}
-    others = [role for role, name in given.items() if name not in ROLES[role] or name == "human"]
-    if "model" in job.agent:
-        # A model fills them, and one without eyes is given a checker that knows: its provider's page says which.
-        others += [role for role in agents.ROLES if role not in given]
+    others = _of_others(job)
     known = replace(job, agent={name: value for name, value in job.agent.items() if name not in (*others, "model")})
     roles = {name: role for name, role in make(known, {}).roles.named().items() if name not in others}  # type: ignore[attr-defined]
     found: dict[str, Any] = {}
@@ -242,3 +239,33 @@ def _readers(row: Record, job: Job) -> dict[str, Any]:
     found["weights"] = {name: digest for name, digest in row.weights.items() if name in others} | weights(roles)
     outside = plugins(job.agent, providers=job.access.providers)
     return found | ({"isolated": job.access.isolated} if outside else {} if others else {"isolated": None})
+
+
+def _of_others(job: Job) -> list[str]:
+    """The roles that are not our own."""
+    from remac_agents.wiring.catalogue import ROLES
+
+    given = {role: str(job.agent[role]).partition(",")[0] for role in agents.ROLES if role in job.agent}
+    others = [role for role, name in given.items() if name not in ROLES[role] or name == agents.PERSON]
+    if "model" in job.agent:
+        # A model fills them, and one without eyes is given a checker that knows: its provider's page says which.
+        others += [role for role in agents.ROLES if role not in given]
+    return others
+
+
+def _wrong_words(row: Record, job: Job) -> Iterator[str]:
+    """What is told of models that were never asked, of robots that are not there, and of a checker that knows."""
+    from remac_agents.checkers.truth import UNSEEN
+    from remac_agents.wiring.filling import DEFAULTS
+
+    planner = str(job.agent.get("planner", job.agent.get("model", ""))).partition(",")[0]
+    asked = agents.is_model(planner, job.access.providers)
+    if asked and row.error is None and row.outcomes and not row.usage.calls + row.usage.repeats:
+        yield f"usage: {planner} planned {row.rounds} rounds, and was asked nothing"
+    knows = "checker" not in _of_others(job) and job.agent.get("checker", DEFAULTS["checker"]) == "truth"
+    robots = row.worlds[0].get("robots", {}) if row.worlds else {}
+    for check in (*row.pre_checks, *row.post_checks):
+        if check.robot not in robots:
+            yield f"checks: nobody is called {check.robot!r}"
+        if knows and check.verdict != check.truth and check.reason != UNSEEN:
+            yield f"checks: {check.verdict} of what is {check.truth}, by a checker that knows: {check.condition!r}"

@@ -210,7 +210,7 @@ def _suite(records: Sequence[Record]) -> str:
 
 
 def _check_words(name: str, contact: str, kind: str) -> None:
-    if not name.strip() or len(name) > NAME_MAX or not name.isprintable():
+    if not looks(name) or len(name) > NAME_MAX or not name.isprintable() or set(name) & set(_BLANK):
         raise UsageError(f"name {name[:80]!r} is not valid; valid: 1 to {NAME_MAX} printable characters")
     if len(_alphabets(name)) > 1:
         raise UsageError(f"name {name!r} is not valid; valid: letters of one alphabet, so that no two names look alike")
@@ -221,14 +221,31 @@ def _check_words(name: str, contact: str, kind: str) -> None:
 
 
 def looks(name: str) -> str:
-    """What two names have in common that look alike: without case, spaces and forms of the same letters."""
-    return "".join(unicodedata.normalize("NFKC", name).casefold().split())
+    """What two names have in common that look alike: without case, spaces, accents and forms of the same letters."""
+    plain = unicodedata.normalize("NFD", unicodedata.normalize("NFKC", name).translate(_LIKE_LATIN).casefold())
+    seen = "".join(letter for letter in plain if unicodedata.category(letter) not in _NOT_SEEN)
+    return seen.translate(_LIKE_EACH_OTHER).replace("rn", "m").replace("vv", "w")
+
+
+_LIKE_LATIN = str.maketrans(
+    "\u0410\u0412\u0415\u041a\u041c\u041d\u041e\u0420\u0421\u0422\u0423\u0425\u0406\u0408\u0405"
+    "\u0430\u0435\u043e\u0440\u0441\u0443\u0445\u0456\u0458\u0455\u04bb\u0501\u051b\u051d"
+    "\u0391\u0392\u0395\u0396\u0397\u0399\u039a\u039c\u039d\u039f\u03a1\u03a4\u03a5\u03a7"
+    "\u03bf\u03bd\u03b1\u03c1\u03c5\u03b3\u0131",
+    "ABEKMHOPCTYXIJS" "aeopcyxijshdqw" "ABEZHIKMNOPTYX" "ovapuyi",
+)
+"""Letters of the Cyrillic and the Greek alphabet, and a dotless i -> the Latin ones that look like them."""
+
+_LIKE_EACH_OTHER = str.maketrans("01i|", "olll")
+_NOT_SEEN = ("Mn", "Me", "Lm", "Sk", "Zs", "Cf")
+_BLANK = "\u115f\u1160\u2800\u3164\uffa0"
+"""Letters and a symbol, by their category, of which nothing is seen."""
 
 
 def _alphabets(name: str) -> set[str]:
-    """Latin, Greek, Cyrillic: their letters look alike."""
+    """Of the alphabets whose letters look alike those in which a name is written."""
     words = {unicodedata.name(letter, "").partition(" ")[0] for letter in unicodedata.normalize("NFKC", name)}
-    return words & {"LATIN", "GREEK", "CYRILLIC"}
+    return words & {"LATIN", "GREEK", "CYRILLIC", "ARMENIAN", "CHEROKEE", "COPTIC", "DESERET", "LISU"}
 
 
 def _written(entry: Entry) -> str:
