@@ -550,6 +550,12 @@ def test_no_entry_stands_in_for_another(submission: Path, tmp_path: Path, name: 
         gather([first, second], tmp_path / "board")
 
 
+def test_a_folder_where_the_acceptance_goes_is_said_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / ACCEPTED).mkdir()
+    result = remac("bench", "accept", str(tmp_path))
+    assert result.exit_code == 2 and "cannot be taken away" in result.output and result.output.count("\n") == 1
+
+
 LOOK_ALIKE = (
     "kitchen crevv", "Kltchen Crew", "K\u0131tchen Crew", "Kitchen Crew\ufe0f", "Kitchen Cr\u00eaw",
     "Kitchen Crew\u02b9",

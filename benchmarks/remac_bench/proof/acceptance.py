@@ -80,7 +80,10 @@ def accept(folder: str | Path, *, reask: int = 0, seed: int = 0, access: Access 
         RecordFileError: if its records cannot be read.
     """
     path = Path(folder)
-    (path / ACCEPTED).unlink(missing_ok=True)
+    try:
+        (path / ACCEPTED).unlink(missing_ok=True)
+    except OSError as error:
+        raise UsageError(f"{path / ACCEPTED} cannot be taken away: {error.strerror or error}") from error
     entry = read_entry(path)
     prepare_file(path / ACCEPTED, "the submission")
     reasons = [f"{file}: not as entry.toml lists it" for file in changed_files(path, entry)]
