@@ -31,7 +31,10 @@ ONLY_PARSED = {
 }
 """Beginnings of commands that are parsed and not run, and why."""
 
-LONG = ("docs/experiments.md", "docs/headroom.md", "docs/tutorials/task.md")
+LONG = (
+    *("docs/experiments.md", "docs/headroom.md", "docs/time.md"),
+    *("docs/tutorials/judging.md", "docs/tutorials/task.md"),
+)
 """Pages whose commands take more than a few seconds even when they are made smaller."""
 
 APART = {"docs/robosuite.md": "robosuite", "docs/learning.md": "supersuit"}

@@ -34,7 +34,7 @@ SAYS = {
 }
 """What each says at the end."""
 
-SLOW = ("fixture", "video")
+SLOW = ("fixture", "task", "video")
 """Those that take some seconds; videos and checks of tasks from outside are among the fast tests elsewhere."""
 
 HERE = ("checker", "generated_task", "pettingzoo_two_robots", "planner", "task")

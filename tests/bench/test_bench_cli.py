@@ -234,6 +234,7 @@ def test_the_tally_tells_failures_rate_and_money() -> None:
     assert tally.told(0.0) == "1 failed, 1 broken, $0.42+"
 
 
+@pytest.mark.long
 def test_leaderboard_is_the_same_command(tmp_path: Path) -> None:
     import subprocess
     import sys

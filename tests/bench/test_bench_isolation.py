@@ -109,9 +109,9 @@ def test_every_role_answers_the_same_in_a_process_of_its_own(folder: Path, metho
         ("stops", "KeyboardInterrupt", ""),
         slow("deep", "Deep", ""),
         slow("odd", "Odd", "<unprintable Odd>"),
-        ("half", "Half", "half a pair: \\ud83d"),
+        slow("half", "Half", "half a pair: \\ud83d"),
         slow("sour", "", ""),
-        ("sour row", "", ""),
+        slow("sour row", "", ""),
         slow("counts", "JobTimeoutError", "timeout: the job was not through after 5 s (--job-seconds)"),
     ],
 )

@@ -182,9 +182,10 @@ def test_an_agent_that_ends_its_worker_twice_has_crashed(
     assert error.message == "the worker process ended with status 9, 2 times in a row"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("planner", "scored", "broken"),
-    [("EndsProcessOnce", 3, ()), ("KillsItself", 2, ("seed 1: WorkerDiedError: the worker process was killed",))],
+    [("KillsItself", 2, ("seed 1: WorkerDiedError: the worker process was killed",)), ("EndsProcessOnce", 3, ())],
 )
 def test_a_worker_that_dies_once_or_is_killed_says_nothing_of_the_agent(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, planner: str, scored: int, broken: tuple[str, ...]

@@ -79,6 +79,7 @@ def test_a_thing_that_fell_out_of_a_hand_is_listed_apart(kitchen) -> None:
     assert line.verdict == "disagree" and obj in line.differs
 
 
+@pytest.mark.long
 def test_commands_are_spread_over_skills_and_reasons() -> None:
     lines = twin.play("OpenMicrowavePnP", 1, 78, 16)
     assert [line for line in lines if line.verdict != "agree"] == []

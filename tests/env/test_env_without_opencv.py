@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 
 MISSING = "import sys\nsys.modules['cv2'] = None\n"  # an import of it then fails, as where it is not installed
@@ -50,6 +52,7 @@ def test_both_backends_play_and_a_picture_says_what_it_needs(tmp_path: Path) -> 
     assert told.endswith("install it: opencv-python-headless")
 
 
+@pytest.mark.long
 def test_a_run_is_recorded_and_reported_with_its_tables_as_drawings(tmp_path: Path) -> None:
     assert said(REPORTS, tmp_path) == ["0", "0"]
     made = {path.suffix for path in (tmp_path / "out" / "tables").iterdir()}

@@ -73,6 +73,7 @@ def test_the_other_views_can_be_copied_too() -> None:
         env.close()
 
 
+@pytest.mark.few(1)
 @copied
 def test_a_kitchen_in_a_window_can_be_copied(duplicate: Callable[[Any], Any]) -> None:
     env = remac_env.parallel_env(TASK, backend="symbolic", render_mode="human")

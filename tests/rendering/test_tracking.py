@@ -40,7 +40,8 @@ def bodies(stage: Stage, robot: str) -> np.ndarray:
     return np.array([stage._data.body(name).xpos for name in names if name.startswith(f"{robot}/")])
 
 
-@pytest.mark.parametrize("robots", [1, 2])
+@pytest.mark.few(1)
+@pytest.mark.parametrize("robots", [2, 1])
 def test_every_robot_is_in_the_picture_and_fills_much_of_it(robots: int) -> None:
     for layout in LAYOUTS:
         stage, env = posed(layout, robots)

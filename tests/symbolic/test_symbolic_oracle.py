@@ -130,7 +130,7 @@ def test_the_bound_never_cuts_off_a_shorter_plan(task: str, robots: int) -> None
         assert all(bound <= plan.length - number for number, bound in enumerate(bounds)), bounds
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("task", sorted(TASKS, key=lambda task: task == "DefrostInBowl"))  # which takes as long as all
 def test_two_robots_never_need_more_rounds_than_one(task: str) -> None:
     lengths = []

@@ -42,6 +42,7 @@ def optimum(task: str, starts: str, seed: int) -> int:
     return found.length
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize("starts", ["paper", pytest.param("mixed", marks=pytest.mark.long)])
 @pytest.mark.parametrize("task", [spec.name for spec in outsiders.TASKS])
 def test_the_staircase(task: str, starts: str) -> None:

@@ -86,6 +86,7 @@ def test_word_order_is_what_the_literal_planner_follows(task: str, wording: int)
     assert (report.initial_plan_length == shortest) == (wording == 1)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("task", PAPER)
 def test_mixed_starts_are_mastered_too(task: str) -> None:
     env, crowded = suite_kitchen(task, starts="mixed"), []
