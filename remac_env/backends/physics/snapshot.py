@@ -26,7 +26,7 @@ _SURFACE_BAND = (-0.03, 0.12)  # m of an object's frame over the slot's surface
 _CAVITY_HEIGHT = 0.5
 _NEAR = 0.6  # m, along and across, within which all of a slot lies
 _VESSEL_BAND = (-0.01, 0.14)  # m of an object's frame over that of the vessel it is in
-_UPRIGHT = 0.8  # z component of a vessel's axis
+UPRIGHT = 0.8  # z component of a vessel's axis
 
 
 class Posed(Protocol):
@@ -111,7 +111,7 @@ def vessel_around(
         middle, rotation = pose.position, pose.rotation
         aside, _, up = rotation.T @ (position - middle)
         away = math.hypot(aside, float((rotation.T @ (position - middle))[1]))
-        if rotation[2, 2] >= _UPRIGHT and away <= kind.body["radius"] and _VESSEL_BAND[0] <= up <= _VESSEL_BAND[1]:
+        if rotation[2, 2] >= UPRIGHT and away <= kind.body["radius"] and _VESSEL_BAND[0] <= up <= _VESSEL_BAND[1]:
             found.append((away, other))
     return min(found)[1] if found else None
 
