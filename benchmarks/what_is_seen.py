@@ -8,7 +8,7 @@ pixels, of every object in every style on the worktop and in every kind of fixtu
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from itertools import product
 
@@ -88,9 +88,13 @@ def _tall(camera: Camera, layout: Layout, size: tuple[int, int]) -> tuple[float,
     return min(found), max(found)
 
 
-def contrasts(style: str) -> dict[tuple[str, str], float]:
-    """How far every object stands out in a style, by the kind of what it is in or on, and its name."""
-    look, every = styles.load(style), catalogue.load()
+def contrasts(style: str, *, names: Collection[str] = ()) -> dict[tuple[str, str], float]:
+    """How far every object stands out in a style, by the kind of what it is in or on, and its name.
+
+    names: of the objects; none: all.
+    """
+    look, known = styles.load(style), catalogue.load()
+    every = {name: known[name] for name in names or known}
     plan = layouts.load(LAYOUT, look.models)
     spec = build_spec(plan, robots=[], objects={name: name for name in every}, style=look, visual=True)
     add_cameras(spec, plan, [])

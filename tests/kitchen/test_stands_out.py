@@ -24,9 +24,6 @@ SURFACES = {
 }  # fmt: skip
 """Kind of fixture -> the role of the finish that is around what lies there."""
 
-DARK = {("pan", "stove")}
-"""Black on dark stoves, by 10 in pictures: the shipped checker that sees does not know a pan that is bright inside."""
-
 _VIEW = np.array([0.38, -0.64, 0.67])
 """Towards the camera, a unit: as side cameras look on to worktops."""
 
@@ -75,7 +72,6 @@ def standing_out(parts: Parts, category: catalogue.Category) -> dict[tuple[str, 
     """How far an object's colours are from what is around it, by style and kind of fixture."""
     colors, weights = seen(parts)
     kinds = [kind for kind in SURFACES if kind not in category.too_big_for and (kind != "stove" or category.vessel)]
-    kinds = [kind for kind in kinds if (category.name, kind) not in DARK]
     return {
         (style, kind): float(weights @ np.linalg.norm(colors - ground(style, SURFACES[kind]), axis=1) / weights.sum())
         for style in styles.names()

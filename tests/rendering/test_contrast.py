@@ -6,6 +6,7 @@ import cv2
 import mujoco
 import numpy as np
 import pytest
+from what_is_seen import contrasts
 
 from remac_env.kitchen import layout as layouts
 from remac_env.kitchen import style as styles
@@ -56,6 +57,22 @@ def test_pale_things_stand_out_from_the_worktop(look: str) -> None:
             mask = (model.geom_bodyid[geoms] == model.body(name).id) & (geoms >= 0)
             found[name] = contrast(renderer.render(data, camera).astype(float), mask)
     assert min(found.values()) >= LEAST_CONTRAST, found
+
+
+LEAST_LAB = 12.0
+"""The same in CIE Lab, of all objects wherever they may lie, as `benchmarks/what_is_seen.py` prints it."""
+
+LEAST_SEEN = {"fish": "microwave", "pan": "stove", "kiwi": "cabinet", "sausage": "cabinet"}
+"""Of all objects those that stood out least, and where."""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("look", styles.names())
+def test_what_stands_out_least_can_be_told_from_what_it_lies_in(look: str) -> None:
+    if gl.probe() is None:
+        pytest.skip("no OpenGL platform works here")
+    found = contrasts(look, names=LEAST_SEEN)
+    assert all(found[where, name] >= LEAST_LAB for name, where in LEAST_SEEN.items()), found
 
 
 def test_a_thing_of_the_colour_around_it_does_not_stand_out() -> None:

@@ -192,8 +192,8 @@ def _counter_clockwise(outline: ArrayLike) -> Floats:
 def _scales() -> Image:
     """Silver belly (u 0), blue back (u 1/2), scales, and a dark line behind the gills."""
     v, u = grid()
-    shade = np.clip(0.5 - 0.85 * np.cos(2 * np.pi * u), 0, 1)
-    skin = blend((0.86, 0.89, 0.92), (0.27, 0.42, 0.55), shade)
+    shade = np.clip(0.7 - 0.85 * np.cos(2 * np.pi * u), 0, 1)
+    skin = blend((0.76, 0.85, 0.92), (0.22, 0.37, 0.53), shade)
     shift = 0.5 * (np.floor(18 * v) % 2)
     scales = np.hypot((22 * u + shift) % 1 - 0.5, (18 * v) % 1 - 0.2)
     skin = skin * (1 - 0.22 * np.clip((scales - 0.45) * 6, 0, 1) * (v > 0.27))[..., None]
