@@ -3,7 +3,7 @@
     python docs/make_animation.py [--to FILE.webp] [--task TASK] [--seed N] [--layout NAME] [--style NAME]
 
 A team's shortest plan is played in physics and drawn with OpenGL, or with rays where there is none, from a camera
-that follows the robots, as near as it can be while both are in the picture.
+that follows the robots, as near as it can be while all that do not stand aside are in the picture.
 """
 
 from __future__ import annotations
@@ -38,14 +38,17 @@ FRAMES, MILLISECONDS, LAST = 90, 80, 1600
 QUALITY = 50
 """Of WebP's 100; with it the file stays below 1.5 MB."""
 
-VIEW = (-0.38, -1.0, 0.42)
-"""From where the camera looks: left of, before and above what it looks at, as a direction in the kitchen's frame."""
+VIEW = (0.30, -1.0, 0.40)
+"""Right of, before and above what the camera looks at."""
 
 FIELD = 36.0
 """Vertical field of view, degrees."""
 
-FRAMED = 0.8
+FRAMED = 0.76
 """How much of the picture the middles of the robots' bodies may fill."""
+
+ASIDE = 0.7
+"""m from a place to stand aside at; who is nearer waits, or has made room."""
 
 AROUND, SMOOTH = 10, 6.0
 """Pictures before and after one that its camera has in view too; standard deviation of its smoothing, pictures."""
@@ -53,8 +56,8 @@ AROUND, SMOOTH = 10, 6.0
 
 def main() -> None:
     """Play, draw and write the animation."""
-    kitchen = {"task": "OpenCabinetPnP", "seed": 0, "layout": "one_wall_small"}
-    make(carried_out, __doc__, size=SIZE, quality=BEAUTY, to=FILE, **kitchen)
+    kitchen = {"task": "OpenCabinetPnP", "seed": 4, "layout": "one_wall_large"}
+    make(carried_out, __doc__, view=VIEW, size=SIZE, quality=BEAUTY, to=FILE, **kitchen)
 
 
 def make(
@@ -62,13 +65,15 @@ def make(
     told: str | None,
     *,
     clock: str = "rounds",
+    view: tuple[float, float, float],
     size: tuple[int, int],
     quality: Quality,
     **usual: Any,
 ) -> None:
     """Let `play` play the episode that the command line names, in physics; draw and write it.
 
-    `usual`: what is made where the command line says nothing.
+    `view`: from where the camera looks, as a direction in the kitchen's frame. `usual`: what is made where the command
+    line says nothing.
     """
     parser = argparse.ArgumentParser(description=told, formatter_class=argparse.RawDescriptionHelpFormatter)
     for name, value in {**usual, "style": "scandinavian"}.items():
@@ -79,7 +84,7 @@ def make(
     play(env, given.task, given.seed)
     moments = env._pictures._tape.frames
     spread = [moments[at] for at in np.linspace(0, len(moments) - 1, FRAMES).round().astype(int)]
-    write(given.to, drawn(env, spread, size=size, quality=quality))
+    write(given.to, drawn(env, spread, view=view, size=size, quality=quality))
     env.close()
     print(f"{given.to}: {given.to.stat().st_size / 1e6:.2f} MB")
 
@@ -91,14 +96,16 @@ def carried_out(env: Any, task: str, seed: int) -> None:
         env.step({name: env.vocabulary.encode(subtask.text) for name, subtask in joint.items()})
 
 
-def drawn(env: Any, moments: list[Moment], *, size: tuple[int, int], quality: Quality) -> list[NDArray[np.uint8]]:
+def drawn(
+    env: Any, moments: list[Moment], *, view: tuple[float, float, float], size: tuple[int, int], quality: Quality
+) -> list[NDArray[np.uint8]]:
     """The moments as pictures, uint8 (height, width, 3), with water, flames and what takes its time."""
     start, layout = env.start, env.worlds.layout_of(env.start)
     categories = {noun: env.worlds.categories[name] for noun, name in start.categories.items()}
     spec = build_spec(
         layout, robots=start.scene.robots, objects=categories, style=style.load(start.style), visual=True
     )
-    turn = axes(np.array(VIEW), np.array([0.0, 0.0, 1.0]))
+    turn = axes(np.array(view), np.array([0.0, 0.0, 1.0]))
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, turn.ravel())
     holder = spec.worldbody.add_body(name="near", mocap=True)
@@ -107,7 +114,8 @@ def drawn(env: Any, moments: list[Moment], *, size: tuple[int, int], quality: Qu
     signs.add_to(spec)
     model = spec.compile()
     data, pictures = mujoco.MjData(model), []
-    places = followed([_robots(model, data, moment, start.scene.robots) for moment in moments], turn)
+    asides = np.array([(place.x, place.y) for place in layout.asides])
+    places = followed([_at_work(model, data, moment, start.scene.robots, asides) for moment in moments], turn)
     with Renderer(model, *size, quality=quality) as renderer:
         for moment, place in zip(moments, places, strict=True):
             show_switches(model, switches_on(moment.world))
@@ -120,12 +128,16 @@ def drawn(env: Any, moments: list[Moment], *, size: tuple[int, int], quality: Qu
     return pictures
 
 
-def _robots(model: Any, data: Any, moment: Moment, robots: tuple[str, ...]) -> NDArray[np.float64]:
-    """Where the robots' bodies are at a moment, m, (n, 3)."""
+def _at_work(
+    model: Any, data: Any, moment: Moment, robots: tuple[str, ...], asides: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Where the bodies are of the robots that do not stand aside at a moment, or of all, if all do; m, (n, 3)."""
     data.qpos[:] = moment.positions
     mujoco.mj_kinematics(model, data)
     bodies = [model.body(at) for at in range(model.nbody)]
-    return np.array([data.xpos[body.id] for body in bodies if body.name.partition("/")[0] in robots])
+    found = [np.array([data.xpos[b.id] for b in bodies if b.name.partition("/")[0] == robot]) for robot in robots]
+    busy = [one for one in found if np.linalg.norm(one[0, :2] - asides, axis=1).min() > ASIDE]
+    return np.concatenate(busy or found)
 
 
 def followed(points: list[NDArray[np.float64]], turn: NDArray[np.float64]) -> NDArray[np.float64]:

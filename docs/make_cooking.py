@@ -20,12 +20,14 @@ from remac_env.rendering.renderer import VIDEO
 FILE = Path(__file__).parent / "pictures" / "cooking.webp"
 SIZE = (480, 270)
 """Width and height, pixels."""
+VIEW = (-0.38, -1.0, 0.42)
+"""From the left, where the robot that fetches does not stand before the stove."""
 
 
 def main() -> None:
     """Play, draw and write the animation."""
     kitchen = {"task": "HeatAndShelve", "seed": 1, "layout": "one_wall_large"}
-    make(cooked, __doc__, clock="events", size=SIZE, quality=VIDEO, to=FILE, **kitchen)
+    make(cooked, __doc__, clock="events", view=VIEW, size=SIZE, quality=VIDEO, to=FILE, **kitchen)
 
 
 def cooked(env: Any, task: str, seed: int) -> None:

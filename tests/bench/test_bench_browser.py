@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pages_helpers import hostile, real_run, spoken
+from bench_helpers import wait_for
+from pages_helpers import hostile, mixed, real_run, spoken
 from remac_bench.pages import write_pages
 from remac_bench.pages.episode_page import page_name
 from remac_bench.report import read_records
@@ -91,7 +92,9 @@ def choose(driver: Any, **filters: str) -> None:
         field = driver.find_element("css selector", f"input[data-filter={name}]")
         field.clear()
         field.send_keys(text)
-    driver.execute_async_script("setTimeout(arguments[0], 300)")
+    stands = """const now = new URLSearchParams(location.hash.slice(1));
+      return Object.entries(arguments[0]).every(([name, text]) => (now.get(name) ?? "") === text);"""
+    wait_for(lambda: driver.execute_script(stands, filters))
 
 
 def cells(driver: Any, kind: str) -> dict[str, dict[str, str]]:
@@ -209,12 +212,14 @@ def test_two_agents_side_by_side(driver: Any, many: Path) -> None:
     assert "/episodes/" in driver.current_url
 
 
+TOO_WIDE = """return [...document.querySelectorAll("main > section > .scroll")].filter((each) =>
+  each.querySelector("table") && each.scrollWidth > each.clientWidth + 1).map((each) => each.ariaLabel)"""
+
+
 def test_main_tables_fit_a_phone(driver: Any, run: Path, many: Path) -> None:
-    wide = """return [...document.querySelectorAll("main > section > .scroll")].filter((each) =>
-      each.querySelector("table") && each.scrollWidth > each.clientWidth + 1).map((each) => each.ariaLabel)"""
     for folder in (run, many):
         visit(driver, folder / "leaderboard.html", width=375)
-        assert driver.execute_script(wide) == []
+        assert driver.execute_script(TOO_WIDE) == []
 
 
 def test_sorting_by_mouse_and_by_keyboard(driver: Any, run: Path) -> None:
@@ -313,6 +318,41 @@ def test_phones_scroll_down_only(driver: Any, run: Path, evil: Path, scheme: str
         assert too_wide(driver) == 0, path.name
     driver.execute_script("document.querySelector('main').insertAdjacentHTML('beforeend', '<hr width=900>')")
     assert too_wide(driver) > 0
+
+
+CUT = """
+const seen = [...document.querySelectorAll("td .cell, .who, th .sort, .scatter .name, p, figcaption, h2, li")];
+return seen.filter((each) => each.offsetParent && (each.scrollWidth > each.clientWidth + 1
+  || /[^.]\u2026$/.test(each.textContent) && !each.matches(".name"))).map((each) => each.textContent);
+"""
+ON_EACH_OTHER = """
+const box = (cell) => (cell.querySelector(".cell") ?? cell).getBoundingClientRect();
+const over = (a, b) => a.top < b.bottom - 1 && b.top < a.bottom - 1 && a.left < b.right - 1 && b.left < a.right - 1;
+const rows = [...document.querySelectorAll("tr")].map((row) => [...row.cells].filter((cell) => cell.offsetParent));
+return rows.flatMap((row) => row.slice(1).filter((cell, index) => over(box(cell), box(row[index]))))
+  .map((cell) => cell.textContent.trim());
+"""
+
+
+@pytest.mark.parametrize("width", [375, 1240])
+def test_long_names_are_whole_and_widen_no_page(driver: Any, tmp_path: Path, width: int) -> None:
+    """Names of agents hold paths and options: two that differ in their last letters alone must not look alike."""
+    option, path = "noisy,false_alarm=0.125,miss=0.25", "a_folder/" * 11 + "my_planner.py:plan"
+    names = {"CC": f"CC (checker={option}, planner={path})", "REMAC": f"REMAC (planner={path}2)", "BASE": "b" * 300}
+    held = {"CC": option, "BASE": "c" * 90}
+    records = [r.model_copy(update={"agent": names[r.agent], "checker": held.get(r.agent, "-")}) for r in mixed()]
+    Store(tmp_path).append(records)
+    write_pages(tmp_path)
+    visit(driver, tmp_path / "leaderboard.html", width=width)
+    driver.execute_script("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+    assert too_wide(driver) == 0 and (width > 375 or driver.execute_script(TOO_WIDE) == [])
+    assert driver.execute_script(CUT) == [] and driver.execute_script(ON_EACH_OTHER) == []
+    dots = {text.get_attribute("textContent") for text in driver.find_elements("css selector", ".scatter .name")}
+    assert dots == {"CC [1]", "REMAC [2]", "bbbbbbbbbbbbbbb\u2026 [3]"}
+    note = driver.find_element("css selector", "figcaption").get_attribute("textContent")
+    assert all(name in note for name in names.values())
+    driver.execute_script("document.querySelector('.cell').style = 'width: 3rem; white-space: nowrap'")
+    assert driver.execute_script(CUT) != []
 
 
 def test_filters_do_not_fill_a_phones_first_screen(driver: Any, run: Path) -> None:

@@ -107,6 +107,44 @@ def test_the_rest_of_a_plan_comes_back_after_a_failure(tmp_path: Path) -> None:
     assert record.agent == "human" and record.rounds == len(plan) + 1 and verify(tmp_path).findings == ()
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("robots", [1, 2])
+def test_a_person_plays_by_the_event_clock(robots: int, tmp_path: Path) -> None:
+    plan, play = shortest(robots), game(tmp_path, robots=robots, clock="events")
+    with serving(play.app) as server:
+        play.start()
+        seat = Seat(server)
+        seat.state("asked")
+        assert seat.send(plan) == ""
+        end = seat.state("ended")
+    assert end["result"] == "success" and verify(tmp_path).findings == ()
+    told = [text for row in end["rounds"] for _, text, _ in row]
+    assert all(f"{command}: success" in told for row in plan.values() for command in row if command != "wait")
+    assert not any(text.startswith("continue") for text in told)
+    assert any(text.endswith(": still at it") for text in told) == (robots == 2)
+    (record,) = read(tmp_path)
+    assert record.clock == "events" and record.agent == ("human (robots=2)" if robots == 2 else "human")
+
+
+@pytest.mark.long
+def test_a_person_is_told_no_more_than_a_planner(tmp_path: Path) -> None:
+    kitchen = {"backend": "symbolic", "grade": 3, "knowledge": "seen"}
+    job = person_job("Generated", seed=3, robots=1, kitchen=kitchen)
+    play = Play(job, tmp_path, video=False)
+    env = remac_env.parallel_env("Generated", robots=1, **kitchen)
+    _, infos = env.reset(seed=3)
+    with serving(play.app) as server:
+        play.start()
+        seen = Seat(server).state("asked")
+    play.leave()
+    info = infos["robot_0"]
+    assert (seen["scene"], seen["goal"]) == (info["text"], info["goal"])
+    assert seen["commands"] == {"robot_0": list(info["commands"])}
+    hidden = {name for name in env.world.objects if name not in info["text"]}
+    assert hidden, "or else there was nothing to keep from anybody"
+    assert not any(name in text for name in hidden for text in seen["commands"]["robot_0"])
+
+
 def test_an_empty_order_ends_the_episode(tmp_path: Path) -> None:
     play = game(tmp_path)
     with serving(play.app) as server:

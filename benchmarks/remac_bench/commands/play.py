@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 @takes(
     *("episode.task", "play.robots", "episode.seed", "backend", "body", "starts", "style", "layout"),
-    *("naming", "feedback", "max_rounds", "play.out", "play.terminal", "play.video", "serving.port", "extensions"),
+    *("naming", "feedback", "max_rounds", "clock", "grade", "template", "quirks", "knowledge"),
+    *("play.out", "play.terminal", "play.video", "serving.port", "extensions"),
 )
 def play(
     *, task: str, robots: int, seed: int, out: str, terminal: bool, video: bool, port: int,

@@ -21,6 +21,7 @@ from remac_bench.playing.lock import locked
 from remac_bench.playing.recording import Recorder
 from remac_bench.records import Record
 from remac_bench.store import Store, finished_jobs
+from remac_env.envs.event_parallel import CONTINUE
 from remac_env.errors import RemacError
 from remac_env.files import prepare_file, prepare_folder
 
@@ -78,7 +79,8 @@ def play(job: Job, folder: str | Path, planner: Any, *, tell: Tell, video: bool)
             agent = remac_agents.make(job.method, planner=planner, iterations=job.iterations)
             name = f"{job.task}-{job.label}-seed{job.seed}-iteration0-{job.key}"
             recorder = Recorder(env, folder, name, "last" if video else "none", last=True)
-            watched: Any = Watched(agent, lambda infos, tokens: tell(env, infos, _texts(env, tokens)))
+            begun: dict[str, str] = {}
+            watched: Any = Watched(agent, lambda infos, tokens: tell(env, infos, _texts(env, tokens, begun)))
             record = play_episode(env, watched, job, 0, recorder, Deadline.within(ASKING_SECONDS))
             if not record.infrastructure_error:
                 store.append([record])
@@ -89,8 +91,11 @@ def play(job: Job, folder: str | Path, planner: Any, *, tell: Tell, video: bool)
         env.close()
 
 
-def _texts(env: Any, tokens: Mapping[str, int]) -> dict[str, str]:
-    return {robot: str(env.vocabulary.decode(int(token))) for robot, token in tokens.items()}
+def _texts(env: Any, tokens: Mapping[str, int], begun: dict[str, str]) -> dict[str, str]:
+    """Robot -> its subtask: by the event clock, which it has `begun` and goes on with."""
+    texts = {robot: str(env.vocabulary.decode(int(token))) for robot, token in tokens.items()}
+    begun.update({robot: text for robot, text in texts.items() if text != CONTINUE})
+    return {robot: begun.get(robot, text) for robot, text in texts.items()}
 
 
 def told(infos: Mapping[str, Any], sent: Mapping[str, str]) -> Told:
@@ -98,6 +103,9 @@ def told(infos: Mapping[str, Any], sent: Mapping[str, str]) -> Told:
     found = []
     for robot, subtask in sent.items():
         outcome = infos[robot]["outcome"]
+        if not outcome:  # by the event clock: it has not ended when somebody else's has
+            found.append((robot, f"{subtask}: still at it", False))
+            continue
         why = (outcome["reason"] or None) if infos[robot]["feedback"] == "reason" else None
         words = report(Report(str(outcome["status"]), why, subtask))
         found.append((robot, words, outcome["status"] == "failure"))

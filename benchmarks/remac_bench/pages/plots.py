@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from remac_bench.board import Cell, Sheet
+from remac_bench.columns import Footnotes
 from remac_bench.metrics import ALL_TASKS
 
 INTERVAL = 84.0
@@ -48,7 +49,8 @@ class Dot:
 
 @dataclass(frozen=True, kw_only=True)
 class Scatter:
-    """Success against `cost`, "money" or "time". `axis`: what x is; `note`: why, where it is not money."""
+    """Success against `cost`, "money" or "time". `axis`: what x is; `note`: why, where it is not money, and long names.
+    """
 
     key: str
     setting: str
@@ -92,14 +94,16 @@ def scatter(sheet: Sheet) -> Scatter | None:
     top = max(row[key].value or 0.0 for row in known)
     marks = _ticks(top)
     points = [(row["agent"].text, row[key].value or 0.0, row["tsr"]) for row in known]
+    notes = Footnotes()
+    dots = tuple(_dots(points, marks[-1], notes))
     return Scatter(
         key=sheet.key,
         setting=sheet.facts[0].get("setting", "") if sheet.facts else "",
         cost="money" if paid else "time",
         title=f"Success against {'money' if paid else 'time'}: {task}",
         axis=axis,
-        note=note,
-        dots=tuple(_dots(points, marks[-1])),
+        note=" ".join([note, *(line.plain for line in notes.told())]).strip(),
+        dots=dots,
         x_ticks=tuple((_x(mark, marks[-1]), f"{mark:g}") for mark in marks),
         y_ticks=tuple((_y(share / 4), f"{25 * share}%") for share in range(5)),
     )
@@ -114,13 +118,14 @@ def _scatter_note(rows: Sequence[Mapping[str, Cell]], *, paid: bool) -> str:
     return f"{told}, so time stands in its place."
 
 
-def _dots(points: Sequence[tuple[str, float, Cell]], most: float) -> list[Dot]:
-    """Names stand beside their dots where no other dot is, one under the other where they would overlap."""
+def _dots(points: Sequence[tuple[str, float, Cell]], most: float, notes: Footnotes) -> list[Dot]:
+    """Names stand beside their dots where no other dot is, one under the other where they would overlap; long ones as
+    numbers of notes."""
     dots: list[Dot] = []
     taken: list[tuple[float, float, float]] = []
     places = [_x(cost, most) for _, cost, _ in points]
     for name, cost, cell in sorted(points, key=lambda point: (-(point[2].value or 0.0), point[1])):
-        short = name if len(name) <= 40 else f"{name[:39]}\u2026"
+        short = notes.short(name)
         x, y, width = _x(cost, most), _y(cell.value or 0.0), LETTER * len(short) + 9
         room = x + width < BOX[0] - MARGINS[1]
         right = room and (x - width < MARGINS[0] or not any(0 < other - x < width for other in places))
