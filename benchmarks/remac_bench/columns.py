@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -9,7 +10,7 @@ from typing import TypeVar
 
 from rich.cells import cell_len, set_cell_size
 from rich.console import RenderableType
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from remac_bench.console import broken, console
@@ -64,16 +65,13 @@ class Footnotes:
 
 
 def laid_out(table: Table, width: int, notes: Footnotes | None = None) -> list[RenderableType]:
-    """The table with columns in which every word fits into a line; where that is too wide, with long texts in
-    footnotes; and where that is too wide still, its rows as lists."""
+    """The table with columns in which every word fits into a line; where that is too wide, in parts or with long texts
+    in footnotes; and where that is too wide still, its rows as lists."""
+    if made := _side_by_side(table, width):
+        return made
     notes = notes or Footnotes()
-    if _fitted(table, width):
-        return _framed(table)
-    shorter = _shortened(table, notes)
-    if _fitted(shorter, width):
-        return [*_framed(shorter), *notes.told()]
-    notes.told()
-    return list(_lists(table))
+    made, told = _side_by_side(_shortened(table, notes), width), notes.told()
+    return [*made, *told] if made else list(_lists(table))
 
 
 def in_parts(columns: Sequence[tuple[T, int]], room: int) -> list[list[T]]:
@@ -96,19 +94,57 @@ def _filled(columns: Sequence[tuple[T, int]], room: int) -> list[list[T]]:
     return parts
 
 
+def _side_by_side(table: Table, width: int) -> list[RenderableType]:
+    """The table, or parts that fit, each with the columns before the first number; none where it is too wide for both,
+    or most parts would have one column."""
+    if _fitted(table, width):
+        return _framed(table)
+    count = len(list(itertools.takewhile(lambda column: column.justify == "left", table.columns)))
+    sizes = [(number, _least(column) + _AROUND) for number, column in enumerate(table.columns)]
+    front, rest = sizes[:count], sizes[count:]
+    room = width - 1 - sum(size for _, size in front)
+    parts = in_parts(rest, room)
+    if not front or room < max((size for _, size in rest), default=width) or len(parts) > (len(rest) + 1) // 2:
+        return []
+    made: list[RenderableType] = []
+    for part in parts:
+        one = _only(table, [*range(count), *part], first=part is parts[0], last=part is parts[-1])
+        made += _framed(one) if _fitted(one, width) else []
+    return made
+
+
+def _only(table: Table, numbers: Sequence[int], *, first: bool, last: bool) -> Table:
+    """Some columns of a table; the title stands over the first part, the caption under the last."""
+    made = _bare(table, title=first, caption=last)
+    chosen = [table.columns[number] for number in numbers]
+    for column in chosen:
+        made.add_column(column.header, justify=column.justify, no_wrap=column.no_wrap, min_width=column.min_width)
+    for row, cells in zip(table.rows, zip(*(column.cells for column in chosen), strict=True), strict=True):
+        made.add_row(*cells, end_section=row.end_section)
+    return made
+
+
+def _bare(table: Table, *, title: bool = True, caption: bool = True) -> Table:
+    """A table like this one, without columns."""
+    return Table(title=table.title if title else None, caption=table.caption if caption else None, box=table.box,
+                 pad_edge=table.pad_edge, title_justify=table.title_justify)  # fmt: skip
+
+
+def _least(column: Column) -> int:
+    """How wide a column has to be."""
+    texts = (_text(cell) for cell in (column.header, *column.cells))
+    return max(column.min_width or 0, *(_longest(text, whole=column.no_wrap) for text in texts))
+
+
 def _fitted(table: Table, width: int) -> bool:
     """Whether every word fits; the columns then have their widths."""
-    texts = [[_text(column.header), *map(_text, column.cells)] for column in table.columns]
-    least = [
-        max(column.min_width or 0, *(_longest(text, whole=column.no_wrap) for text in each))
-        for column, each in zip(table.columns, texts, strict=True)
-    ]
-    wanted = [max(_longest(text, whole=True) for text in each) for each in texts]
+    least = [_least(column) for column in table.columns]
     room = width - _AROUND * len(least) - 1 - sum(least)
     if room < 0:
         return False
-    for column, one, most in zip(table.columns, least, wanted, strict=True):
-        column.width = one + min(room, most - one)
+    for column, one in zip(table.columns, least, strict=True):
+        most = max(_longest(_text(cell), whole=True) for cell in (column.header, *column.cells))
+        column.width = one + max(0, min(room, most - one))
         room -= column.width - one
     return True
 
@@ -126,8 +162,7 @@ def _framed(table: Table) -> list[RenderableType]:
 
 def _shortened(table: Table, notes: Footnotes) -> Table:
     """The table with footnotes in place of texts of which a word, or what may not be broken, is long."""
-    made = Table(title=table.title, caption=table.caption, box=table.box, pad_edge=table.pad_edge,
-                 title_justify=table.title_justify)  # fmt: skip
+    made = _bare(table)
     cells: list[list[RenderableType]] = []
     for column in table.columns:
         head, *texts = (

@@ -124,6 +124,19 @@ def test_a_long_name_is_a_footnote_with_one_number_in_all_tables() -> None:
     assert [str(first), str(second)] == [f"[1] {LONG}", f"[2] {PATH}"]
 
 
+def test_many_columns_of_numbers_come_in_parts_with_the_first_words_in_each() -> None:
+    made = Table("Starts", "Of", title="Valid plans", caption="with intervals")
+    for number in range(8):
+        made.add_column(f"planner {number}\nreflections", justify="right")
+    made.add_row("paper", "wording 1", *(f"{number}0/80\n95%-100%" for number in range(8)))
+    parts = laid_out(made, 80)
+    assert all(isinstance(part, Table) for part in parts) and len(parts) == 2
+    assert [[column.header for column in part.columns[:2]] for part in parts] == [["Starts", "Of"]] * 2  # type: ignore[union-attr]
+    lines = printed(made, 80)
+    assert max(map(len, lines)) <= 80 and sum("Valid plans" in line for line in lines) == 1
+    assert all(any(f"{number}0/80" in line for line in lines) for number in range(8))
+
+
 def test_what_footnotes_do_not_make_narrow_enough_is_shown_as_lists() -> None:
     columns = [Column(key=key, title=key.upper(), numeric=False) for key in "abcd"]
     cells = {key: Cell(text=f"{key * 20}.py") for key in "abcd"} | {"e": Cell(text="99.9")}
