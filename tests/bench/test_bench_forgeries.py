@@ -431,6 +431,17 @@ def test_nothing_stands_on_the_board_that_was_not_accepted_as_it_is(submission: 
     assert result.exit_code == 2 and "changed after it was accepted" in result.output
 
 
+def test_what_an_entry_says_of_itself_stays_as_it_was_accepted(submission: Path, tmp_path: Path, replays: None) -> None:
+    """Else an entry could move to the board of another suite."""
+    folder = copied(submission, tmp_path)
+    assert not accept(folder).reasons
+    entry, honest = folder / ENTRY, (folder / ENTRY).read_text()
+    for number, line in enumerate(('suite = "', 'contact = "', 'models = ["', 'code = "')):
+        entry.write_text(honest.replace(f"\n{line}", f"\n{line}other "))
+        with pytest.raises(UsageError, match="changed after it was accepted"):
+            gather([folder], tmp_path / str(number))
+
+
 def _repacked(folder: Path, change: Forgery) -> None:
     """Records changed, and entry.toml made to fit: whoever forges one forges the other."""
     import hashlib

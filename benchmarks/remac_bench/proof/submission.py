@@ -8,7 +8,7 @@ import shutil
 import tomllib
 import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -160,8 +160,8 @@ def _digest(path: Path) -> str | None:
 
 
 def submission_digest(entry: Entry) -> str:
-    """A name for the files of a submission, by which an acceptance knows them again."""
-    told = json.dumps([entry.name, entry.kind, sorted(entry.files.items())])
+    """A name for a submission, all that it says of itself and its files, by which an acceptance knows it again."""
+    told = json.dumps(asdict(entry), sort_keys=True)
     return hashlib.sha256(told.encode()).hexdigest()
 
 
