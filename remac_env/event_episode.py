@@ -9,7 +9,7 @@ from typing import Any
 from remac_env.backends.base import Counters
 from remac_env.episode import End, Episode
 from remac_env.events.clock import EventClock
-from remac_env.events.processes import Key
+from remac_env.events.processes import Key, in_words
 from remac_env.rules.facts import Process
 from remac_env.rules.outcomes import Outcome
 from remac_env.rules.processes import spoilt
@@ -93,7 +93,7 @@ class EventEpisode(Episode):
         told["tau"] = round(now - last.at, 6)
         told["return"] = float(last.gained)
         told["decision"] = last.count
-        told["processes"] = self.clock.going_on if self.terms.scene.processes else {}
+        told["processes"] = in_words(self._slow, now) if self.terms.scene.processes else {}
         return told
 
     @property
@@ -104,7 +104,9 @@ class EventEpisode(Episode):
 
     @property
     def _slow(self) -> dict[Key, float]:
-        return self.clock.processes
+        """What goes on by itself and can be seen: of what nobody has seen it would tell where that is."""
+        unseen = self.unseen
+        return {key: since for key, since in self.clock.processes.items() if key[1] not in unseen}
 
     def _judge(self) -> End | None:
         """What is spoilt is lost, whatever else holds."""

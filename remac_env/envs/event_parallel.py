@@ -71,7 +71,7 @@ class KitchenEventEnv(KitchenParallelEnv):
         costs = {robot: self._cost(subtask, thoughts.get(robot)) for robot, subtask in subtasks.items()}
         orders = {robot: Order(subtask, costs[robot], refused.get(robot)) for robot, subtask in subtasks.items()}
         episode.decided()
-        outcomes = episode.clock.run(orders, self._stopped(tokens, orders))
+        outcomes = episode.clock.run(orders, self._stopped(tokens, orders), episode.unseen)
         episode.arrive(backend.world, outcomes, backend.counters)
         return self._answer(episode)
 
@@ -158,7 +158,7 @@ class KitchenEventEnv(KitchenParallelEnv):
 
     def _vectors(self) -> dict[str, NDArray[np.float32]]:
         seen, episode = super()._vectors(), self._timed()
-        self._time.write(seen, episode.clock, episode.world)
+        self._time.write(seen, episode.clock, episode.world, episode.unseen)
         return seen
 
     @cached_property

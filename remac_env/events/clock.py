@@ -6,12 +6,12 @@ A decision point is a moment at which a subtask ended, an event became visible, 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
 from remac_env.backends.base import Backend
-from remac_env.events.processes import DIGITS, Key, ProcessQueue
+from remac_env.events.processes import DIGITS, Key, ProcessQueue, in_words
 from remac_env.rules.facts import Rules
 from remac_env.rules.outcomes import Outcome, failure
 from remac_env.rules.processes import came_true
@@ -110,9 +110,8 @@ class EventClock:
 
     @property
     def going_on(self) -> dict[str, float]:
-        """The same in words, as infos tell it: "process object" -> for how long it has gone on, s."""
-        now = self.now
-        return {f"{each.name} {name}": round(now - since, DIGITS) for (each, name), since in self.processes.items()}
+        """The same in words (`in_words`)."""
+        return in_words(self.processes, self.now)
 
     @property
     def now(self) -> float:
@@ -144,11 +143,14 @@ class EventClock:
         self._processes.put_back(running)
         self._spans = []
 
-    def run(self, orders: Mapping[str, Order], stops: Iterable[str] = ()) -> dict[str, Outcome]:
+    def run(
+        self, orders: Mapping[str, Order], stops: Iterable[str] = (), unseen: Collection[str] = ()
+    ) -> dict[str, Outcome]:
         """Give orders to all robots that are ready, and run to the next decision point.
 
         Args:
             stops: robots that are busy, and are told to stop.
+            unseen: objects that nobody has seen: what happens to them is no event.
 
         Returns:
             The outcomes of what ended, each told once; its robots are ready now.
@@ -161,25 +163,27 @@ class EventClock:
         self._take_effect()
         told: dict[str, Outcome] = {}
         while not self._all_done():
-            told = self._told(backend.advance(until=self._limit()))
-            happened = self._processes.known and self._happen()
+            told = self._told(backend.advance(until=self._limit(now)))
+            happened = self._happen() if self._processes.known else ()
             arrived = self._take_effect()
-            if told or happened or arrived or self.over or self._idle():
+            if told or any(name not in unseen for name in happened) or arrived or self.over:
+                break
+            if self._idle() and not (happened and self.now < round(now + IDLE, DIGITS)):
                 break
         return self._waited(told)
 
-    def _happen(self) -> bool:
-        """Let processes begin and end as the world is now; whether one has come to its end."""
-        now, any_yet = self.now, False
+    def _happen(self) -> list[str]:
+        """Let processes begin and end as the world is now; what those are about that have come to their end."""
+        now, about = self.now, list[str]()
         self._look()
         while ended := self._processes.over(now):
-            any_yet = True
             for process, name, since in ended:
+                about.append(name)
                 self._backend.happen(process, name)
                 how = () if came_true(self._backend.world, process, name) else ("failure", "blocked")
                 self._spans.append(Span(name, "process", process.name, since, now, *how))
             self._look()
-        return any_yet
+        return about
 
     def _look(self) -> None:
         """What goes on as the world is now."""
@@ -265,12 +269,12 @@ class EventClock:
             self._note(robot, "wait", told[robot])
         return told
 
-    def _limit(self) -> float:
-        """What the clock shows at most before something is due."""
+    def _limit(self, began: float) -> float:
+        """What the clock shows at most before something is due. began: when this decision point was left, s."""
         first = min(self._processes.next, self._deadline)
         for each in self._doing.values():
             first = min(first, each.until)
-        return min(first, round(self.now + IDLE, DIGITS)) if self._idle() else first
+        return min(first, round(began + IDLE, DIGITS)) if self._idle() else first
 
     def _idle(self) -> bool:
         return all(each.kind == "waiting" for each in self._doing.values())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,11 +47,16 @@ class TimeFacts:
         }
         self.size = _CLOCK + _ROBOT * len(robots) + len(self._places)
 
-    def write(self, seen: Mapping[str, NDArray[np.float32]], clock: EventClock, world: WorldState) -> None:
-        """Write time as each robot sees it, values 0..1, where the last `size` figures of what it has seen are 0."""
+    def write(
+        self, seen: Mapping[str, NDArray[np.float32]], clock: EventClock, world: WorldState, unseen: Collection[str]
+    ) -> None:
+        """Write time as each robot sees it, values 0..1, where the last `size` figures of what it has seen are 0.
+
+        unseen: objects of which nothing is told.
+        """
         now, start = clock.now, -self.size
         over, at_work = min(now / self._deadline, 1.0), self._at_work(clock, now)
-        slow = self._slow(clock, world, now) if self._processes else ()
+        slow = self._slow(clock, world, now, unseen) if self._processes else ()
         for robot, values in seen.items():
             values[start], block = over, start + _CLOCK
             for name in self._orders[robot]:
@@ -74,12 +79,15 @@ class TimeFacts:
             found[name] = [since] if kind is None else [(kind, 1.0), since]
         return found
 
-    def _slow(self, clock: EventClock, world: WorldState, now: float) -> list[tuple[int, float]]:
+    def _slow(
+        self, clock: EventClock, world: WorldState, now: float, unseen: Collection[str]
+    ) -> list[tuple[int, float]]:
         """Places of what goes on by itself or is over, and how much of its time is."""
-        goes_on, places = clock.processes.items(), self._places
-        found = [(places[each.name, name], min((now - since) / each.seconds, 1.0)) for (each, name), since in goes_on]
+        places = self._places
+        goes_on = [(*key, since) for key, since in clock.processes.items() if key[1] not in unseen]
+        found = [(places[each.name, name], min((now - since) / each.seconds, 1.0)) for each, name, since in goes_on]
         for process in self._processes:
             for name, item in world.objects.items() if process.mark else ():
-                if process.mark in item.marks:
+                if process.mark in item.marks and name not in unseen:
                     found.append((places[process.name, name], 1.0))
         return found

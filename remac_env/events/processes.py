@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from remac_env.rules.facts import Process, Rules
 from remac_env.rules.processes import came_true, going_on
@@ -13,6 +14,11 @@ DIGITS = 6
 
 Key = tuple[Process, str]
 """A process, and the object or fixture that it is about."""
+
+
+def in_words(running: Mapping[Key, float], now: float) -> dict[str, float]:
+    """What goes on by itself as infos tell it: "process object" -> for how long it has gone on, s."""
+    return {f"{process.name} {name}": round(now - since, DIGITS) for (process, name), since in running.items()}
 
 
 class ProcessQueue:

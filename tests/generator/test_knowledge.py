@@ -42,6 +42,9 @@ def swapped(spec: TaskSpec) -> tuple[TaskSpec, str, str]:
     return replace(spec, setup=replace(spec.setup, places=places), generated={**spec.generated, **proven}), one, other
 
 
+HIDDEN = 202502
+"""A mixed start of HeatAndShelve with the vegetable in the shut microwave."""
+
 PLAN = (
     "navigate to counter", "navigate to {one}", "pick up {one}", "place to plate", "navigate to trolley",
     "pick up {one}", "pick up {other}", "open cabinet door", "navigate to {other}", "navigate to cabinet", "wait",
@@ -98,6 +101,28 @@ def test_no_picture_of_physics_shows_what_is_behind_doors(seed: int, template: s
     for text in ("navigate to counter", f"navigate to {one}", "navigate to stove"):
         assert all((seen[0][key] == seen[1][key]).all() for key in seen[0]), text
         seen = [env.step({"robot_0": env.vocabulary.encode(text)})[0]["robot_0"] for env in envs]
+
+
+@pytest.mark.parametrize(("knowledge", "told"), [("seen", {}), ("full", {"heating vegetable": 0.0})])
+def test_what_nobody_has_seen_is_not_told_to_be_heating(knowledge: str, told: dict[str, float]) -> None:
+    """Else whoever turns on a shut microwave learns what is in it: by name, by a figure, or as a wait ends early."""
+    given = {"robots": 1, "backend": "symbolic", "clock": "events", "starts": "mixed", "knowledge": knowledge}
+    env = remac_env.parallel_env("HeatAndShelve", **given)
+    env.reset(seed=HIDDEN)
+    assert env.world.objects["vegetable"].place.where.startswith("microwave")
+
+    def step(text: str) -> tuple[Any, Any]:
+        observations, *_, infos = env.step({"robot_0": env.vocabulary.encode(text)})
+        return observations["robot_0"]["observation"], infos["robot_0"]
+
+    step("navigate to microwave")
+    assert step("turn on microwave")[1]["processes"] == told
+    step("close microwave door")  # is shut: refused, which takes a second
+    waits = [step("wait") for _ in range(10)]
+    assert {info["tau"] for _, info in waits} == ({4.0, 5.0} if told else {5.0})
+    assert any(seen[-len(env._time._places) :].any() for seen, _ in waits) == bool(told)
+    step("turn off microwave")
+    assert "vegetable" not in step("open microwave door")[1]["unseen"]
 
 
 def test_full_knowledge_would_tell() -> None:
