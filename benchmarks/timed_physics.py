@@ -1,57 +1,45 @@
 """How plans of timed tasks go in physics: `python benchmarks/timed_physics.py --seeds 0:10`.
 
-The plans are those of `timed_plans.toml`, for two robots. Each robot takes its commands in order, as soon as it is
-ready and what its plan waits for has ended; one that fails is tried again, `RETRIES` times at most. How long each took
-in physics is then fed into the symbolic backend, and the order in which things end there is compared.
+The plans are those of `timed_plans.toml`, for two robots, or with `--shortest STATES` those of the oracle for so many
+robots as `--robots` says, reckoned with what commands take in physics. Each robot takes its commands in order, as soon
+as it is ready and what its plan waits for has ended; one that fails is tried again, `RETRIES` times at most. How long
+each took in physics is then fed into the symbolic backend, and the order in which things end there is compared.
 """
 
 from __future__ import annotations
 
-import tomllib
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import product
-from pathlib import Path
 from statistics import mean
 from time import process_time
 from typing import Any
 
+import typer
 from remac_bench.columns import show
 from remac_bench.command import run_script
 from remac_bench.console import say
 from remac_bench.flags import takes
 from remac_bench.playing.job_lists import parse_names, parse_seeds
 from rich.table import Table
+from timed_plans import Agenda, Step, plan_of, shortest
 
 import remac_env
 from remac_env.backends.base import Backend
 from remac_env.backends.physics.backend import PhysicsBackend
 from remac_env.backends.symbolic import SymbolicBackend
 from remac_env.episode import max_seconds
-from remac_env.errors import OptionError
-from remac_env.events.clock import EventClock, Order, Span
+from remac_env.events.clock import EventClock, Order
 from remac_env.rules.processes import spoilt
 from remac_env.rules.subtasks import WAIT, Subtask
 from remac_env.start import Start
 from remac_env.tasks.goals import Goal
-from remac_env.vocabulary import Vocabulary
 
 RETRIES = 2
 NEAR = 0.5
 """s by which two ends must be apart for their order to count: as long as a kitchen comes to rest."""
-
-PLANS = Path(__file__).with_name("timed_plans.toml")
-
-
-@dataclass(frozen=True)
-class Step:
-    """A command of a plan, whose it is, and what must have ended before it."""
-
-    robot: str
-    subtask: Subtask
-    after: frozenset[str]
 
 
 @dataclass
@@ -128,49 +116,14 @@ def play(backend: Backend, start: Start, goal: Goal, steps: Sequence[Step], dead
     return told
 
 
-class Agenda:
-    """What is left of a plan: each robot's commands in order, each of which begins once what it waits for ended."""
-
-    def __init__(self, steps: Iterable[Step]) -> None:
-        self._left = defaultdict[str, list[Step]](list)
-        for step in steps:
-            self._left[step.robot].append(step)
-
-    def able(self, ready: Iterable[str], timeline: Iterable[Span]) -> dict[str, Step]:
-        """The next steps of those robots that are ready and can begin theirs now."""
-        good = (span for span in timeline if span.status == "success")
-        ended = {span.what if span.kind == "subtask" else f"{span.what} {span.who}" for span in good}
-        left = self._left
-        return {robot: left[robot][0] for robot in ready if left[robot] and left[robot][0].after <= ended}
-
-    def done(self, robot: str) -> None:
-        """A robot is through with its next step."""
-        self._left[robot].pop(0)
-
-
-def plan_of(task: str, start: Start, words: Vocabulary) -> list[Step]:
-    """The plan of a task, from the data file."""
-    steps: list[Step] = []
-    for robot, text in tomllib.loads(PLANS.read_text("utf-8"))[task].items():
-        until: set[str] = set()
-        for command in (" ".join(part.split()) for part in text.split(";")):
-            if command.startswith("until "):
-                until.add(command.removeprefix("until "))
-                continue
-            subtask = words.parse(command)
-            if subtask is None:
-                raise OptionError(f"{PLANS.name}, {task}: {command!r} is no command; valid: those of {start.layout}")
-            steps.append(Step(robot, subtask, frozenset(until)))
-            until = set()
-    return steps
-
-
-def episode(task: str, seed: int) -> Episode:
-    """One episode of two robots."""
-    env = remac_env.parallel_env(task, robots=2, backend="symbolic", clock="events")
+def episode(task: str, seed: int, robots: int = 2, states: int = 0) -> Episode | None:
+    """One episode; None where the oracle finds no plan that is in time. `states`: 0 takes the data file's plan."""
+    env = remac_env.parallel_env(task, robots=robots, backend="symbolic", clock="events")
     env.reset(seed=seed)
     start, goal, deadline = env.start, env.goal, max_seconds(env.worlds.spec, env.options)
-    steps = plan_of(task, start, env.vocabulary)
+    steps = shortest(start, goal, deadline, states) if states else plan_of(task, start, env.vocabulary)
+    if not steps:
+        return None
     by_table, physics = SymbolicBackend(), PhysicsBackend(env.worlds)
     by_table.reset(start)
     planned = play(by_table, start, goal, steps, deadline)
@@ -213,14 +166,19 @@ def _numbered(ends: Sequence[tuple[float, str, str]]) -> dict[tuple[str, str, in
     return found
 
 
-@takes("script.seeds", "script.tasks")
-def main(*, seeds: str, tasks: str | None) -> None:
+@takes("script.seeds", "script.tasks", "timed_physics.states", "timed_physics.robots")
+def main(*, seeds: str, tasks: str | None, states: int, robots: int) -> None:
     """Print a table of the tasks, every failed subtask, and what each skill takes. Ctrl-C ends with what was played."""
+    if robots != 2 and not states:
+        raise typer.BadParameter("the data file's plans are for two robots", param_hint="--robots")
     timed = [name for name in remac_env.tasks("events") if name not in remac_env.tasks()]
     groups = dict[str, list[Episode]]()
     with suppress(KeyboardInterrupt):
         for seed, task in product(parse_seeds(seeds), parse_names(tasks, "tasks") if tasks else timed):
-            done = episode(task, seed)
+            done = episode(task, seed, robots, states)
+            if done is None:
+                say(f"{task} seed {seed}: no plan was found")
+                continue
             groups.setdefault(task, []).append(done)
             for line in _lines(done):
                 say(line)

@@ -13,7 +13,7 @@ from typing import Any
 
 from event_turns import Infos, turns
 from make_animation import make
-from timed_physics import Agenda, plan_of
+from timed_plans import Agenda, plan_of
 
 from remac_env.rendering.renderer import VIDEO
 

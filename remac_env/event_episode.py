@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -45,11 +45,12 @@ class EventEpisode(Episode):
         self._told = (-1, "")
         self._decisions = {robot: Decision() for robot in self.terms.scene.robots}
 
-    def decided(self) -> None:
-        """The robots that are ready decide now."""
-        now, decisions = self.clock.now, self._decisions
-        for robot in self.clock.ready:
-            decisions[robot] = Decision(now, 0.0, decisions[robot].count + 1)
+    def decided(self, robots: Iterable[str]) -> None:
+        """These robots, which are ready, decide now."""
+        now = self.clock.now
+        for robot in robots:
+            last = self._decisions[robot]
+            last.at, last.gained, last.count = now, 0.0, last.count + 1
 
     def arrive(self, world: WorldState, outcomes: Mapping[str, Outcome], counters: Counters) -> None:
         """Take over a decision point, and judge it."""

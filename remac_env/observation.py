@@ -84,16 +84,18 @@ class _Kitchen:
         """Object -> the stations from which it is used."""
         self._at_station: dict[str, list[int]] = {}
         """The same the other way round, as positions of objects."""
+        self._touched: set[str] = set()
+        """Stations from which other objects are used since robots were last looked at."""
 
     def become(self, world: WorldState) -> None:
         """Look at another world of the kitchen."""
-        objects, moved = world.objects, world.objects is not self._objects
+        objects = world.objects
         if world.fixtures is not self._fixtures:
             for name, fixture in world.fixtures.items():
                 if fixture is not self._fixtures.get(name):
                     self._write(name, self._fixture(name, fixture))
             self._fixtures = world.fixtures
-        if moved:
+        if objects is not self._objects:
             for name in self._objects.keys() - objects.keys():
                 self._write(name, [])
                 self._place(name, ())
@@ -102,11 +104,12 @@ class _Kitchen:
                 if item is not self._objects.get(name) or item.place.relation == "vessel":
                     self._object(name, item, objects)
             self._objects = objects
-        if moved or world.robots is not self._robots:
+        if self._touched or world.robots is not self._robots:
             for name, robot in world.robots.items():
-                if moved or robot is not self._robots.get(name):
+                if robot.station in self._touched or robot is not self._robots.get(name):
                     self._robot(name, robot)
             self._robots = world.robots
+            self._touched.clear()
 
     def _write(self, name: str, ones: list[int], holder: str = "", hands: int = 0) -> None:
         """Let ones stand here for an object or fixture; for one in a hand another one, which hangs on who sees it."""
@@ -154,6 +157,7 @@ class _Kitchen:
         """An object is used from these stations now."""
         before, index = self._near.get(name, ()), 1 + self._facts.at[name]
         if before != stations:
+            self._touched.update(before, stations)
             for station in before:
                 self._at_station[station].remove(index)
             for station in stations:

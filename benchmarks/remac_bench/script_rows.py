@@ -84,6 +84,11 @@ ROWS: dict[str, Row] = {
     "teams.errors": Row(help="Rates of false alarms and misses: only REMAC, by rate.", default=""),
     "thinking.methods": _ALL.but(help="Comma-separated names.", default="CC,REACT"),
     "thinking.seeds": _SEEDS.but(default="0:2"),
+    "timed_physics.states": Row(
+        help="Play the plans with the shortest makespan; each search gives up at so many moments. 0: the data file's.",
+        default=0, values=Whole(), flag="--shortest",
+    ),
+    "timed_physics.robots": rows(Options)["robots"].but(default=2, help="How many; with --shortest."),
     "twin.seeds": _SEEDS.but(default="70000:70020"),
     "twin.grades": Row(help="Comma-separated grades of generated tasks, in place of tasks.", default=""),
     "twin.rounds": rows(Options)["max_rounds"].but(help="Maximum rounds of an episode."),

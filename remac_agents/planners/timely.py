@@ -1,7 +1,8 @@
 """The planner for what takes its time, by rule: what goes on by itself is started first, the rest is done meanwhile.
 
-The goal is taken part by part, each by one robot with the shortest way to that part alone. It looks no further: where a
-deadline is short it may be late. Who has opened what falls shut stays there until another robot comes with what it is
+The goal is taken part by part, each by one robot with the shortest way to that part alone; a vessel goes where it
+belongs before anything is put into it, as none is carried with what it holds. It looks no further: where a deadline is
+short it may be late. Who has opened what falls shut stays there until another robot comes with what it is
 for; and a robot alone begins nothing after which it would come too late to what spoils
 (`remac_agents.planning.lasting`).
 """
@@ -39,10 +40,14 @@ MOST_STATES = 4_000
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the goal, and any of the ways to it. `about`: the objects that it needs."""
+    """A part of the goal, and any of the ways to it.
+
+    `about`: the objects that it needs; `vessels`: those that still have to go somewhere before it can be finished.
+    """
 
     ways: tuple[Goal, ...]
     about: frozenset[str]
+    vessels: frozenset[str] = frozenset()
 
 
 class TimelyPlanner:
@@ -77,12 +82,10 @@ def next_step(
 
     `slow`: what goes on by itself, as "process object" -> for how long already, s.
     """
-    held = world.robots[robot].holding
-    parts = sorted(_parts(rules, world, goal), key=lambda part: held is None or held not in part.about)
-    for part in parts:
+    for part in _open_to(robot, world, mates, list(_parts(rules, world, goal))):
         if not part.about & _busy_with(world, robot, mates):
             for step in _steps(rules, world, part, robot):
-                if _may(rules, world, robot, step, mates):
+                if step.target not in part.vessels and _may(rules, world, robot, step, mates):
                     if keeps_open(rules, world, goal, robot, step, mates):
                         return WAIT
                     return in_time(rules, world, goal, step, slow) if rules.robots == (robot,) else step
@@ -90,6 +93,18 @@ def next_step(
     if not leaves or keeps_open(rules, world, goal, robot, STEP_ASIDE, mates):
         return WAIT
     return STEP_ASIDE if mates or len(rules.robots) > 1 else WAIT
+
+
+def _open_to(robot: str, world: WorldState, mates: Mapping[str, Subtask], parts: list[Part]) -> list[Part]:
+    """What a robot may do, in order: first what it holds something for, and that alone while another robot brings the
+    vessel for it; without one, what needs that vessel is put off.
+    """
+    held, busy = world.robots[robot].holding, _busy_with(world, robot, mates)
+    able = [part for part in parts if part.vessels <= busy]
+    own = [part for part in able if held in part.about]
+    if any(part.vessels for part in own):
+        return own
+    return own + [part for part in able if part not in own]
 
 
 def _parts(rules: Rules, world: WorldState, goal: Goal) -> Iterator[Part]:
@@ -105,10 +120,12 @@ def _parts(rules: Rules, world: WorldState, goal: Goal) -> Iterator[Part]:
     for name, process in waited:
         if name not in going:
             yield Part(tuple(_ways(rules, name, process)), frozenset((name,)))
+    loose = {atom.name for atom in atoms if isinstance(atom, Inside)}
     for name in dict.fromkeys(atom.name for atom in atoms if isinstance(atom, Inside | Released)):
         if name not in going:
             own = [atom for atom in goal.atoms() if isinstance(atom, Inside | Released) and atom.name == name]
-            yield Part((All(*own),), frozenset((name,)))
+            around = {atom.container for atom in own if isinstance(atom, Inside)}
+            yield Part((All(*own),), frozenset((name,)), frozenset(around & loose))
     full = {atom.container for atom in atoms if isinstance(atom, Inside)}
     for atom in atoms:
         if isinstance(atom, DoorIs) and atom.fixture not in full:

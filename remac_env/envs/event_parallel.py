@@ -63,14 +63,15 @@ class KitchenEventEnv(KitchenParallelEnv):
         """
         backend, episode = self._playing(), self._timed()
         tokens = check_actions(actions, self.agents)
-        subtasks, invalid = decode({robot: tokens[robot] for robot in episode.clock.ready}, self._legal)
-        refused = invalid
+        subtasks, refused = decode({robot: tokens[robot] for robot in episode.clock.ready}, self._legal)
         if episode.terms.scene.hides:
-            subtasks, refused = held_back(subtasks, episode.unseen, invalid)
+            subtasks, refused = held_back(subtasks, episode.unseen, refused)
         thoughts, self._thoughts = self._thoughts, {}
-        costs = {robot: self._cost(subtask, thoughts.get(robot)) for robot, subtask in subtasks.items()}
-        orders = {robot: Order(subtask, costs[robot], refused.get(robot)) for robot, subtask in subtasks.items()}
-        episode.decided()
+        orders = {
+            robot: Order(subtask, self._cost(subtask, thoughts.get(robot)), refused.get(robot))
+            for robot, subtask in subtasks.items()
+        }
+        episode.decided(orders)
         outcomes = episode.clock.run(orders, self._stopped(tokens, orders), episode.unseen)
         episode.arrive(backend.world, outcomes, backend.counters)
         return self._answer(episode)
@@ -107,11 +108,13 @@ class KitchenEventEnv(KitchenParallelEnv):
 
     def _stopped(self, tokens: Mapping[str, int], orders: Mapping[str, Order]) -> list[str]:
         """The robots that are busy and told to stop."""
+        if self._stop is None:
+            return []
         return [robot for robot in self.agents if robot not in orders and tokens[robot] == self._stop]
 
     def _cost(self, subtask: Subtask, thought: Thought | None) -> float:
         """What a command costs, s; to go on waiting without a thought costs nothing."""
-        if subtask.row.still and (thought is None or thought == NO_THOUGHT):
+        if self.options.think == "off" or subtask.row.still and (thought is None or thought == NO_THOUGHT):
             return 0.0
         return thinking_seconds(self.options.think, thought or NO_THOUGHT)
 
@@ -142,10 +145,10 @@ class KitchenEventEnv(KitchenParallelEnv):
         return replace(super()._moment(), slow=self._timed().shares)
 
     def _timed(self) -> EventEpisode:
-        episode = self._running()
-        if not isinstance(episode, EventEpisode):
-            raise LifecycleError("this episode has no clock: call reset() first")
-        return episode
+        if isinstance(self._episode, EventEpisode) and not self._closed:
+            return self._episode
+        self._running()
+        raise LifecycleError("this episode has no clock: call reset() first")
 
     def _pay(self, episode: Episode) -> float:
         reward = super()._pay(episode)

@@ -23,7 +23,7 @@ IDLE = 5.0
 REFUSAL = 1.0
 """s that a command takes which is refused or means nothing: less than any subtask (6 s and more), and not nothing."""
 
-_STILL = (WAIT, DONE)
+_STILL = (WAIT.skill, DONE.skill)
 
 Kind = Literal["thinking", "working", "waiting", "declined"]
 
@@ -155,12 +155,17 @@ class EventClock:
         Returns:
             The outcomes of what ended, each told once; its robots are ready now.
         """
-        backend, now = self._backend, self.now
+        backend, doing, now = self._backend, self._doing, self.now
         for robot in stops:
             self._stop(robot)
+        batch: dict[str, Subtask] = {}
         for robot, (subtask, think, invalid) in orders.items():
-            self._doing[robot] = Doing("thinking", subtask, now, round(now + think, DIGITS), invalid)
-        self._take_effect()
+            until = round(now + think, DIGITS) if think else now
+            if until > now:
+                doing[robot] = Doing("thinking", subtask, now, until, invalid)
+            else:
+                self._give(robot, subtask, invalid, batch)
+        self._begin(batch)
         told: dict[str, Outcome] = {}
         while not self._all_done():
             told = self._told(backend.advance(until=self._limit(now)))
@@ -168,7 +173,7 @@ class EventClock:
             arrived = self._take_effect()
             if told or any(name not in unseen for name in happened) or arrived or self.over:
                 break
-            if self._idle() and not (happened and self.now < round(now + IDLE, DIGITS)):
+            if self._idle and not (happened and self.now < round(now + IDLE, DIGITS)):
                 break
         return self._waited(told)
 
@@ -192,32 +197,37 @@ class EventClock:
             self._backend.go_on(self.processes)
 
     def _take_effect(self) -> bool:
-        """Let orders begin whose thinking is over; whether a thought has arrived that took its time."""
-        now, doing = self.now, self._doing
-        due = [(robot, each) for robot, each in doing.items() if each.kind == "thinking" and each.until <= now]
-        if not due:
-            return False
-        arrived, batch = False, dict[str, Subtask]()
-        for robot, (_, subtask, since, until, outcome) in due:
-            if until > since:
-                self._spans.append(Span(robot, "thought", subtask.text, since, now))
-                arrived = True
-            if outcome is not None:
-                self._decline(robot, subtask, outcome)
-            elif subtask in _STILL:
-                doing[robot] = Doing("waiting", subtask, now)
-            else:
-                doing[robot] = Doing("working", subtask, now)
-                batch[robot] = subtask
-            # Who has said `done` stays done for as long as it waits.
-            if subtask == DONE:
-                self.done |= {robot}
-            elif robot in self.done and (subtask != WAIT or outcome is not None):
-                self.done -= {robot}
+        """Let orders begin whose thinking is over; whether there are any."""
+        now = self.now
+        due = [(robot, each) for robot, each in self._doing.items() if each.kind == "thinking" and each.until <= now]
+        batch: dict[str, Subtask] = {}
+        for robot, (_, subtask, since, _, outcome) in due:
+            self._spans.append(Span(robot, "thought", subtask.text, since, now))
+            self._give(robot, subtask, outcome, batch)
+        self._begin(batch)
+        return bool(due)
+
+    def _give(self, robot: str, subtask: Subtask, invalid: Outcome | None, batch: dict[str, Subtask]) -> None:
+        """Let a robot wait, or be refused, or put it into the batch of those that begin to work."""
+        still = subtask.skill in _STILL
+        if invalid is not None:
+            self._decline(robot, subtask, invalid)
+        elif still:
+            self._doing[robot] = Doing("waiting", subtask, self.now)
+        else:
+            self._doing[robot] = Doing("working", subtask, self.now)
+            batch[robot] = subtask
+        # Who has said `done` stays done for as long as it waits.
+        if still and subtask == DONE:
+            self.done |= {robot}
+        elif robot in self.done and (subtask != WAIT or invalid is not None):
+            self.done -= {robot}
+
+    def _begin(self, batch: Mapping[str, Subtask]) -> None:
+        """Let the backend begin these together."""
         if batch:
             for robot, refused in self._backend.begin(batch).items():
                 self._decline(robot, batch[robot], refused)
-        return arrived
 
     def _stop(self, robot: str) -> None:
         """A thought ends in a moment without a command; what has begun ends at its controller's next safe pose."""
@@ -258,25 +268,26 @@ class EventClock:
 
     def _waited(self, told: dict[str, Outcome]) -> dict[str, Outcome]:
         """What was told, and that those are asked again that have waited for this decision point."""
-        now, over = self.now, self._all_done()
-        waits = [
-            (robot, each.since)
-            for robot, each in self._doing.items()
-            if each.kind == "waiting" and (each.since < now or over)
-        ]
+        waits = [(robot, each.since) for robot, each in self._doing.items() if each.kind == "waiting"]
+        now, over = self.now, bool(waits) and self._all_done()
         for robot, since in waits:
+            if since >= now and not over:
+                continue
             told[robot] = Outcome("success", None, "", round(now - since, DIGITS), False, since, now)
             self._note(robot, "wait", told[robot])
         return told
 
     def _limit(self, began: float) -> float:
         """What the clock shows at most before something is due. began: when this decision point was left, s."""
-        first = min(self._processes.next, self._deadline)
+        first = min(self._processes.next, self._deadline) if self._processes.known else self._deadline
         for each in self._doing.values():
-            first = min(first, each.until)
-        return min(first, round(began + IDLE, DIGITS)) if self._idle() else first
+            if each.until < first:
+                first = each.until
+        return min(first, round(began + IDLE, DIGITS)) if self._idle else first
 
+    @property
     def _idle(self) -> bool:
+        """Whether nobody does more than wait."""
         return all(each.kind == "waiting" for each in self._doing.values())
 
     def _all_done(self) -> bool:

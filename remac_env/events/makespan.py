@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from remac_env.backends.symbolic import Kept as BackendKept
-from remac_env.backends.symbolic import SymbolicBackend
+from remac_env.backends.symbolic import Seconds, SymbolicBackend, nominal
 from remac_env.events.clock import EventClock, Order
 from remac_env.events.clock import Kept as ClockKept
 from remac_env.oracle.bounds import IMPOSSIBLE, make_bound
@@ -90,26 +90,29 @@ class _Moment:
         return world, under_way, waits, ages
 
 
-def makespan(start: Start, goal: Goal, *, deadline: float = math.inf, max_states: int = MAX_STATES) -> Makespan:
+def makespan(
+    start: Start, goal: Goal, *, deadline: float = math.inf, max_states: int = MAX_STATES, seconds: Seconds = nominal
+) -> Makespan:
     """The shortest makespan of a start for all its robots: subtasks begin at decision points, as in an episode.
 
     Args:
         deadline: s by which it must be done.
         max_states: moments to look at before giving up; a second search for any plan may look at as many.
+        seconds: how long a subtask takes, no less than by the skill table.
     """
-    found = _Search(start, goal, deadline).run(max_states)
+    found = _Search(start, goal, deadline, seconds).run(max_states)
     if found.proof != "bounds":
         return found
-    some = _Search(start, goal, deadline, greed=GREED).run(max_states)
+    some = _Search(start, goal, deadline, seconds, greed=GREED).run(max_states)
     return replace(some, lower=found.lower, proof="bounds", expanded=found.expanded + some.expanded)
 
 
 class _Search:
     """A* by time. `greed` above 1 finds some plan sooner, not the quickest."""
 
-    def __init__(self, start: Start, goal: Goal, deadline: float, *, greed: float = 1.0) -> None:
+    def __init__(self, start: Start, goal: Goal, deadline: float, seconds: Seconds, *, greed: float = 1.0) -> None:
         self._rules, self._goal, self._deadline, self._greed = start.scene, goal, deadline, greed
-        self._backend = SymbolicBackend()
+        self._backend = SymbolicBackend(seconds=seconds)
         world = self._backend.reset(start)
         self._clock = EventClock(self._backend, start.scene, deadline=deadline)
         self._commands = relevant_commands(start.scene, world, wider(start.scene, goal))

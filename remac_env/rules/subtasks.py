@@ -27,7 +27,7 @@ class Subtask:
     @property
     def text(self) -> str:
         """The command, as "pick up vegetable"."""
-        return self.row.form.format(self.target)
+        return _text(self.skill, self.target)
 
     @property
     def moves(self) -> bool:
@@ -45,6 +45,11 @@ class Subtask:
     def effect(self, rules: Rules, world: WorldState, robot: str) -> WorldState:
         """The world after success."""
         return self.row.after(rules, world, robot, self.target)
+
+
+@lru_cache(maxsize=4096)
+def _text(skill: str, target: str) -> str:
+    return SKILLS[skill].form.format(target)
 
 
 @lru_cache(maxsize=4096)

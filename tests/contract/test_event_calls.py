@@ -1,44 +1,68 @@
-"""Very many random calls by the event clock: nothing raises, and time goes on."""
+"""Very many random calls by the event clock: the contract holds at each, and each key of infos keeps its type."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from typing import Any
 
-import numpy as np
 import pytest
 
 import remac_env
+from remac_env.generator import make, templates
+from remac_env.testing import check_events
 
 CALLS = int(os.environ.get("REMAC_EVENT_CALLS", "100000"))
 """Steps in all."""
 
+BACKEND = os.environ.get("REMAC_EVENT_BACKEND", "symbolic")
+
+LONGEST = 150
+"""Steps of an episode at most."""
+
+
+class Counted:
+    """A kitchen whose steps are counted, and in whose infos each key keeps its type."""
+
+    types: dict[str, type] = {}
+
+    def __init__(self, env: Any) -> None:
+        self.env, self.calls = env, 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.env, name)
+
+    def step(self, actions: Any) -> Any:
+        """One more."""
+        self.calls += 1
+        answer = self.env.step(actions)
+        for info in answer[4].values():
+            for key, value in info.items():
+                assert self.types.setdefault(key, type(value)) is type(value), key
+        return answer
+
+
+def kinds() -> Iterator[tuple[Any, int]]:
+    """Every task with one to four robots, and a kitchen of every template."""
+    for task in remac_env.tasks("events"):
+        yield from ((task, robots) for robots in (1, 2, 3, 4))
+    for number, (name, row) in enumerate(templates.load().items()):
+        robots = 2 if row.team else 1 + number % 4
+        yield make(grade=min(row.sizes), seed=241_000, template=name, robots=robots).spec, robots
+
 
 @pytest.mark.long
-def test_random_calls_have_no_fault() -> None:
-    """Every task by turns, with legal tokens, any tokens and stops; thinking costs what is drawn."""
-    chance, left, seed = np.random.default_rng(11), CALLS, 0
-    tasks = remac_env.tasks("events")
-    while left > 0:
-        task, robots = tasks[seed % len(tasks)], 1 + seed % 3
-        env = remac_env.parallel_env(
-            task, robots=robots, backend="symbolic", clock="events", interrupts=seed % 2 == 0, think="tokens:5",
-            starts=("paper", "mixed")[seed // 2 % 2], failure_rate=0.1 * (seed % 3), max_seconds=600.0,
-        )  # fmt: skip
-        env.reset(seed=seed)
-        before = -1.0
-        while env.agents and left > 0:
-            tokens = {}
-            for robot in env.agents:
-                mask = env.action_mask(robot)
-                assert mask.any()
-                anything = chance.random() < 0.1
-                tokens[robot] = int(chance.integers(len(mask)) if anything else chance.choice(np.flatnonzero(mask)))
-                if tokens[robot] == env.vocabulary.encode("done"):
-                    tokens[robot] = env.vocabulary.encode("wait")
-            _, rewards, _, _, infos = env.step(tokens)
-            now = next(iter(infos.values()))["seconds"]
-            assert now > before and all(np.isfinite(reward) for reward in rewards.values())
-            before, left = now, left - 1
-        env.close()
-        seed += 1
-    assert seed >= min(3, CALLS // 1000)
+def test_random_calls_keep_the_contract() -> None:
+    """Every task and template; in half of them robots may be stopped, in half of them thinking takes its time."""
+    every = list(kinds())
+    made = 0
+    for number, (task, robots) in enumerate(every):
+        env = Counted(remac_env.parallel_env(
+            task, robots=robots, backend=BACKEND, clock="events", interrupts=number % 2 == 0,
+            think=("off", "fixed:3")[number // 2 % 2], max_seconds=900.0, failure_rate=0.1 * (BACKEND == "symbolic"),
+        ))  # fmt: skip
+        share = (CALLS - made) / (len(every) - number)
+        seeds = (seed for seed in range(241_000, 242_000) if env.calls < share)
+        check_events(lambda env=env: env, seeds=seeds, steps=LONGEST)
+        made += env.calls
+    assert made >= CALLS

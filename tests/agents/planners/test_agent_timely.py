@@ -38,6 +38,12 @@ def test_two_robots_solve_it(task: str) -> None:
     assert seconds(task) == SOLVED[task]
 
 
+@pytest.mark.parametrize(("robots", "takes"), [(1, 65.0), (2, 57.0), (3, 56.0)])
+def test_a_vessel_goes_where_it_belongs_before_it_is_filled(robots: int, takes: float) -> None:
+    """One put the meat into the bowl on the worktop, and in the sink took it out and put it back for ever."""
+    assert seconds("DefrostInBowl", robots=robots) == takes
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("task", [*SOLVED, *LONGER])
