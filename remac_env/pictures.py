@@ -29,7 +29,8 @@ Picture = NDArray[np.uint8]
 class Moment:
     """What there is to see: the joint positions of physics (None: posed by the world) and the world as last known.
 
-    `round`: how many rounds are over; `slow`: what takes its time by itself, and which share of it is over, 0..1.
+    `round`: how many rounds are over; `slow`: what takes its time by itself, and which share of it is over, 0..1;
+    `unseen`: the objects that nobody on the team has seen, which no picture shows.
     """
 
     start: Start
@@ -37,6 +38,7 @@ class Moment:
     positions: NDArray[np.float64] | None
     round: int = 0
     slow: Mapping[tuple[Process, str], float] = field(default_factory=dict)
+    unseen: frozenset[str] = frozenset()
 
 
 class Pictures:
@@ -73,12 +75,9 @@ class Pictures:
             return None
         return bytes(data.tobytes())
 
-    def observe(
-        self, moment: Moment, robot: str, *, size: int, cameras: Collection[str], unseen: frozenset[str] = frozenset()
-    ) -> dict[str, Picture]:
-        """The pictures of these cameras (`options.CAMERAS`) of one robot, uint8 (size, size, 3), without what nobody on
-        its team has seen."""
-        return self._stage(moment).observe(robot, moment.world, size=size, cameras=cameras, unseen=unseen)
+    def observe(self, moment: Moment, robot: str, *, size: int, cameras: Collection[str]) -> dict[str, Picture]:
+        """The pictures of these cameras (`options.CAMERAS`) of one robot, uint8 (size, size, 3)."""
+        return self._stage(moment).observe(robot, moment.world, size=size, cameras=cameras)
 
     def record(self) -> None:
         """From now on keep moments."""
@@ -153,9 +152,9 @@ class Pictures:
         if self._posed is not None and _looks_alike(self._posed, moment):
             return self._shown
         if moment.positions is None:
-            self._shown.show_world(start, moment.world, moment.slow)
+            self._shown.show_world(start, moment.world, moment.slow, moment.unseen)
         else:
-            self._shown.show_positions(moment.positions, moment.world, moment.slow)
+            self._shown.show_positions(moment.positions, moment.world, moment.slow, moment.unseen)
         self._posed = moment
         return self._shown
 
@@ -167,7 +166,9 @@ def _pace(moments: Sequence[Moment]) -> float:
 
 def _looks_alike(one: Moment, other: Moment) -> bool:
     """Whether two moments of one kitchen are posed alike for certain, as when several robots look at one."""
-    if one.start is not other.start or one.world != other.world or one.slow != other.slow:
+    if one.start is not other.start:
+        return False
+    if (one.world, one.slow, one.unseen) != (other.world, other.slow, other.unseen):
         return False
     if one.positions is None or other.positions is None:
         return one.positions is other.positions

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -247,17 +248,19 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
             raise LifecycleError("this environment is closed: make a new one")
 
     def _moment(self) -> Moment:
-        positions = None if self._backend is None else self._backend.positions()
-        return Moment(self.start, self.world, positions, self._running().rounds)
+        positions, episode = None if self._backend is None else self._backend.positions(), self._running()
+        return Moment(self.start, self.world, positions, episode.rounds, unseen=episode.unseen)
 
     def _look(self, robot: str, cameras: Sequence[str] = USUAL_CAMERAS) -> dict[str, NDArray[np.uint8]]:
         """What these cameras of a robot show now."""
-        size, unseen = self.options.image_size, self._running().unseen
-        return self._pictures.observe(self._moment(), robot, size=size, cameras=cameras, unseen=unseen)
+        return self._pictures.observe(self._moment(), robot, size=self.options.image_size, cameras=cameras)
 
     def _film(self) -> None:
-        """Called by the backend once a control period, and after each round: the symbolic one has no periods."""
-        self._pictures.film(self._moment)
+        """Called by the backend once a control period, and after each round: the symbolic one has no periods.
+
+        A video is for those who look at an episode that is over: it shows what stands where.
+        """
+        self._pictures.film(lambda: replace(self._moment(), unseen=frozenset()))
 
     # -- what a kitchen with another clock has otherwise --------------------------------------------------------------
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -43,14 +42,17 @@ SMALL = 256
 """Pixels on a side up to which observation images are drawn with few triangles."""
 
 Picture = NDArray[np.uint8]
-Shot = tuple[str, int, int, Quality, frozenset[str]]
-"""A camera, the width and height of its picture, its quality, and the objects that are left out."""
+Shot = tuple[str, int, int, Quality]
+"""A camera, the width and height of its picture, and its quality."""
+
+NONE: frozenset[str] = frozenset()
 
 
 class Stage:
     """Draws episodes of one kitchen: the same layout, style and objects.
 
-    The pose comes either from physics (`show_positions`) or from a WorldState (`show_world`).
+    The pose comes either from physics (`show_positions`) or from a WorldState (`show_world`). Objects that are `unseen`
+    are in no picture of it: a window of an oven or microwave would show them.
     """
 
     def __init__(
@@ -75,24 +77,30 @@ class Stage:
         self._data = mujoco.MjData(self._model)
         self._state: tuple[Mapping[str, FixtureState], Mapping[str, ObjectState]] | None = None  # that is shown
         self._renderers: dict[tuple[int, int, Quality], Renderer] = {}
-        self._left_out: frozenset[str] = frozenset()
+        self._groups, self._left_out = self._model.geom_group.copy(), NONE
         self._drawn: dict[Shot, Picture] = {}  # of the present pose: robots share the view of the whole kitchen
 
-    def show_positions(self, positions: NDArray[np.float64], world: WorldState, slow: Slow = NOTHING) -> None:
+    def show_positions(
+        self, positions: NDArray[np.float64], world: WorldState, slow: Slow = NOTHING, unseen: frozenset[str] = NONE
+    ) -> None:
         """Take over joint positions, qpos of the physics model; switches as `world` says.
 
         `slow`: what takes its time by itself, and which share of it is over.
         """
         self._drawn.clear()
+        self._leave_out(unseen)
         self._data.qpos[:] = positions
         self._show_state(world, slow)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
         follow(self._model, self._data, self._layout, world)
 
-    def show_world(self, start: Start, world: WorldState, slow: Slow = NOTHING) -> None:
+    def show_world(
+        self, start: Start, world: WorldState, slow: Slow = NOTHING, unseen: frozenset[str] = NONE
+    ) -> None:
         """Pose the kitchen by what is true in it; `slow` as above."""
         self._drawn.clear()
+        self._leave_out(unseen)
         self._show_state(world, slow)
         pose(self._model, self._data, self._layout, self._categories, start, world)
         follow(self._model, self._data, self._layout, world)
@@ -138,20 +146,16 @@ class Stage:
         window.show(self._model, self._data, WIDE)
 
     def observe(
-        self, robot: str, world: WorldState, *, size: int, cameras: Collection[str] = ("front", "wrist", "side"),
-        unseen: frozenset[str] = frozenset(),
+        self, robot: str, world: WorldState, *, size: int, cameras: Collection[str] = ("front", "wrist", "side")
     ) -> dict[str, Picture]:
         """The robot's pictures, uint8 (size, size, 3): the kitchen, from its hand, and of its station.
-
-        `unseen` objects are left out: a window of an oven or microwave would show them.
 
         "side" is of its hand and its station while it holds something, "station" of its station whatever it holds;
         both are of the whole kitchen while it is away from all stations, "side" with an empty hand.
         """
         quality = OBSERVATION if size <= SMALL else NEAR
         every = _cameras(robot, world)
-        with self._without(unseen):
-            return {name: self._render(every[name], (size, size), quality) for name in cameras}
+        return {name: self._render(every[name], (size, size), quality) for name in cameras}
 
     def shown(self, robot: str, world: WorldState, camera: str, *, size: int) -> dict[str, int]:
         """How many pixels of each body are seen in one of the robot's pictures, where any are: body -> pixels."""
@@ -171,23 +175,16 @@ class Stage:
         self._renderers.clear()
         self._drawn.clear()
 
-    @contextmanager
-    def _without(self, objects: frozenset[str]) -> Iterator[None]:
-        """Leave objects out of the pictures that are drawn meanwhile."""
-        if not objects:
-            yield
-            return
-        groups = self._model.geom_group
-        before = groups.copy()
-        groups[np.isin(self._model.geom_bodyid, [self._model.body(name).id for name in objects])] = HIDDEN_GROUP
-        self._left_out = objects
-        try:
-            yield
-        finally:
-            groups[:], self._left_out = before, frozenset()
+    def _leave_out(self, objects: frozenset[str]) -> None:
+        """Leave these objects, and no others, out of the pictures from now on."""
+        if objects != self._left_out:
+            bodies_of = [self._model.body(name).id for name in objects]
+            out = np.isin(self._model.geom_bodyid, bodies_of)
+            self._model.geom_group[:] = np.where(out, HIDDEN_GROUP, self._groups)
+            self._left_out = objects
 
     def _render(self, camera: str, size: tuple[int, int], quality: Quality) -> Picture:
-        shot: Shot = (camera, *size, quality, self._left_out)
+        shot: Shot = (camera, *size, quality)
         if shot not in self._drawn:
             self._drawn[shot] = self._renderer(size, quality).render(self._data, camera).copy()
         return self._drawn[shot].copy()
