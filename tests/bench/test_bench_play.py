@@ -21,6 +21,7 @@ from remac_bench.proof.verify import verify
 from typer.testing import CliRunner
 
 import remac_env
+from remac_env.errors import RenderingError
 from remac_env.oracle import certify
 
 TASK = "HeatOnStove"
@@ -141,6 +142,21 @@ def test_a_person_is_told_no_more_than_a_planner(tmp_path: Path) -> None:
     assert (seen["scene"], seen["goal"]) == (info["text"], info["goal"])
     assert seen["commands"] == {"robot_0": list(info["commands"])}
     assert (seen["holding"], seen["rounds"], seen["left"]) == ({"robot_0": ""}, [], {})
+
+
+def test_why_there_is_no_picture_is_said_for_as_long_as_there_is_none(tmp_path: Path) -> None:
+    class Annex:
+        def render_work(self, *, whole: bool) -> None:
+            raise RenderingError("an annex cannot be drawn")
+
+    play = game(tmp_path, robots=1, render_mode="rgb_array")
+    infos = {"robot_0": {"commands": {"wait": 0}, "goal": "cook", "text": "a kitchen", "end": None}}
+    play._tell(Annex(), infos, {})
+    play.table.show(problem="", left={})  # as when the person is asked
+    with serving(play.app) as server:
+        seat = Seat(server)
+        seen, page = seat.http.get("/state").json(), seat.http.get("/").text
+    assert (seen["blind"], seen["pictures"]) == ("No picture: an annex cannot be drawn", 0) and 'id="blind"' in page
 
 
 def test_an_empty_order_ends_the_episode(tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ class Seen:
         rounds: for each round what became of each robot's subtask, as planners are told: (robot, text, whether it is
             known to have failed).
         left: what had been sent and was not played, because something failed before.
-        pictures: how many there are; the last one is of now.
+        pictures: how many there are; the last one is of now. blind: why there is none of now.
         result, page: at the end, how it ended, and the address of its page.
         problem: what is wrong with the last order, or why nothing goes on.
     """
@@ -44,6 +44,7 @@ class Seen:
     rounds: tuple[tuple[tuple[str, str, bool], ...], ...] = ()
     left: Rows = field(default_factory=dict)
     pictures: int = 0
+    blind: str = ""
     result: str = ""
     page: str = ""
     problem: str = ""

@@ -120,7 +120,7 @@ class Play:
         try:
             self.table.add_picture(_jpeg(env.render_work(whole=True)))
         except RemacError as error:
-            self.table.show(problem=f"no picture: {error}")
+            self.table.show(blind=f"No picture: {error}")
 
 
 def _jpeg(picture: Any) -> bytes:

@@ -168,6 +168,8 @@
     }
     at("goal").textContent = seen.goal;
     at("told").querySelector("bdi").textContent = seen.scene;
+    at("blind").textContent = seen.blind;
+    at("blind").hidden = !seen.blind;
     // What has not changed stays: a button that is made anew under a finger is not pressed.
     const changed = (...names) => names.some((name) => JSON.stringify(before[name]) !== JSON.stringify(seen[name]));
     if (changed("pictures")) { shown = seen.pictures; drawPicture(); }
