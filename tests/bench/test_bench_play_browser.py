@@ -77,6 +77,31 @@ def test_a_person_plays_an_episode(driver: Any, tmp_path: Path) -> None:
     assert verify(tmp_path).findings == ()
 
 
+def test_rounds_that_are_over_before_the_page_asks(driver: Any, tmp_path: Path) -> None:
+    from remac_bench.live.episode import person_job
+    from remac_bench.live.play_app import Play
+    from selenium.webdriver.common.keys import Keys
+
+    play = Play(person_job(TASK, seed=0, robots=1, kitchen={"backend": "symbolic"}), tmp_path, video=False)
+    with serving(play.app) as server:
+        play.start()
+        driver.get(server.address)
+        wait_for(lambda: "Your turn" in text(driver, "#status"))
+        search = driver.find_element("css selector", "#search")
+        for command in ("navigate to pan", "pick up vegetable", "wait", "navigate to stove"):
+            search.send_keys(command, Keys.ENTER)
+        search.send_keys(Keys.CONTROL, Keys.ENTER)
+        wait_for(lambda: rows(driver) == [["wait", "navigate to stove"]])
+        assert "A command failed" in text(driver, "#status") and "pick up vegetable: failure" in text(driver, "#rounds")
+        driver.find_element("css selector", ".row li button").click()
+        assert rows(driver) == [["navigate to stove"]]
+        driver.find_element("css selector", "#step").click()
+        wait_for(lambda: "navigate to stove: success" in text(driver, "#rounds"))
+        wait_for(lambda: rows(driver) == [[]] and text(driver, "#status") == "Your turn.")
+        driver.get("about:blank")
+    play.leave()
+
+
 def test_progress_is_shown_while_records_come(driver: Any, tmp_path: Path) -> None:
     with serving(View(tmp_path).app) as server:
         driver.get(server.address)

@@ -23,6 +23,7 @@ class Seen:
     Attributes:
         version: grows whenever anything else changes.
         phase: beginning, asked (it is their turn), playing, recording, ended or broken.
+        turn: how often they were asked.
         robots: their names; commands: robot -> what it can be told.
         goal, scene: as planners are told.
         holding: robot -> what it feels in its gripper, "" for nothing.
@@ -36,6 +37,7 @@ class Seen:
 
     version: int = 0
     phase: str = "beginning"
+    turn: int = 0
     robots: tuple[str, ...] = ()
     commands: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     goal: str = ""
@@ -108,7 +110,7 @@ class Table:
             StopEpisode: where nobody will send one.
         """
         with self._changed:
-            self._show(phase="asked")
+            self._show(phase="asked", turn=self._seen.turn + 1)
             self._changed.wait_for(lambda: self._orders is not None or self._left_alone)
             if self._orders is None:
                 raise StopEpisode("the person left before the end", infrastructure=True)

@@ -14,15 +14,16 @@
   // The token of the address is in a cookie by now.
   if (location.search.includes("token=")) history.replaceState(null, "", location.pathname);
 
-  let seen = { version: -1, robots: [], commands: {}, rounds: [], left: {}, holding: {}, pictures: 0 };
+  let seen = { version: -1, turn: 0, robots: [], commands: {}, rounds: [], left: {}, holding: {}, pictures: 0 };
   let draft = {};
   let added = [];
   let robot = 0;
   let choice = 0;
   let shown = 0;
+  let sent = 0; // the turn in which the last order was
 
   // -- what is sent -----------------------------------------------------------------------------------------
-  const yours = () => seen.phase === "asked";
+  const yours = () => seen.phase === "asked" && seen.turn > sent;
   const add = (text) => {
     draft[seen.robots[robot]].push(text);
     added.push(seen.robots[robot]);
@@ -52,14 +53,22 @@
     }
   };
   const planned = () => seen.robots.some((name) => draft[name].length);
+  const put = (rows) => {
+    draft = rows;
+    added = seen.robots.flatMap((name) => draft[name].map(() => name));
+    draw();
+  };
   const send = async (most) => {
     if (!yours() || !planned()) return;
     const rows = Object.fromEntries(seen.robots.map((name) => [name, draft[name].slice(0, most)]));
     const rest = Object.fromEntries(seen.robots.map((name) => [name, draft[name].slice(rows[name].length)]));
-    if (!(await post(rows))) return;
-    draft = rest;
-    added = seen.robots.flatMap((name) => draft[name].map(() => name));
-    ask(true);
+    sent = seen.turn; // before an answer: rounds may be over sooner than it is here
+    put(rest);
+    if (await post(rows)) { ask(true); return; }
+    const problem = at("status").textContent;
+    sent = 0;
+    put(Object.fromEntries(seen.robots.map((name) => [name, [...rows[name], ...draft[name]]])));
+    at("status").textContent = problem;
   };
   const finish = async () => {
     if (yours() && window.confirm("End the episode here? What has been reached by now counts.")) {
@@ -145,7 +154,8 @@
     const status = at("status");
     status.className = `note${seen.phase === "broken" ? " bad" : ""}`;
     const left = yours() && Object.keys(seen.left).length ? " A command failed; what was not played is in the rows again." : "";
-    status.textContent = `${STATUS[seen.phase] ?? ""}${left} ${seen.problem}`.trim();
+    const phase = seen.phase === "asked" && !yours() ? "playing" : seen.phase;
+    status.textContent = `${STATUS[phase] ?? ""}${left} ${phase === seen.phase ? seen.problem : ""}`.trim();
     if (seen.phase === "ended") {
       const link = made("a", "Look at the episode");
       link.setAttribute("href", seen.page);
@@ -159,13 +169,10 @@
 
   const take = (now) => {
     const before = seen;
-    const turned = now.phase === "asked" && before.phase !== "asked";
+    const turned = now.turn !== before.turn; // a turn may be over between two questions
     seen = now;
     for (const name of seen.robots) draft[name] ??= [];
-    if (turned && Object.keys(seen.left).length) {
-      for (const [name, row] of Object.entries(seen.left)) draft[name] = [...row, ...draft[name]];
-      added = seen.robots.flatMap((name) => draft[name].map(() => name));
-    }
+    if (turned) put(Object.fromEntries(seen.robots.map((name) => [name, [...(seen.left[name] ?? []), ...draft[name]]])));
     at("goal").textContent = seen.goal;
     at("told").querySelector("bdi").textContent = seen.scene;
     at("blind").textContent = seen.blind;
@@ -174,7 +181,7 @@
     const changed = (...names) => names.some((name) => JSON.stringify(before[name]) !== JSON.stringify(seen[name]));
     if (changed("pictures")) { shown = seen.pictures; drawPicture(); }
     if (changed("rounds")) drawRounds();
-    if (changed("phase", "robots", "commands", "left", "holding", "problem", "result", "page")) draw();
+    if (changed("phase", "turn", "robots", "commands", "left", "holding", "problem", "result", "page")) draw();
     if (turned) at("search").focus();
   };
   let waiting;
