@@ -25,27 +25,49 @@ Rounds = Sequence[Mapping[str, Subtask]]
 
 
 def rates(backend: str, seeds: Sequence[int]) -> dict[str, float]:
-    """Clock -> simulated seconds for each second of CPU time, the median over tasks and seeds, resets left out."""
+    """Clock -> simulated seconds for each second of CPU time in `step`, the median over tasks and seeds."""
     found: dict[str, list[float]] = {"rounds": [], "events": []}
     for task in TASKS:
         for clock in found:
             env = remac_env.parallel_env(task, robots=2, backend=backend, clock=clock)
             for seed in seeds:
-                _play(env, seed, clock)  # warm
-                runs = [_play(env, seed, clock) for _ in range(EPISODES[backend])]
+                steps = _steps(env, seed, clock)  # and everything is warm
+                runs = [_play(env, seed, steps) for _ in range(EPISODES[backend])]
                 found[clock].append(sum(told for told, _ in runs) / sum(spent for _, spent in runs))
             env.close()
     return {clock: median(each) for clock, each in found.items()}
 
 
-def _play(env: Any, seed: int, clock: str) -> tuple[float, float]:
-    """Simulated seconds and CPU seconds of an episode."""
-    _, infos = env.reset(seed=seed)
-    joints = _plan(env, env.worlds.spec.name, seed)
-    turns = _by_events(env, infos, joints) if clock == "events" else _by_rounds(env, infos, joints)
+def _play(env: Any, seed: int, steps: Sequence[Mapping[str, int]]) -> tuple[float, float]:
+    """Simulated seconds and CPU seconds of an episode with these tokens."""
+    env.reset(seed=seed)
     began = process_time()
-    told = [infos["robot_0"]["seconds"] for infos in turns]
-    return told[-1], process_time() - began
+    for tokens in steps:
+        infos = env.step(tokens)[4]
+    return infos["robot_0"]["seconds"], process_time() - began
+
+
+def _steps(env: Any, seed: int, clock: str) -> list[Mapping[str, int]]:
+    """The tokens of each step of an episode: what chooses them is no part of what is measured."""
+    _, infos = env.reset(seed=seed)
+    joints, told = _plan(env, env.worlds.spec.name, seed), _Told(env)
+    for _ in _by_events(told, infos, joints) if clock == "events" else _by_rounds(told, infos, joints):
+        pass
+    return told.steps
+
+
+class _Told:
+    """An environment that keeps what it was told."""
+
+    def __init__(self, env: Any) -> None:
+        self._env, self.steps = env, list[Mapping[str, int]]()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._env, name)
+
+    def step(self, tokens: Mapping[str, int]) -> Any:
+        self.steps.append(tokens)
+        return self._env.step(tokens)
 
 
 _PLANS: dict[tuple[str, int], Rounds] = {}

@@ -89,7 +89,7 @@ def shortest(start: Start, goal: Goal, deadline: float, max_states: int) -> list
 
 def _first(rules: Rules, span: Span, at: float, subtask: Subtask) -> bool:
     """Whether something has to have ended before a command begins that begins then in a plan."""
-    if span.ended <= at or span.kind != "process":
+    if span.ended <= at or span.kind != "process" or subtask.moves:
         return span.ended <= at
     during = next(each.during for each in rules.processes if each.name == span.what)
     places = WHERE[during](rules) if during in WHERE else []

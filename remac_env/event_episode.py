@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -43,6 +43,9 @@ class EventEpisode(Episode):
         """Nobody has decided anything yet."""
         super().__post_init__()
         self._told = (-1, "")
+        self._of_clock: dict[str, Any] = {} if self.stops is None else {"stop": self.stops}
+        self._of_clock |= dict.fromkeys(("ready", "running", "elapsed", "tau", "return", "decision"))
+        self._of_clock |= {"continue": self.continues, "max_seconds": float(self.terms.max_seconds), "processes": None}
         self._decisions = {robot: Decision() for robot in self.terms.scene.robots}
 
     def decided(self, robots: Iterable[str]) -> None:
@@ -69,21 +72,7 @@ class EventEpisode(Episode):
         return self.clock.over
 
     def _alike(self) -> dict[str, Any]:
-        told = super()._alike()
-        if self.stops is not None:
-            told["stop"] = self.stops
-        told.update({
-            "ready": None,
-            "running": None,
-            "elapsed": None,
-            "tau": None,
-            "return": None,
-            "decision": None,
-            "continue": self.continues,
-            "max_seconds": float(self.terms.max_seconds),
-            "processes": None,
-        })
-        return told
+        return super()._alike() | self._of_clock
 
     def _own(self, robot: str) -> dict[str, Any]:
         doing, now, last = self.clock.doing(robot), self.seconds, self._decisions[robot]
@@ -118,21 +107,21 @@ class EventEpisode(Episode):
 
     def _text(self, robot: str) -> str:
         if self._told[0] != self.rounds:
-            self._told = (self.rounds, "\n".join(self._of_time()))
+            self._told = (self.rounds, "\n".join(self._of_time(self.seconds)))
         return f"{super()._text(robot)}\n{self._told[1]}"
 
-    def _of_time(self) -> Iterator[str]:
+    def _of_time(self, now: float) -> list[str]:
         """What all robots are told of time at a decision point."""
-        now = self.seconds
-        yield f"The clock shows {now:g} of {self.terms.max_seconds:g} s."
+        lines = [f"The clock shows {now:g} of {self.terms.max_seconds:g} s."]
         for name in self.terms.scene.robots:
             doing = self.clock.doing(name)
             if doing is not None:
-                yield f"{name}: {doing.text}, for {now - doing.since:g} s so far."
+                lines.append(f"{name}: {doing.text}, for {now - doing.since:g} s so far.")
         if self.terms.scene.processes:
-            for (process, name), since in self._slow.items():
-                yield f"{_sentence(process, name)}, for {now - since:g} s so far."
-            yield from (f"The {name} is {mark}." for name, mark in self._marked())
+            slow = self._slow.items()
+            lines += [f"{_sentence(process, name)}, for {now - since:g} s so far." for (process, name), since in slow]
+            lines += [f"The {name} is {mark}." for name, mark in self._marked()]
+        return lines
 
     def _marked(self) -> list[tuple[str, str]]:
         """What has come of processes: objects and their marks."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 from remac_agents.plan import Commands, Plan, PlanError
 from remac_agents.planners.oracle import for_robots
-from remac_agents.planning.lasting import falls_shut, in_time, keeps_open
+from remac_agents.planning.lasting import SLOWER, falls_shut, in_time, keeps_open
 from remac_agents.roles import PlanRequest
 from remac_env import oracle
 from remac_env.events.makespan import set_up
@@ -65,7 +65,9 @@ class TimelyPlanner:
             known = Commands(request.commands)
             mates = {name: known.parse(text) or WAIT for name, text in request.teammates.items()}
             robot = request.lead
-            return Plan.of({robot: [next_step(request.rules, request.world, goal, robot, mates, request.slow)]})
+            # How long commands take is not known where robots are asked one by one; a plan goes by the table's seconds.
+            step = next_step(request.rules, request.world, goal, robot, mates, request.slow, slower=SLOWER)
+            return Plan.of({robot: [step]})
         rules, world = for_robots(request.rules, request.world, request.robots)
         return Plan.of(_rows(rules, world, goal))
 
@@ -77,10 +79,12 @@ def next_step(
     robot: str,
     mates: Mapping[str, Subtask],
     slow: Mapping[str, float] = NOTHING,
+    *,
+    slower: float = 1.0,
 ) -> Subtask:
     """What a robot does next, the others being at what they are at; WAIT where there is nothing for it.
 
-    `slow`: what goes on by itself, as "process object" -> for how long already, s.
+    `slow`: what goes on by itself, as "process object" -> for how long already, s. `slower`: see `in_time`.
     """
     for part in _open_to(robot, world, mates, list(_parts(rules, world, goal))):
         if not part.about & _busy_with(world, robot, mates):
@@ -88,7 +92,8 @@ def next_step(
                 if step.target not in part.vessels and _may(rules, world, robot, step, mates):
                     if keeps_open(rules, world, goal, robot, step, mates):
                         return WAIT
-                    return in_time(rules, world, goal, step, slow) if rules.robots == (robot,) else step
+                    own = rules.robots == (robot,)
+                    return in_time(rules, world, goal, step, slow, slower=slower) if own else step
     leaves = world.robots[robot].station != ASIDE and feasible(rules, world, robot, STEP_ASIDE)
     if not leaves or keeps_open(rules, world, goal, robot, STEP_ASIDE, mates):
         return WAIT
