@@ -245,10 +245,13 @@ def _find(role: str, name: str) -> Any:
 
 def _make(maker: Any, role: str, name: str, options: Mapping[str, Any]) -> Any:
     try:
-        inspect.signature(maker).bind(**options)
+        taken = inspect.signature(maker)
+    except ValueError:
+        return maker(**options)  # made by native code, without a signature: it speaks for itself
+    try:
+        taken.bind(**options)
     except TypeError as error:
         told = {option: value for option, value in options.items() if option != "models"}
-        raise OptionError(f"{role} {name!r} does not take {told!r}: {error}") from error
-    except ValueError:
-        pass  # made by native code, without a signature: it speaks for itself
+        valid = ", ".join(option for option in taken.parameters if option not in ("model", "models")) or "no options"
+        raise OptionError(f"{role} {name!r} does not take {told!r}: {error}; valid: {valid}") from error
     return maker(**options)

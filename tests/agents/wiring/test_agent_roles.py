@@ -165,3 +165,10 @@ def test_an_episode_cut_short_is_remembered_as_a_failure() -> None:
     assert not second.success
     assert first.reflection
     assert first.action_list
+
+
+def test_an_option_that_a_role_does_not_take_is_answered_with_those_that_it_takes() -> None:
+    with pytest.raises(OptionError, match=r"checker 'noisy' does not take .*'fp'.*; valid: false_alarm, miss"):
+        remac_agents.make("CC", checker="noisy,fp=0.1")
+    with pytest.raises(OptionError, match=r"does not take .*depth.*; valid: "):
+        remac_agents.make("CC", planner="oracle,depth=1")
