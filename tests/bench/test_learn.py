@@ -146,7 +146,7 @@ def test_training_is_the_same_with_any_number_of_threads(monkeypatch: pytest.Mon
     try:
         assert weights(1) == weights(2) == weights(3)
         ours = weights(1)
-        monkeypatch.setattr(learning, "THREADS", 1)
+        monkeypatch.setattr(learning, "THREADS", 2)
         assert weights(1) != ours, "so it does depend on them"
     finally:
         torch.set_num_threads(before)

@@ -30,8 +30,10 @@ _ARM = 3  # from where on a command's numbers are about lift, arm and fingers
 _AFTER = 24  # frames that are shown after an object was taken or put, while the hand goes clear
 _MOVED = 2e-4  # rad or m by which a command differs from the one before it where it counts as motion
 _LITTLE = 1e-3  # added to deviations: of numbers that hardly vary
-THREADS = 2
-"""Threads that networks are trained with on every machine: the last bits of torch's sums depend on their number."""
+THREADS = 1
+"""Threads that networks are trained with on every machine: the last bits of torch's sums depend on their number, and
+on a busy machine several spin while they wait for each other.
+"""
 
 _BLIND = 1e9  # the deviation by which numbers are divided that are not to be looked at: nothing is left of them
 
