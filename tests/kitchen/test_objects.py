@@ -56,7 +56,7 @@ CHAINS = [name for name, category in CATEGORIES.items() if category.body.form ==
 
 @pytest.mark.parametrize("category", CHAINS)
 def test_fingers_close_on_the_thickest_part(category: str) -> None:
-    """Where it tapers it creeps out of the hand: a pear gripped 8 mm beside its belly slipped in two of six cabinets."""
+    """Where it tapers it creeps out of the hand: pears gripped 8 mm beside their belly slipped."""
     body = CATEGORIES[category].body
     links = list(zip(itertools.pairwise(body["points"]), body["radii"], strict=True))
     thickest = [link for link, radius in links if radius == max(body["radii"])]

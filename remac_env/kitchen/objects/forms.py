@@ -23,7 +23,7 @@ FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 """Forms and the measures that each needs, m. A loaf is a flat cushion; a chain is capsules from each point to the next,
-one radius each. Capsule, ellipsoid and loaf have their frame in the middle, a chain has it where fingers close on it, x the
+one radius each. Capsule, ellipsoid and loaf have their frame in the middle, a chain where fingers close on it, x the
 long way; the others stand on their frame's origin, turned about z (a box with x, y and z along its edges)."""
 
 VECTORS = ("half",)
