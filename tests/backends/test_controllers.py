@@ -177,7 +177,7 @@ def test_commands_are_clipped_to_what_the_maker_allows() -> None:
 
 def test_a_controllers_word_counts_for_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert turned_on(Liar)[1].reason == "slipped"
-    monkeypatch.setattr(timeline.Timeline, "_judged", lambda self, robot, task, outcome: outcome)
+    monkeypatch.setattr(timeline, "judged", lambda task, outcome, rules, world: outcome)
     assert turned_on(Liar)[1].success, "as it would be if its word counted"
 
 

@@ -181,8 +181,7 @@ class Attempts:
         began = self._simulation.ticks
         sensing, own = pilot.briefed(now.number, subtask, now.world), pilot.own_for(now.number, subtask, now.world)
         if own is not None:
-            outcome = yield from pilot.skill(own, subtask, sensing, lambda: now.hindered(subtask))
-            return _or_done(outcome, robot, subtask, now)
+            return (yield from pilot.skill(own, subtask, sensing, lambda: now.hindered(subtask)))
         outcome = yield from self._among_litter(robot, subtask, sensing, now)
         if here.clear.checker.keep_out and _no_way(outcome) and not now.hindered(subtask):
             moved = self._simulation.ticks - began > _THOUGHT
@@ -194,7 +193,7 @@ class Attempts:
                 outcome = yield from pilot.scripted(subtask, sensing)
         if not outcome.success and outcome.reason != "door_closed":
             yield from pilot.home()
-        return _or_done(outcome, robot, subtask, now)
+        return outcome
 
     def _among_litter(self, robot: str, subtask: Subtask, sensing: Briefed, now: Orders) -> Attempt:
         """Run a skill clear of what lies on the floor; try again once that has been pushed away, in the end over it."""
@@ -263,11 +262,6 @@ def keep_out_plane(here: Station, there: Station) -> KeepOutPlane:
 def keeps_from(plane: KeepOutPlane, here: Station, there: Station) -> bool:
     """Whether a plane keeps a robot at the first place out of about half the way to the second one."""
     return plane.x * there.x + plane.y * there.y - plane.limit >= _SHARE * here.distance(there)
-
-
-def _or_done(outcome: Outcome, robot: str, subtask: Subtask, now: Orders) -> Outcome:
-    """How a subtask ended; one that was stopped when it had done what it says has succeeded."""
-    return Outcome("success") if outcome.reason == "interrupted" and now.achieved(robot, subtask) else outcome
 
 
 def _no_way(outcome: Outcome) -> bool:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from remac_env.backends.physics.bodies import Bodies, Standing
 from remac_env.backends.physics.pose import Pose
@@ -38,16 +39,15 @@ class Posed(Protocol):
 
 def read_world(
     simulation: Bodies, scene: Rules, layout: Layout, objects: Mapping[str, Category], *,
-    marks: Mapping[str, frozenset[str]], running: frozenset[str],
+    held: Mapping[str, str], marks: Mapping[str, frozenset[str]], running: frozenset[str],
 ) -> WorldState:
     """The world as it is.
 
-    ``marks`` and ``running`` are what geometry does not show: marks of objects, and switches that a push button
-    has left on.
+    ``held``: robot -> what it holds, see `hands`. ``marks`` and ``running`` are what geometry does not show: marks of
+    objects, and switches that a push button has left on.
     """
-    held = {name: holding(simulation, robot, objects) for name, robot in simulation.robots.items()}
-    robots = {name: RobotState(station_of(robot, layout), held[name]) for name, robot in simulation.robots.items()}
-    holders = {body: name for name, body in held.items() if body is not None}
+    robots = {n: RobotState(station_of(robot, layout), held.get(n)) for n, robot in simulation.robots.items()}
+    holders = {body: name for name, body in held.items()}
     states = {
         name: ObjectState(_place(simulation, layout, objects, holders, name), marks.get(name, frozenset()))
         for name in scene.objects
@@ -70,16 +70,38 @@ def station_of(robot: Standing, layout: Layout) -> str:
     return ASIDE
 
 
-def holding(simulation: Bodies, robot: Standing, objects: Mapping[str, Category]) -> str | None:
-    """The object that both fingers of a robot touch, or None."""
-    model, data = simulation.model, simulation.data
+def touching(simulation: Bodies) -> NDArray[np.int32]:
+    """Pairs of geoms (n, 2) that touch now."""
+    data = simulation.data
+    pairs: NDArray[np.int32] = data.contact.geom[: data.ncon]
+    return pairs.copy()
+
+
+def hands(
+    simulation: Bodies, objects: Mapping[str, Category], moments: Iterable[NDArray[np.int32]]
+) -> dict[str, str]:
+    """Robot -> what it holds, at the first of these moments (`touching`) at which it holds anything."""
+    held: dict[str, str] = {}
+    for touched in moments:
+        for name, robot in simulation.robots.items():
+            body = None if name in held else holding(simulation, robot, objects, touched)
+            if body is not None and body not in held.values():
+                held[name] = body
+    return held
+
+
+def holding(
+    simulation: Bodies, robot: Standing, objects: Mapping[str, Category], pairs: NDArray[np.int32] | None = None
+) -> str | None:
+    """The object that both fingers of a robot touch, or None; now, or where ``pairs`` touch."""
+    model = simulation.model
     fingers = [model.body(finger).id for finger in robot.fingers]
     bodies = {model.body(name).id: name for name in objects}
     touched: dict[int, set[int]] = {}
-    for pair in model.geom_bodyid[data.contact.geom[: data.ncon]]:
-        for one, other in (pair, pair[::-1]):
-            if int(one) in fingers and int(other) in bodies:
-                touched.setdefault(int(other), set()).add(int(one))
+    for first, second in model.geom_bodyid[touching(simulation) if pairs is None else pairs].tolist():
+        for one, other in ((first, second), (second, first)):
+            if one in fingers and other in bodies:
+                touched.setdefault(other, set()).add(one)
     both = sorted(body for body, by in touched.items() if len(by) == 2)
     return bodies[both[0]] if both else None
 

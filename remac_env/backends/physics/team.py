@@ -14,6 +14,7 @@ from remac_env.backends.physics.controllers.scripted.controller import ended
 from remac_env.backends.physics.controllers.scripted.motion import Mover
 from remac_env.backends.physics.controllers.scripted.paths import Planner
 from remac_env.backends.physics.controllers.scripted.robot import Robot, View
+from remac_env.backends.physics.controllers.scripted.skill import hold
 from remac_env.backends.physics.controllers.scripted.workspace import Clear, Hand, Kitchen, Workspace
 from remac_env.backends.physics.drives import DriveGoal
 from remac_env.backends.physics.multi_robot import MultiRobotPlanner
@@ -60,7 +61,7 @@ class Team:
     def hold(self, objects: Mapping[str, str | None]) -> None:
         """Tell robots what their hands hold now."""
         for name, body in objects.items():
-            self.robots[name].hand.body = body
+            hold(self.robots[name], body)
 
     def attempts(self, now: Orders) -> dict[str, Attempt]:
         """A generator for every robot with an accepted subtask; each returns its outcome. None of them may be busy."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 
 import mujoco
@@ -14,6 +14,7 @@ from remac_env.backends.physics.attempts import Orders
 from remac_env.backends.physics.closers import Closers
 from remac_env.backends.physics.controllers.base import Command, MakeController, check_controllers
 from remac_env.backends.physics.falls import fallen
+from remac_env.backends.physics.judging import Begun, judged
 from remac_env.backends.physics.pilot import Attempt, Pilot
 from remac_env.backends.physics.quirks import Oddities
 from remac_env.backends.physics.quirks.mechanisms import Surroundings
@@ -45,22 +46,6 @@ _START_LEAST = 1  # of the same: objects start where they rest
 Watch = Callable[[], None] | None
 
 
-@dataclass(frozen=True)
-class _Task:
-    """A subtask that has begun: at which control step, in which world, what its robot claims, and what the skill table
-    makes of that world (where things take their time; else the same)."""
-
-    subtask: Subtask
-    began: int
-    world: WorldState
-    claim: Claim
-    after: WorldState
-
-    def held(self, robot: str) -> str | None:
-        """What its robot held."""
-        return self.world.robots[robot].holding
-
-
 class Timeline:
     """A start in physics. ``begin`` subtasks and ``advance`` to the next end, or ``run_round``."""
 
@@ -79,7 +64,7 @@ class Timeline:
         self._truth = Truth(self.simulation, start, self._layout, self._objects)
         self.closers = Closers(self.simulation, self._layout)
         self._batches = self._contacts = self._misses = 0
-        self._tasks: dict[str, _Task] = {}
+        self._tasks: dict[str, Begun] = {}
         self._attempts: dict[str, Attempt] = {}
         self._stepped: set[str] = set()
         self._fell: dict[str, str] = {}
@@ -121,7 +106,8 @@ class Timeline:
         accepted = {robot: subtask for robot, subtask in subtasks.items() if robot not in refused}
         for robot, subtask in accepted.items():
             claim = Claim.of(self.start.scene, world, robot, subtask, stations[robot])
-            self._tasks[robot] = _Task(subtask, now, world, claim, self._foretold(robot, subtask, stations[robot]))
+            after = self._foretold(robot, subtask, stations[robot])
+            self._tasks[robot] = Begun(subtask, robot, now, world, claim, after)
         if self._oddities is not None:
             self._oddities.began(accepted.values())
         orders = Orders(self._batches, world, accepted, stations, self._achieved, self._hindered)
@@ -254,38 +240,34 @@ class Timeline:
 
     def _achieved(self, robot: str, subtask: Subtask) -> bool:
         """Whether a subtask has done by now what it says."""
-        seen, held = self._truth.seen(), self._tasks[robot].held(robot)
-        return all(condition.holds(self.start.scene, seen) for condition in subtask.achieves(robot, held))
+        return not self._tasks[robot].missing(self.start.scene, self._truth.seen(lately=True))
 
     def _hindered(self, subtask: Subtask) -> bool:
         """Whether a quirk has kept a subtask from succeeding, so far."""
         return self._oddities is not None and self._oddities.hindered(subtask)
 
     def _judge(
-        self, ended: Mapping[str, Outcome], tasks: Mapping[str, _Task], before: WorldState,
+        self, ended: Mapping[str, Outcome], tasks: Mapping[str, Begun], before: WorldState,
         running: Mapping[str, Subtask],
     ) -> dict[str, Outcome]:
         """Outcomes by the world as it is now. ``running``: what ran since the world ``before``."""
         for name, robots in fallen(self.start.scene, before, self.world, running):
             for robot in robots:
                 self._fell.setdefault(robot, name)
-        judged = {robot: self._judged(robot, tasks.get(robot), outcome) for robot, outcome in ended.items()}
+        judged = {robot: self._judged(tasks.get(robot), outcome) for robot, outcome in ended.items()}
         for robot, name in self._fell.items():
             if robot in judged and judged[robot].success:
                 judged[robot] = replace(judged[robot], status="failure", reason="dropped", detail=f"the {name} fell")
         self._fell = {robot: name for robot, name in self._fell.items() if robot in self._attempts}
         return judged
 
-    def _judged(self, robot: str, task: _Task | None, outcome: Outcome) -> Outcome:
-        """Success only when what the subtask achieves is true; what a quirk has kept from it is blocked."""
-        if task is not None and outcome.success:
-            achieved = task.subtask.achieves(robot, task.held(robot))
-            false = [f"not true at rest: {c.sentence}" for c in achieved if not c.holds(self.start.scene, self.world)]
-            if not false:
-                return outcome
-            outcome = replace(outcome, status="failure", reason="slipped", detail=false[0])
-        hindered = task is not None and self._hindered(task.subtask)
-        return replace(outcome, reason=HINDERED.reason, detail=HINDERED.detail) if hindered else outcome
+    def _judged(self, task: Begun | None, outcome: Outcome) -> Outcome:
+        """By what is true; what a quirk has kept from succeeding is blocked."""
+        if task is None:
+            return outcome
+        told = judged(task, outcome, self.start.scene, self.world)
+        hindered = not told.success and self._hindered(task.subtask)
+        return replace(told, reason=HINDERED.reason, detail=HINDERED.detail) if hindered else told
 
 
 @lru_cache(maxsize=8)

@@ -66,6 +66,13 @@ def take(here: Workspace, body: str, stood: Pose, contents: tuple[str, ...]) -> 
     here.sensed.hold(body)
 
 
+def hold(here: Workspace, body: str | None) -> None:
+    """Note what the hand holds by now; what it had believed lost lies in it as it does now."""
+    if body is not None and here.hand.body != body:
+        here.hand.away = _away(here, body)
+    here.hand.body = body
+
+
 def check_held(here: Workspace) -> None:
     """Fail with ``slipped`` when what the hand should hold is no longer in it."""
     body = here.hand.body
