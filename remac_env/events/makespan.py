@@ -13,6 +13,7 @@ from remac_env.backends.symbolic import Kept as BackendKept
 from remac_env.backends.symbolic import Seconds, SymbolicBackend, nominal
 from remac_env.events.clock import EventClock, Order
 from remac_env.events.clock import Kept as ClockKept
+from remac_env.events.spoiling import ShutAway
 from remac_env.oracle.bounds import IMPOSSIBLE, make_bound
 from remac_env.oracle.commands import relevant_commands
 from remac_env.rules.claims import feasible
@@ -116,7 +117,7 @@ class _Search:
         world = self._backend.reset(start)
         self._clock = EventClock(self._backend, start.scene, deadline=deadline)
         self._commands = relevant_commands(start.scene, world, wider(start.scene, goal))
-        self._bound = _Bound(start.scene, goal)
+        self._bound, self._spoils = _Bound(start.scene, goal), ShutAway(start.scene, goal.names())
 
     def run(self, max_states: int) -> Makespan:
         """Search to the end, or until so many moments were looked at."""
@@ -127,7 +128,7 @@ class _Search:
         lower = self._ahead(first)
         while queue:
             estimate, _, moment = heapq.heappop(queue)
-            if moment.now > best[moment.key]:
+            if moment.now > best[moment.key] or estimate == math.inf:
                 continue
             lower = max(lower, estimate) if self._greed == 1.0 else lower
             if self._goal.holds(self._rules, moment.backend[0]):
@@ -194,6 +195,8 @@ class _Search:
         """s that are needed at least from a moment on."""
         world, running, now = moment.backend
         after = self._backend.foreseen(world, running)
+        if self._spoils.too_late(moment.clock[2], after, now):
+            return math.inf
         return max(self._bound.subtasks(after), self._bound.processes(moment.clock, world, after, now))
 
 

@@ -100,6 +100,10 @@ WHERE: Mapping[str, Where] = {
 """The fixtures that are needed to make it so; none where nobody has to do anything."""
 
 
+SHUT_AWAY = frozenset({"in the open"})
+"""What ceases to be so of an object only once it is behind a shut door."""
+
+
 # -- the rows -------------------------------------------------------------------------------------------------------
 
 
