@@ -1,4 +1,4 @@
-"""What a hand has held for two minutes is still in it: while it stands, tall things turn in the pads and hardly slide."""
+"""What a hand has held for two minutes is still in it: standing, tall things turn in the pads and hardly slide."""
 
 from __future__ import annotations
 
