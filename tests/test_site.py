@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.util
 import re
@@ -124,6 +125,23 @@ def test_a_field_of_which_nothing_is_said_is_found() -> None:
         depth: float
 
     assert unsaid(Thing) == ["depth"]
+
+
+def _listed_together(code: str) -> list[str]:
+    """Arguments of which a docstring says the same in one line: the reference knows none by such a name."""
+    found = []
+    suspect = re.search(r"^ +\w+(?:, \w+)+: ", code, re.MULTILINE)
+    for node in ast.walk(ast.parse(code)) if suspect else ():
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and (text := ast.get_docstring(node)):
+            args = re.search(r"^Args:\n((?: {4}.*\n?|\n)*)", text, re.MULTILINE)
+            found += re.findall(r"^ {4}\w+(?:, \w+)+: ", args[1], re.MULTILINE) if args else []
+    return found
+
+
+def test_every_argument_has_a_line_of_its_own() -> None:
+    files = [file for room in ("remac_env", "remac_agents", "benchmarks") for file in (ROOT / room).rglob("*.py")]
+    assert not {str(file): found for file in files if (found := _listed_together(file.read_text("utf-8")))}
+    assert _listed_together('def f(a, b):\n    """X.\n\n    Args:\n        a, b: both.\n    """') == ["    a, b: "]
 
 
 def test_what_a_page_would_fetch_from_elsewhere_is_found(maker: ModuleType, tmp_path: Path) -> None:

@@ -93,7 +93,8 @@ def read_board(*folders: str | Path, grades: Sequence[str] = (), templates: Sequ
     """All tables of folders together, the labels of `remac bench blame` among them; errors as of `read_records`.
 
     Args:
-        grades, templates: only generated tasks of these grades, and of templates whose names hold one of these words.
+        grades: only generated tasks of these grades.
+        templates: only generated tasks of templates whose names hold one of these words.
 
     Raises:
         UsageError: also where no record is left.

@@ -142,7 +142,8 @@ def respond(error: ChatError, asked: ChatRequest, sent: ChatRequest, manner: Man
     """The change after which a request may be sent again, or the error with the option that may help.
 
     Args:
-        asked, sent: the question, and what was sent in its place by this manner.
+        asked: the question.
+        sent: what was sent in its place by this manner.
         halved: how often the call has halved its answer.
     """
     text = error.detail.casefold().removeprefix(IN_STREAM)

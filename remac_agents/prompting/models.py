@@ -76,7 +76,8 @@ class Models:
             base_url: of models that may be anywhere and are named without an address.
             providers: a file of providers that adds to those built in, or overrides them.
             via: the provider by which models are reached, or "auto"; see `remac_agents.llm.resolving.route`.
-            clock, environ: given by tests.
+            clock: given by tests.
+            environ: given by tests.
         """
         self.budget = budget or Budget(**LIMITS)  # type: ignore[arg-type]
         self.cassette, self.page = cassette, Page()

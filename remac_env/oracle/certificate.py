@@ -66,7 +66,9 @@ def certify(
     """The certificate of a start for all robots of the scene.
 
     Args:
-        scene, world, goal: the kitchen, the state in which it begins, and what is to be reached.
+        scene: the kitchen.
+        world: the state in which it begins.
+        goal: what is to be reached.
         max_rounds: what a plan may cost at most, in rounds.
         max_states: states to look at before giving up, `most_states` where None. It is the bound of each search: for a
             plan, for the proof (see `shortest`), and for any plan at all.

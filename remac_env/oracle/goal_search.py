@@ -19,11 +19,15 @@ def search_goal(
     """What `search` comes to for a goal.
 
     Args:
-        scene, world, goal: see `certify`.
+        scene: see `certify`.
+        world: see `certify`.
+        goal: see `certify`.
         about: the part of the goal that commands and bound are about, the whole of it where None.
         exact: with all commands that can matter; else with those that the goal is about.
         robots: those that act, all where None; the others are as if they were not there.
-        max_rounds, max_states, greed: see `search`.
+        max_rounds: see `search`.
+        max_states: see `search`.
+        greed: see `search`.
     """
     if robots is not None:
         scene, world = among(scene, world, robots)

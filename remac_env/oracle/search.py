@@ -117,7 +117,8 @@ def search(
     """The cheapest sequence of rounds to a state in which `reached` is true.
 
     Args:
-        scene, world: the kitchen, and the state in which it begins.
+        scene: the kitchen.
+        world: the state in which it begins.
         reached: whether a state will do; with three robots or more it must not hang on which robot is which.
         commands: the subtasks that robots may run; waiting is always allowed.
         bound: a cost in rounds that the rest needs at least; 0 makes the search uninformed.

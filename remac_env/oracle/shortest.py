@@ -21,7 +21,9 @@ def shortest(
     commands that can matter are tried up to a cost of one less. Together that is quicker than to try them all at once.
 
     Args:
-        scene, world, goal: see `certify`.
+        scene: see `certify`.
+        world: see `certify`.
+        goal: see `certify`.
         max_rounds: what a plan may cost at most, in rounds.
         max_states: states to look at before giving up, `most_states` where None; WIDER times as many for the proof.
 

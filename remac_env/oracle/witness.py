@@ -32,7 +32,9 @@ def witness(
     robot works; where it cannot reach a part, all do.
 
     Args:
-        scene, world, goal: see `certify`.
+        scene: see `certify`.
+        world: see `certify`.
+        goal: see `certify`.
         part_states: states to look at for each part.
         hints: the parts in the order in which to reach them; by default that of the goal itself.
     """

@@ -42,7 +42,8 @@ def check_task(
         task: a name, or a spec that need not be registered.
         seeds: seeds of the episodes that are looked at.
         rounds: length of the random episodes.
-        robots, starts: how many robots, and which kinds of starts: each with each.
+        robots: how many robots.
+        starts: kinds of starts; each with each number of robots.
 
     Raises:
         ContractError: naming the check, the seed and the round at fault.

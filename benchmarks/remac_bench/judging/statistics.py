@@ -77,7 +77,8 @@ def cluster_bootstrap(differences: Sequence[float], counts: Sequence[int], *, na
     Whole clusters are drawn with replacement (Field and Welsh 2007): episodes of one problem are alike.
 
     Args:
-        differences, counts: for each problem the sum of the differences and the number of episodes.
+        differences: for each problem the sum of the differences.
+        counts: for each problem the number of episodes.
         name: names the generator, so that the same records give the same interval.
 
     Returns:
@@ -100,7 +101,8 @@ def problems_to_separate(better: int, worse: int, n: int, *, alpha: float = ALPH
     fewer than an exact test needs at all: with k problems that differ, no p falls below 2 / 2^k.
 
     Args:
-        better, worse: problems on which the first entry, or the second, solved more episodes, of `n`.
+        better: problems, of `n`, on which the first entry solved more episodes.
+        worse: those on which the second did.
 
     Returns:
         the number in all, or None where no difference was seen.

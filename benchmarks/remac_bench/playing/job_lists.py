@@ -42,7 +42,8 @@ def make_jobs(
     Args:
         kitchen: keywords of `remac_env.parallel_env` but `robots`. Pictures follow from the roles (sight.kitchen_for).
         agent: keywords of `remac_agents.make`; those that are None count as not given.
-        robots, iterations: None means the method's own; methods without a memory play iteration 0 alone.
+        robots: None means the method's own.
+        iterations: None means the method's own; methods without a memory play iteration 0 alone.
         access: see Job.
         checked: build one kitchen and one agent of each sort, so that bad names come out now.
         viewers: method -> its roles that must be shown pictures, where that is known and nobody shall be asked.

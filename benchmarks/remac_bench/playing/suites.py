@@ -110,7 +110,8 @@ class Suite:
             entries: keywords of `remac_agents.make` that make an entry what it is; {} is the suite's own agent.
             backend: in place of the suite's.
             access: how models are reached.
-            checked, viewers: see `make_jobs`.
+            checked: see `make_jobs`.
+            viewers: see `make_jobs`.
 
         Raises:
             UnknownNameError, OptionError, UsageError: for an entry that is not valid.

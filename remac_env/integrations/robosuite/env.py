@@ -45,7 +45,10 @@ class RemacKitchen(ManipulationEnv):  # type: ignore[misc]
             kitchens: it is the body for which they are made.
         seed: of the start, which every reset brings back exactly; None draws another start for each hard reset.
             `set_seed` changes it. A start is the one that `remac_env.parallel_env(task).reset(seed=seed)` has.
-        style, layout, starts, naming: as for `remac_env.parallel_env`.
+        style: as for `remac_env.parallel_env`.
+        layout: as for `remac_env.parallel_env`.
+        starts: as for `remac_env.parallel_env`.
+        naming: as for `remac_env.parallel_env`.
         looks: whether kitchens are drawn; without, a step is quicker and pictures show the robots alone.
         use_object_obs: whether objects and fixtures are observed.
         reward_shaping: the fraction of the goal's parts that hold, instead of 1 once the goal holds.
