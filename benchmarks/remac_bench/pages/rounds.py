@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from remac_bench.judging.episodes import by_events
 from remac_bench.records import CheckEntry, ExchangeEntry, OrderEntry, OutcomeEntry, Record
 from remac_bench.store import PICTURES
-from remac_env.envs.event_parallel import STOP
 
 _DIGEST = re.compile(r"[A-Za-z0-9]{1,128}")
 
@@ -80,8 +78,7 @@ def shown_rounds(record: Record, spans: Sequence[tuple[float, float]], folder: P
         folder: where pictures are looked up.
     """
     end = spans[-1][1] if spans else 0.0
-    place = _places(record)
-    return tuple(_round(record, number, span, place, folder) for number, span in enumerate((*spans, (end, end))))
+    return tuple(_round(record, number, span, folder) for number, span in enumerate((*spans, (end, end))))
 
 
 def round_spans(record: Record) -> list[tuple[float, float]]:
@@ -113,26 +110,10 @@ def decision_points(record: Record) -> list[float]:
     return points
 
 
-def _places(record: Record) -> Callable[[int], int]:
-    """Which round, or decision point, the count of rounds of checks and exchanges is about.
-
-    By the event clock they count how often the method was asked: whenever a robot was ready, or all where it plans in
-    rounds.
-    """
-    if record.clock != "events":
-        return lambda number: number
-    least = 1 if by_events(record.method) else record.robots
-    decided = [[order for order in told.values() if order.command != STOP] for told in record.orders]
-    asked = [number for number, told in enumerate(decided) if len(told) >= least]
-    return lambda number: asked[number] if 0 <= number < len(asked) else len(record.outcomes)
-
-
-def _round(
-    record: Record, number: int, span: tuple[float, float], place: Callable[[int], int], folder: Path
-) -> ShownRound:
+def _round(record: Record, number: int, span: tuple[float, float], folder: Path) -> ShownRound:
     # The checks after a round count it as played; those before it do not.
-    before = [ShownCheck(entry=each, when="before") for each in record.pre_checks if place(each.round) == number]
-    after = [ShownCheck(entry=each, when="after") for each in record.post_checks if place(each.round) == number + 1]
+    before = [ShownCheck(entry=each, when="before") for each in record.pre_checks if each.round == number]
+    after = [ShownCheck(entry=each, when="after") for each in record.post_checks if each.round == number + 1]
     worlds = record.worlds[number : number + 2]
     return ShownRound(
         number=number,
@@ -145,7 +126,7 @@ def _round(
         exchanges=tuple(
             ShownExchange(entry=each, pictures=tuple(_picture(digest, folder) for digest in each.pictures))
             for each in record.exchanges
-            if place(each.round) == number
+            if each.round == number
         ),
     )
 
