@@ -18,7 +18,7 @@ def check_actions(actions: Mapping[str, Any], agents: Sequence[str]) -> dict[str
     Raises:
         ActionError: naming the agent whose action is missing, unexpected or not a whole number.
     """
-    if type(actions) is not dict and not isinstance(actions, Mapping):
+    if not isinstance(actions, Mapping):
         raise ActionError(f"actions must map agents to tokens, got {type(actions).__name__}; valid: {list(agents)}")
     if actions.keys() != set(agents):
         missing = [name for name in agents if name not in actions]
@@ -32,8 +32,6 @@ def decode(
 ) -> tuple[dict[str, Subtask], dict[str, Outcome]]:
     """Subtasks of legal tokens; the others wait and are `invalid`."""
     subtasks = {name: legal.get(token, WAIT) for name, token in tokens.items()}
-    if all(map(legal.__contains__, tokens.values())):
-        return subtasks, {}
     strange = {name: token for name, token in tokens.items() if token not in legal}
     told = {name: f"token {quoted(token)} names nothing in this kitchen" for name, token in strange.items()}
     return subtasks, {name: failure("invalid", words) for name, words in told.items()}

@@ -74,6 +74,17 @@ def laid_out(table: Table, width: int, notes: Footnotes | None = None) -> list[R
     return [*made, *told] if made else list(_lists(table))
 
 
+def with_first(columns: Sequence[tuple[T, int]], first: int, room: int) -> list[list[T]]:
+    """Columns, each with its width, in parts that fit, each with the first ones; none where these and another are too
+    wide, or most parts would have one column besides."""
+    front, rest = columns[:first], columns[first:]
+    left = room - sum(width for _, width in front)
+    parts = in_parts(rest, left)
+    if left < max((width for _, width in rest), default=0) or len(parts) > (len(rest) + 1) // 2 > 0:
+        return []
+    return [[*(column for column, _ in front), *part] for part in parts]
+
+
 def in_parts(columns: Sequence[tuple[T, int]], room: int) -> list[list[T]]:
     """Columns, each with its width, in as few parts as fit into so much room, and all about as wide."""
     parts = _filled(columns, room)
@@ -101,14 +112,10 @@ def _side_by_side(table: Table, width: int) -> list[RenderableType]:
         return _framed(table)
     count = len(list(itertools.takewhile(lambda column: column.justify == "left", table.columns)))
     sizes = [(number, _least(column) + _AROUND) for number, column in enumerate(table.columns)]
-    front, rest = sizes[:count], sizes[count:]
-    room = width - 1 - sum(size for _, size in front)
-    parts = in_parts(rest, room)
-    if not front or room < max((size for _, size in rest), default=width) or len(parts) > (len(rest) + 1) // 2:
-        return []
+    parts = with_first(sizes, count, width - 1) if 0 < count < len(sizes) else []
     made: list[RenderableType] = []
     for part in parts:
-        one = _only(table, [*range(count), *part], first=part is parts[0], last=part is parts[-1])
+        one = _only(table, part, first=part is parts[0], last=part is parts[-1])
         made += _framed(one) if _fitted(one, width) else []
     return made
 

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from remac_bench.board import Cell, Column, Sheet
-from remac_bench.columns import Footnotes, in_parts
+from remac_bench.columns import Footnotes, with_first
 from remac_bench.console import plain
 
 ALARMS = ("crashed", "infrastructure", "crash", "unclear", "unknown", "retries", "cannot_tell", "unmatched")
@@ -62,13 +62,8 @@ def _loud(sheet: Sheet, columns: Sequence[Column]) -> tuple[Column, ...]:
 
 def _parts(sheet: Sheet, used: Sequence[Column], across: int) -> list[tuple[Column, ...]]:
     """The columns in parts, each with the first words; none where most parts would have one column."""
-    front = tuple(itertools.takewhile(lambda column: not column.numeric, used))
-    room = across - sum(_width(sheet, column) for column in front)
-    rest = [(column, _width(sheet, column)) for column in used[len(front) :]]
-    parts = in_parts(rest, room)
-    if room < max((width for _, width in rest), default=0) or len(parts) > (len(rest) + 1) // 2 > 0:
-        return []
-    return [(*front, *part) for part in parts]
+    front = len(list(itertools.takewhile(lambda column: not column.numeric, used)))
+    return [tuple(part) for part in with_first([(each, _width(sheet, each)) for each in used], front, across)]
 
 
 def _width(sheet: Sheet, column: Column) -> int:

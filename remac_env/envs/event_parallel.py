@@ -145,10 +145,10 @@ class KitchenEventEnv(KitchenParallelEnv):
         return replace(super()._moment(), slow=self._timed().shares)
 
     def _timed(self) -> EventEpisode:
-        if isinstance(self._episode, EventEpisode) and not self._closed:
-            return self._episode
-        self._running()
-        raise LifecycleError("this episode has no clock: call reset() first")
+        episode = self._running()
+        if not isinstance(episode, EventEpisode):
+            raise LifecycleError("this episode has no clock: call reset() first")
+        return episode
 
     def _pay(self, episode: Episode) -> float:
         reward = super()._pay(episode)

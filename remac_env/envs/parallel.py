@@ -232,8 +232,8 @@ class KitchenParallelEnv(Recordings, ParallelEnv[str, Any, int]):
         return self._running().progress
 
     def _running(self) -> Episode:
-        if self._episode is None or self._closed:
-            self._check_open()
+        self._check_open()
+        if self._episode is None:
             raise LifecycleError("no episode has begun: call reset() first")
         return self._episode
 

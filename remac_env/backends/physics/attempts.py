@@ -46,7 +46,7 @@ class Orders:
     world: WorldState
     subtasks: Mapping[str, Subtask]
     stations: Mapping[str, str]
-    achieved: Callable[[str, Subtask], bool]
+    achieved: Callable[[str], bool]
     hindered: Callable[[Subtask], bool]
 
     @property
@@ -189,7 +189,7 @@ class Attempts:
             here.clear.checker.keep_out = ()
             if moved:
                 outcome = yield from pilot.home()
-            if not moved or (outcome.success and not now.achieved(robot, subtask)):
+            if not moved or (outcome.success and not now.achieved(robot)):
                 outcome = yield from pilot.scripted(subtask, sensing)
         if not outcome.success and outcome.reason != "door_closed":
             yield from pilot.home()
@@ -208,7 +208,7 @@ class Attempts:
             if last or not litter or not _no_way(outcome) or now.hindered(subtask):
                 break
             home = yield from pilot.home()
-            if not home.success or now.achieved(robot, subtask):
+            if not home.success or now.achieved(robot):
                 break
         return outcome
 

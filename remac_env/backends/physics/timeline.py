@@ -238,8 +238,8 @@ class Timeline:
         if self._oddities is not None:
             self._oddities.watch()
 
-    def _achieved(self, robot: str, subtask: Subtask) -> bool:
-        """Whether a subtask has done by now what it says."""
+    def _achieved(self, robot: str) -> bool:
+        """Whether a robot's subtask has done by now what it says."""
         return not self._tasks[robot].missing(self.start.scene, self._truth.seen(lately=True))
 
     def _hindered(self, subtask: Subtask) -> bool:
