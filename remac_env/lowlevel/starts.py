@@ -3,6 +3,7 @@
 Doors and switches stand as the skill needs them from the beginning; the robot itself drives to its station, and takes
 into its hand what it is to hold, by the scripted skills. Where something is to be put into a vessel that stands neither
 on a worktop nor in a plain start, the robot has put that there too, as it has in tasks: never quite in the middle.
+Some of what is handled it has had in its hand before and laid down again, so that it lies as a hand has left it.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ _PLAIN = 30  # of these are as tasks have them by default; mixed starts have wha
 _MOST = 2_000  # states that the search for what comes before looks at
 _SEEDS = 100_000  # of the starts that are drawn where the first is of no use
 _FROM_PARKING = 0.5  # of the drives begin at a parking place, the others at a station
+_TAKEN_AGAIN = 0.25  # of what is handled has been taken and laid down before
 
 
 @dataclass(frozen=True)
@@ -119,11 +121,28 @@ def _draw(
             if skill.moves and not before and chance.random() >= _FROM_PARKING:
                 before = (_elsewhere(start.scene, name, chance), *before)
             begun = Subtask(skill.name, name)
+            if (skill.takes or skill.puts) and chance.random() < _TAKEN_AGAIN:
+                before = _taken_again(start.scene, start.world, (*before, begun))[:-1]
             case = _case(worlds, start, begun, before)
             if kind == "mixed" and case not in cases:
                 continue
             return Ready(worlds, start, begun, before, case)
     return None
+
+
+def _taken_again(scene: Rules, world: WorldState, steps: Sequence[Subtask]) -> tuple[Subtask, ...]:
+    """These steps, with what is taken last put back to where it was and taken once more, if it can be put there."""
+    last = max(index for index, step in enumerate(steps) if step.row.takes)
+    for step in steps[:last]:
+        world = step.row.after(scene, world, ROBOT, step.target)
+    take = steps[last]
+    place = world.objects[take.target].place
+    held = take.row.after(scene, world, ROBOT, take.target)
+    put = next(skill for skill in SKILLS.values() if skill.puts)
+    if place.relation != "slot" or scene.slots[place.where].fixture not in public_scene(scene).names(put.target):
+        return tuple(steps)
+    back = Subtask(put.name, scene.slots[place.where].fixture)
+    return (*steps[:last], take, back, *steps[last:]) if _may_begin(scene, held, back) else tuple(steps)
 
 
 def _laid(worlds: TaskWorlds, start: Start, cases: Sequence[str]) -> tuple[str, ...]:
