@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from remac_agents.handovers.company import accompanied, attended
 from remac_agents.handovers.schedule import schedule
 from remac_agents.plan import Commands, Plan
 from remac_agents.planning.lessons import Before, read_lesson
@@ -19,6 +20,7 @@ class ReflectionHandover:
     """
 
     needs_truth, needs_rules = False, True
+    tries_company = True
 
     def __init__(self, *, careful: bool = False) -> None:
         """Args: careful: in the iteration that counts nothing is shared that no team has done before."""
@@ -26,10 +28,10 @@ class ReflectionHandover:
 
     def share(self, request: HandoverRequest) -> Plan | None:
         """A plan for the team, or None where nothing is gained."""
+        if request.kept or request.failing:  # one robot cannot do it, so there is nothing to lose
+            return attended(request) if request.kept else accompanied(request)
         if self._careful and request.untried:
             return None
-        if request.kept:
-            return _prerequisites_first(request)
         names, facts = request.team, request.view.scene
         plans = [_prerequisites_first(request), share_out(parts_of(request.plan), names, facts, places=True)]
         found = [plan for plan in plans if plan is not None and plan.length < len(request.plan)]
@@ -44,8 +46,7 @@ def _prerequisites_first(request: HandoverRequest) -> Plan | None:
     prerequisites, main = _split(request.plan, obj)
     if not any(step.skill != "navigate to" for step in prerequisites):
         return None
-    stays = any(step in request.kept for step in prerequisites)
-    return schedule(request.lead, main, request.helper, prerequisites, request.view.scene, stays=stays)
+    return schedule(request.lead, main, request.helper, prerequisites, request.view.scene)
 
 
 def main_object(request: HandoverRequest) -> str | None:

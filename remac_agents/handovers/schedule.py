@@ -12,16 +12,15 @@ from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 
 
 def schedule(
-    lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Subtask], facts: PublicScene, *, stays: bool = False
+    lead: str, main: Sequence[Subtask], helper: str, work: Sequence[Subtask], facts: PublicScene
 ) -> Plan:
     """The shortest of the schedules in which the leading robot starts at once or later, steps in order.
 
-    The helper steps aside at the end, with `stays` not before the leading robot comes to its place. The leading robot
-    goes only to places that the helper has left for good, and touches only objects that the helper no longer will; both
-    follow from the plans' own words.
+    The helper steps aside at the end. The leading robot goes only to places that the helper has left for good, and
+    touches only objects that the helper no longer will; both follow from the plans' own words.
     """
     row = (*work, STEP_ASIDE)
-    plans = (_try(lead, main, helper, row, facts, delay, stays) for delay in range(len(row) + 1))
+    plans = (_try(lead, main, helper, row, facts, delay) for delay in range(len(row) + 1))
     return min((plan for plan in plans if plan is not None), key=lambda plan: plan.length)
 
 
@@ -32,7 +31,6 @@ def _try(
     work: Sequence[Subtask],
     facts: PublicScene,
     delay: int,
-    stays: bool,
 ) -> Plan | None:
     """The schedule in which the leading robot starts so many rounds late; None if they block each other.
 
@@ -50,9 +48,6 @@ def _try(
             lead: WAIT if waits_by_choice or not left else left[0],
         }
         goals = {robot: where.goal(robot, step) for robot, step in steps.items()}
-        here = where.station.get(helper)
-        if stays and len(prepared) == 1 and left and not (steps[lead].moves and _clash(facts, here, goals[lead])):
-            steps[helper], goals[helper] = WAIT, here
         if steps[lead] != WAIT and not _ready(where, facts, steps[lead], goals, lead, helper, prepared):
             steps[lead], goals[lead] = WAIT, where.station.get(lead, ASIDE)
         if steps[helper].moves and _clash(facts, goals[helper], goals[lead]):

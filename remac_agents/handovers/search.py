@@ -27,6 +27,7 @@ class SearchHandover:
     """Searches over the single-robot plan's subtasks; falls back to the paper's hand-over if that fails."""
 
     needs_truth = needs_rules = True
+    tries_company = True
 
     def __init__(self, *, max_states: int = MAX_STATES) -> None:
         """Args: max_states: where to give up."""
@@ -43,7 +44,7 @@ class SearchHandover:
             raise ValueError(
                 "the searching hand-over was not given the WorldState; infos[robot]['world'] is missing"
             )
-        if request.kept:  # the search knows of nothing that happens by itself
+        if request.kept or request.failing:  # the search knows of nothing that happens by itself
             return self._fallback.share(request)
         scene, world = for_robots(request.view.rules, request.view.world, request.team)
         wanted = _result(scene, _simulate(scene, world, request.lead, request.plan))

@@ -22,12 +22,6 @@ MOST_STATES = 4_000
 """States that the search for the way to end something looks at."""
 
 
-def undone_by_itself(rules: Rules, step: Subtask) -> bool:
-    """Whether something that happens by itself undoes what a step does, which otherwise need not be done twice."""
-    undoes = (process for process in rules.processes if process.does != "mark")
-    return step.row.lasting and any(step.target in (process.about or rules.fixtures) for process in undoes)
-
-
 def keeps_open(
     rules: Rules, world: WorldState, goal: Goal, robot: str, step: Subtask, mates: Mapping[str, Subtask]
 ) -> bool:

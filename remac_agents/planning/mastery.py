@@ -6,11 +6,10 @@ them, however often its plan was adjusted on the way.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from remac_agents.memory import Run
 from remac_agents.plan import Commands
-from remac_agents.planning.lasting import undone_by_itself
 from remac_agents.planning.rewriting import tidy
 from remac_agents.planning.whereabouts import hands
 from remac_agents.roles import Ran
@@ -19,6 +18,9 @@ from remac_env.rules.scene import public_scene
 from remac_env.rules.subtasks import Subtask
 
 Steps = tuple[Subtask, ...]
+
+Done = tuple[Subtask, bool | None]
+"""A subtask that was run, and whether it succeeded, where that was told."""
 
 
 def proven_plan(runs: Sequence[Run], commands: Commands, facts: Rules, *, last: bool = False) -> Steps | None:
@@ -67,13 +69,27 @@ def late_plan(runs: Sequence[Run], commands: Commands) -> Steps | None:
     return late or None
 
 
-def unkept_plan(runs: Sequence[Run], commands: Commands, facts: Rules) -> tuple[Steps, Steps] | None:
-    """A single-robot plan with which nothing is wrong but that what it does comes undone by itself, and the steps that
-    do; or None.
+def unkept_plan(runs: Sequence[Run], commands: Commands) -> tuple[Steps, Steps] | None:
+    """A single-robot plan of which something came undone by itself, and the steps that did; or None.
 
-    In the last run by one robot such a step of the plan had succeeded, and was done once more though nobody had undone
-    it. A run by several robots that failed takes it away again.
+    In the last run by one robot such a step had been done, and was done once more after the robot had been elsewhere,
+    though nobody had undone it. A run by several robots that failed takes it away again.
     """
+    return _last_alone(runs, commands, _came_undone)
+
+
+def unaided_plan(runs: Sequence[Run], commands: Commands) -> tuple[Steps, Steps] | None:
+    """A single-robot plan of which something that is done to fixtures never came about, and what; or None.
+
+    A run by several robots that failed takes it away again.
+    """
+    return _last_alone(runs, commands, _never_came_about)
+
+
+def _last_alone(
+    runs: Sequence[Run], commands: Commands, wanting: Callable[[Subtask, Sequence[Done]], bool]
+) -> tuple[Steps, Steps] | None:
+    """The plan of the last run by one robot, if it failed, and which of its steps that last were wanting."""
     found: tuple[Steps, Steps] | None = None
     for run in runs:
         if len(run.initial_plan) > 1:
@@ -81,16 +97,28 @@ def unkept_plan(runs: Sequence[Run], commands: Commands, facts: Rules) -> tuple[
             continue
         planned = _read([text for row in run.initial_plan.values() for text in row], commands) or ()
         entries = [ran for line in run.action_list if (ran := Ran.read(line)) is not None]
-        done = _read([ran.command for ran in entries if ran.succeeded], commands) or ()
-        twice = [step for step in dict.fromkeys(planned) if undone_by_itself(facts, step) and _twice(step, done)]
-        found = (planned, tuple(twice)) if twice and not run.success else None
+        done = [(step, ran.succeeded) for ran in entries if (step := commands.parse(ran.command)) is not None]
+        steps = tuple(step for step in dict.fromkeys(planned) if step.row.lasting and wanting(step, done))
+        found = (planned, steps) if steps and not run.success else None
     return found
 
 
-def _twice(step: Subtask, done: Steps) -> bool:
-    """Whether a step was done, and then once more though nothing else had been done to its target that lasts."""
-    worked = [each for each in done if each.row.lasting and each.target == step.target]
-    return any(first == step == then for first, then in zip(worked, worked[1:], strict=False))
+def _came_undone(step: Subtask, done: Sequence[Done]) -> bool:
+    """Whether a step was done, and again after a drive, though nothing else had been done to its target that lasts."""
+    driven: bool | None = None  # since it was done; None: it is not
+    for each in (other for other, succeeded in done if succeeded):
+        if each == step and driven:
+            return True
+        if each.row.lasting and each.target == step.target:
+            driven = False if each == step else None
+        elif each.moves and driven is not None:
+            driven = True
+    return False
+
+
+def _never_came_about(step: Subtask, done: Sequence[Done]) -> bool:
+    told = [succeeded for each, succeeded in done if each == step]
+    return False in told and True not in told
 
 
 def _cut_short(run: Run) -> Sequence[str]:

@@ -129,6 +129,11 @@ class CheckedReflector(CheckedRole):
 class CheckedHandover(CheckedRole):
     """Passes answers on: `read_plan` reads them, and the lead works alone where there is no plan."""
 
+    @property
+    def tries_company(self) -> bool:
+        """Whether it shares what one robot alone has never brought about, too."""
+        return bool(getattr(self.role, "tries_company", False))
+
     def share(self, request: HandoverRequest) -> Any:
         """The answer as it is."""
         return self.role.share(request)

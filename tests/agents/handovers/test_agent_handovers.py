@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from agent_kitchens import MadeUpKitchen
 from made_up_tasks import dough, towels
 
 from remac_agents.checkers.noisy import NoisyChecker
@@ -13,6 +14,7 @@ from remac_agents.plan import Commands, Plan
 from remac_agents.roles import HandoverRequest, View
 from remac_agents.wiring.catalogue import make_role
 from remac_env.rules.conditions import condition
+from remac_env.rules.facts import FixtureFacts
 from remac_env.rules.scene import public_scene
 from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 
@@ -29,8 +31,8 @@ ALONE = (
 )
 
 
-def request(steps: tuple[str, ...]) -> HandoverRequest:
-    env = dough()
+def request(steps: tuple[str, ...], env: MadeUpKitchen | None = None) -> HandoverRequest:
+    env = env or dough()
     commands = Commands(env.commands)
     view = View(env.sentence, public_scene(env.scene), {"a": None}, world=env.start, rules=env.scene)
     plan = tuple(commands[text] for text in steps)
@@ -83,6 +85,33 @@ def test_who_keeps_something_open_leaves_when_the_leading_robot_comes(name: str)
     assert shared.row("robot_1") == (*plan[:2], WAIT, STEP_ASIDE), "it would leave one round earlier"
     early = schedule("robot_0", plan[2:], "robot_1", plan[:2], view.scene)
     assert early.row("robot_1") == (*plan[:2], STEP_ASIDE)
+
+
+def test_who_keeps_something_open_comes_back_between_two_visits() -> None:
+    visit = ("navigate to dryer", "place to dryer")
+    fetched = ("navigate to towel", "pick up towel", *visit, "navigate to soap", "pick up soap", *visit)
+    given = request(("navigate to dryer", "open dryer door", *fetched), towels())
+    way, opened, plan = given.plan[0], given.plan[1], given.plan
+    careful = make_role("handover", "reflections,careful=true")
+    shared = careful.share(replace(given, lead="robot_0", helper="robot_1", kept=(opened,), untried=True))
+    assert isinstance(shared, Plan) and shared.row("robot_0") == plan[2:]
+    assert shared.row("robot_1") == (*plan[:2], STEP_ASIDE, WAIT, way, WAIT, STEP_ASIDE)
+
+
+def test_what_never_came_about_is_tried_while_the_helper_stands_at_one_place_after_the_other() -> None:
+    env = dough()
+    lamps = {
+        name: FixtureFacts(name, "lamp", station, switches=(name,))
+        for name, station in (("near lamp", "furnace"), ("desk lamp", "desk"), ("hall lamp", "hall"))
+    }
+    given = request(ALONE, dough(fixtures={**env.scene.fixtures, **lamps}))
+    never = given.plan[-1]
+    careful = make_role("handover", "reflections,careful=true")
+    shared = careful.share(replace(given, failing=(never,), untried=True))
+    assert isinstance(shared, Plan)
+    assert shared.row("robot_1") == (*given.plan, never), "once for each place where two can stand at once"
+    tour = tuple(Subtask("navigate to", name) for name in ("desk lamp", "hall lamp"))
+    assert shared.row("robot_0") == (*[WAIT] * (len(ALONE) - 2), *tour, STEP_ASIDE)
 
 
 def test_robots_that_need_each_others_place_take_turns() -> None:
