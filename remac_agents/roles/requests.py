@@ -232,7 +232,7 @@ class HandoverRequest:
         helpers: further robots that help.
         untried: no other iteration follows, and no team has done this task yet.
         kept: steps of the plan that come undone by themselves unless a robot stays there.
-        failing: steps of the plan that never came about for a robot alone.
+        failing: steps of the plan, at switches, that never came about for a robot alone.
     """
 
     goal: str
