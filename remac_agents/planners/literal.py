@@ -12,7 +12,7 @@ from remac_agents.plan import Commands, Plan
 from remac_agents.planners.dividing import allocated, decomposed
 from remac_agents.planners.mending import corrected, next_steps
 from remac_agents.planners.sentence import SentenceReader
-from remac_agents.planning.exploring import explored
+from remac_agents.planning.exploring import explored, planned_before
 from remac_agents.planning.lessons import read_lesson
 from remac_agents.planning.rewriting import apply, tidy
 from remac_agents.planning.teamwork import parts_of, share_out
@@ -48,6 +48,8 @@ class LiteralPlanner:
         reader = SentenceReader(request.facts, commands, request.verbs)
         steps = tidy(reader.read(request.goal), request.facts)
         if self._explores:
+            if len(request.robots) > 1 and request.previous is not None and request.previous.success:
+                return Plan.of(planned_before(request))
             steps = tidy(explored(steps, request), request.facts)
         for text in request.reflections:
             lesson = read_lesson(text, commands)

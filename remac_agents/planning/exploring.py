@@ -6,11 +6,12 @@ taken up may be too hot; where nothing goes in, another place may do.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from remac_agents.plan import Commands
+from remac_agents.planning.teamwork import parts_of
 from remac_agents.roles import PlanRequest, PreviousTry
-from remac_env.rules.subtasks import Subtask
+from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 
 
 def failed_always(previous: PreviousTry) -> list[str]:
@@ -24,8 +25,7 @@ def explored(steps: Sequence[Subtask], request: PlanRequest) -> list[Subtask]:
     if request.previous is None:
         return list(steps)
     commands = Commands(request.commands)
-    before = [commands.parse(text) for text in request.previous.plan.get(request.lead, ())]
-    found = [step for step in before if step is not None] or list(steps)
+    found = _in_one_row(planned_before(request), request.lead) or list(steps)
     if request.previous.success:
         return found
     for text in failed_always(request.previous):
@@ -41,6 +41,28 @@ def explored(steps: Sequence[Subtask], request: PlanRequest) -> list[Subtask]:
             on = [each for each in off if Subtask("turn on", each.target) in found[: found.index(step)]]
             found = _before(found, step, [part for each in on for part in (_go(each.target), each)])
     return found
+
+
+def planned_before(request: PlanRequest) -> dict[str, list[Subtask]]:
+    """The plan of the iteration before, robot -> its row; commands that this kitchen lacks are left out."""
+    commands = Commands(request.commands)
+    rows = {} if request.previous is None else request.previous.plan
+    read = {robot: [commands.parse(text) for text in row] for robot, row in rows.items()}
+    return {robot: [step for step in row if step is not None] for robot, row in read.items()}
+
+
+def _in_one_row(rows: Mapping[str, Sequence[Subtask]], lead: str) -> list[Subtask]:
+    """What several robots were to do as one could do it: part after part, in the order in which they were to begin."""
+    if all(not row for robot, row in rows.items() if robot != lead):
+        return list(rows.get(lead, ()))
+    begun: list[tuple[int, Sequence[Subtask]]] = []
+    for row in rows.values():
+        rounds = [number for number, step in enumerate(row) if step not in (WAIT, STEP_ASIDE)]
+        at = 0
+        for part in parts_of([row[number] for number in rounds]):
+            begun.append((rounds[at], part))
+            at += len(part)
+    return [step for _, part in sorted(begun, key=lambda each: each[0]) for step in part]
 
 
 def _go(target: str) -> Subtask:

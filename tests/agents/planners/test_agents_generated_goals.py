@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 import remac_env
-from remac_agents.plan import Commands
+from remac_agents.plan import Commands, Plan
 from remac_agents.planners.common_sense import members
+from remac_agents.planners.literal import LiteralPlanner
 from remac_agents.planners.sentence import SentenceReader
 from remac_agents.planning.exploring import explored, failed_always
 from remac_agents.reflectors.rule import RuleReflector
@@ -64,6 +67,22 @@ def test_what_worked_is_done_again_and_what_worked_once_has_not_failed() -> None
     assert [step.text for step in again] == steps
     ran = (Ran(1, "robot_0", "turn on faucet", False), Ran(2, "robot_0", "turn on faucet", True))
     assert failed_always(PreviousTry({}, False, ran)) == []
+
+
+def test_a_plan_for_several_robots_is_kept_whole() -> None:
+    opened = ("navigate to pantry", "open pantry door", "navigate aside")
+    fetched = ("wait", "navigate to sink", "pick up mug", "navigate to pantry", "place to pantry")
+    facts, commands = kitchen()
+    mug = members("every mug", facts)[0]
+    rows = {"robot_0": opened, "robot_1": tuple(text.replace("mug", mug) for text in fetched)}
+    ran = tuple(Ran(n, robot, text, True) for robot, row in rows.items() for n, text in enumerate(row, 1))
+    told = PlanRequest("put every mug into the pantry", "", facts, tuple(rows), "robot_0", tuple(commands))
+    planner = LiteralPlanner(explores=True)
+    again = planner.plan(replace(told, previous=PreviousTry(rows, True, ran)))
+    assert isinstance(again, Plan)
+    assert {robot: tuple(step.text for step in again.row(robot)) for robot in rows} == rows
+    failed = replace(told, previous=PreviousTry(rows, False, ran))
+    assert [step.text for step in explored([], failed)] == [*opened[:2], *rows["robot_1"][1:]], "part after part"
 
 
 @pytest.mark.parametrize("success", [True, False])
