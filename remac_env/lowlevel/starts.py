@@ -139,7 +139,7 @@ def _taken_again(scene: Rules, world: WorldState, steps: Sequence[Subtask]) -> t
     place = world.objects[take.target].place
     held = take.row.after(scene, world, ROBOT, take.target)
     put = next(skill for skill in SKILLS.values() if skill.puts)
-    if place.relation != "slot" or scene.slots[place.where].fixture not in public_scene(scene).names(put.target):
+    if place.relation != "slot" or scene.slots[place.where].fixture not in public_scene(scene).names(put.target):  # type: ignore[arg-type]
         return tuple(steps)
     back = Subtask(put.name, scene.slots[place.where].fixture)
     return (*steps[:last], take, back, *steps[last:]) if _may_begin(scene, held, back) else tuple(steps)
