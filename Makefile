@@ -93,7 +93,7 @@ $(DOCS)/.installed: pyproject.toml
 docs: $(DOCS)/.installed
 	$(DOCS)/bin/python docs/make_site.py
 
-# The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. Some 68 minutes of a core, 41 of two.
+# The skills that are shipped, from nothing: demonstrations, networks, and how often they succeed. Some 81 minutes of a core, 52 of two.
 # What is rare among demonstrations is recorded more often: docs/learning.md. Smaller: make learned EPISODES=8 RARE=2 TRIALS=2
 # EPOCHS=5 DEMOS=build/demos SHIPPED=build/weights
 LEARNED := OpenDoor,CloseDoor,TurnOn,TurnOff

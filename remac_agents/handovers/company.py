@@ -24,28 +24,27 @@ def attended(request: HandoverRequest) -> Plan | None:
     place, way = where.of(step.target), _way(step.target)
     if place is None:
         return None
-    rows: dict[str, list[Subtask]] = {request.lead: [], request.helper: [way, step]}
-    lead, helper = rows[request.lead], rows[request.helper]
+    first = [way, step]
+    lead, helper = list[Subtask](), list(first)
     main = _without(request.plan, step)
     last = max((i for i, each in enumerate(main) if each.moves and where.of(each.target) == place), default=-1)
     for index, each in enumerate(main):
         leaves = each.moves and where.station.get(request.lead) == place
         comes = each.moves and where.goal(request.lead, each) == place
         if comes or each.target == step.target:
-            _until(lead, len(helper) if len(lead) < 2 else len(lead))
+            _until(lead, len(first))
         if comes or (leaves and index < last):
             _until(helper, len(lead))
             helper.append(STEP_ASIDE if comes else way)
         where.run(request.lead, each)
         lead.append(each)
-    return Plan.of(rows)
+    return Plan.of({request.lead: lead, request.helper: helper})
 
 
 def accompanied(request: HandoverRequest) -> Plan | None:
     """Whenever the leading robot tries what never came about, the helper goes to one place after the other."""
     facts, where = request.view.scene, Whereabouts(request.view.scene)
-    rows: dict[str, list[Subtask]] = {request.lead: [], request.helper: []}
-    lead, helper = rows[request.lead], rows[request.helper]
+    lead, helper = list[Subtask](), list[Subtask]()
     for step in request.plan:
         places = _elsewhere(step, where.station.get(request.lead), facts) if step in request.failing else []
         if places:
@@ -54,7 +53,7 @@ def accompanied(request: HandoverRequest) -> Plan | None:
             helper += [*map(_way, places), STEP_ASIDE]
         lead += [step] * max(1, len(places))
         where.run(request.lead, step)
-    return Plan.of(rows) if helper else None
+    return Plan.of({request.lead: lead, request.helper: helper}) if helper else None
 
 
 def _without(steps: Sequence[Subtask], step: Subtask) -> list[Subtask]:
