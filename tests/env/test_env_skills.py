@@ -141,8 +141,8 @@ def test_it_is_told_in_which_cases_things_are_handled_by_what_was_learned() -> N
         "navigate to": ["carrying", "empty-handed"],
         "pick up": ["food on surface", "vessel on surface"],
         "place to": [
-            *("food in vessel on basin", "food in vessel on burner", "food in vessel on surface"),
-            *("food on surface", "vessel on burner"),
+            *("food in vessel on basin", "food in vessel on burner", "food in vessel on cavity"),
+            *("food in vessel on surface", "food on surface", "vessel on basin", "vessel on burner"),
         ],
     }
     assert remac_env.parallel_env(TASK, robots=1).skill_cases == {}
