@@ -9,6 +9,7 @@ from agent_kitchens import play, suite_kitchen
 from made_up_tasks import towels
 
 import remac_agents
+import remac_env
 from remac_agents.memory import Run
 from remac_agents.plan import Commands
 from remac_agents.planning.mastery import late_plan, proven_plan, unaided_plan, unkept_plan, without_detours
@@ -193,3 +194,12 @@ def test_without_a_known_end_the_team_waits_for_mastery() -> None:
 
 def test_a_run_in_which_nothing_succeeded_leaves_an_empty_plan() -> None:
     assert without_detours((), FACTS, ()) == ()
+
+
+@pytest.mark.parametrize("template", ["fruit through the falling door", "grill for two"])
+def test_what_no_robot_can_do_alone_two_try_in_the_last_iteration(template: str) -> None:
+    spec = remac_env.generate(1, 20200, template=template, robots=2)
+    env = remac_env.parallel_env(spec, robots=2, backend="symbolic")
+    roles = {"planner": "literal,explores=true", "handover": "reflections,careful=true"}
+    agent = remac_agents.make("REMAC", iterations=2, **roles)
+    assert [play(env, agent, seed=0).success for _ in range(3)] == [False, False, True]
