@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from remac_agents.plan import Plan
-from remac_agents.planning.whereabouts import Whereabouts
+from remac_agents.planning.whereabouts import Whereabouts, way_to
 from remac_agents.roles import HandoverRequest
 from remac_env.rules.scene import PublicScene
 from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
@@ -21,7 +21,7 @@ def attended(request: HandoverRequest) -> Plan | None:
     """
     facts, step = request.view.scene, request.kept[0]
     where = Whereabouts(facts)
-    place, way = where.of(step.target), _way(step.target)
+    place, way = where.of(step.target), way_to(step.target)
     if place is None:
         return None
     first = [way, step]
@@ -50,7 +50,7 @@ def accompanied(request: HandoverRequest) -> Plan | None:
         if places:
             _until(lead, len(helper) + 1)
             _until(helper, len(lead) - 1)
-            helper += [*map(_way, places), STEP_ASIDE]
+            helper += [*map(way_to, places), STEP_ASIDE]
         lead += [step] * max(1, len(places))
         where.run(request.lead, step)
     return Plan.of({request.lead: lead, request.helper: helper}) if helper else None
@@ -62,7 +62,7 @@ def _without(steps: Sequence[Subtask], step: Subtask) -> list[Subtask]:
     for each, following in zip(steps, [*steps[1:], None], strict=True):
         if each != step:
             rest.append(each)
-        elif rest[-1:] == [_way(step.target)] and (following is None or following.moves):
+        elif rest[-1:] == [way_to(step.target)] and (following is None or following.moves):
             rest.pop()
     return rest
 
@@ -71,10 +71,6 @@ def _elsewhere(step: Subtask, here: str | None, facts: PublicScene) -> list[str]
     """What the skill could be about instead, of which a robot can stand at one place while another one stands here."""
     names = [name for name in facts.names(step.row.target) if name != step.target and name in facts.fixtures]  # type: ignore[arg-type]
     return [name for name in names if not any(facts.conflicting(here or "", at) for at in facts.stations_of(name))]
-
-
-def _way(target: str) -> Subtask:
-    return Subtask("navigate to", target)
 
 
 def _until(row: list[Subtask], length: int) -> None:

@@ -9,6 +9,7 @@ from remac_agents.handovers.schedule import schedule
 from remac_agents.plan import Commands, Plan
 from remac_agents.planning.lessons import Before, read_lesson
 from remac_agents.planning.teamwork import parts_of, share_out
+from remac_agents.planning.whereabouts import way_to
 from remac_agents.roles import HandoverRequest
 from remac_env.rules.subtasks import Subtask
 
@@ -72,7 +73,7 @@ def main_object(request: HandoverRequest) -> str | None:
 
 def _split(plan: Sequence[Subtask], obj: str) -> tuple[list[Subtask], list[Subtask]]:
     """What comes before the last way to `obj`, and the rest; the rest begins with that way."""
-    way = Subtask("navigate to", obj)
+    way = way_to(obj)
     index = max(i for i, step in enumerate(plan) if step == Subtask("pick up", obj))
     before = list(plan[:index])
     while before and before[-1] == way:

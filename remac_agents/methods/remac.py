@@ -41,7 +41,7 @@ def hand_over(run: MethodRun, helper: str) -> bool:
         single, failing = unaided_plan(runs, run.commands) or (None, ())
     if single is None:
         return False
-    untried = told.last and not any(len(r.initial_plan) > 1 and r.success for r in run.memory.runs(told.task))
+    untried = told.last and not any(len(r.initial_plan) > 1 and r.success for r in runs)
     request = HandoverRequest(
         told.goal, single, told.lead, helper, run.lessons, told.commands, view, told.helpers, untried=untried,
         kept=kept, failing=failing,

@@ -48,8 +48,6 @@ class LiteralPlanner:
         reader = SentenceReader(request.facts, commands, request.verbs)
         steps = tidy(reader.read(request.goal), request.facts)
         if self._explores:
-            if len(request.robots) > 1 and request.previous is not None and request.previous.success:
-                return Plan.of(planned_before(request))
             steps = tidy(explored(steps, request), request.facts)
         for text in request.reflections:
             lesson = read_lesson(text, commands)
@@ -79,5 +77,8 @@ class LiteralPlanner:
         return [WAIT, *left] if failed and busy and left else left or [DONE]
 
     def _shared(self, steps: Sequence[Subtask], request: PlanRequest) -> Plan:
+        """The steps shared out; what has worked for these robots is not shared out anew."""
+        if self._explores and request.previous is not None and request.previous.success:
+            return Plan.of(planned_before(request.previous, Commands(request.commands)))
         names = sorted(request.robots, key=lambda robot: robot != request.lead)
         return share_out(parts_of(steps, fine=True), names, request.facts, places=False)

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 
 from remac_agents.plan import Commands
 from remac_agents.planning.teamwork import parts_of
+from remac_agents.planning.whereabouts import way_to
 from remac_agents.roles import PlanRequest, PreviousTry
 from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
 
@@ -25,7 +26,7 @@ def explored(steps: Sequence[Subtask], request: PlanRequest) -> list[Subtask]:
     if request.previous is None:
         return list(steps)
     commands = Commands(request.commands)
-    found = _in_one_row(planned_before(request), request.lead) or list(steps)
+    found = _in_one_row(planned_before(request.previous, commands), request.lead) or list(steps)
     if request.previous.success:
         return found
     for text in failed_always(request.previous):
@@ -39,15 +40,13 @@ def explored(steps: Sequence[Subtask], request: PlanRequest) -> list[Subtask]:
         elif step.row.takes:
             off = [Subtask("turn off", name) for name in request.facts.names("switch")]
             on = [each for each in off if Subtask("turn on", each.target) in found[: found.index(step)]]
-            found = _before(found, step, [part for each in on for part in (_go(each.target), each)])
+            found = _before(found, step, [part for each in on for part in (way_to(each.target), each)])
     return found
 
 
-def planned_before(request: PlanRequest) -> dict[str, list[Subtask]]:
+def planned_before(previous: PreviousTry, commands: Commands) -> dict[str, list[Subtask]]:
     """The plan of the iteration before, robot -> its row; commands that this kitchen lacks are left out."""
-    commands = Commands(request.commands)
-    rows = {} if request.previous is None else request.previous.plan
-    read = {robot: [commands.parse(text) for text in row] for robot, row in rows.items()}
+    read = {robot: [commands.parse(text) for text in row] for robot, row in previous.plan.items()}
     return {robot: [step for step in row if step is not None] for robot, row in read.items()}
 
 
@@ -65,21 +64,17 @@ def _in_one_row(rows: Mapping[str, Sequence[Subtask]], lead: str) -> list[Subtas
     return [step for _, part in sorted(begun, key=lambda each: each[0]) for step in part]
 
 
-def _go(target: str) -> Subtask:
-    return Subtask("navigate to", target)
-
-
 def _before(steps: list[Subtask], step: Subtask, first: Sequence[Subtask]) -> list[Subtask]:
     """The steps with others before the first of its kind, and the way back."""
     at = steps.index(step)
-    return [*steps[:at], *first, *([_go(step.target)] if first else []), *steps[at:]]
+    return [*steps[:at], *first, *([way_to(step.target)] if first else []), *steps[at:]]
 
 
 def _prepared(step: Subtask, commands: Commands) -> list[Subtask]:
     """Every door is shut, and every other switch turned on; what is so already is left out when it comes to it."""
     shut = [each for each in commands.values() if each.skill == "close door"]
     others = [each for each in commands.values() if each.skill == step.skill and each != step]
-    return [part for each in [*shut, *others] for part in (_go(each.target), each)]
+    return [part for each in [*shut, *others] for part in (way_to(each.target), each)]
 
 
 def _elsewhere(steps: list[Subtask], step: Subtask, request: PlanRequest) -> list[Subtask]:

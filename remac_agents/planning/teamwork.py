@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from remac_agents.plan import Plan
-from remac_agents.planning.whereabouts import Whereabouts, hands
+from remac_agents.planning.whereabouts import Whereabouts, hands, way_to
 from remac_env.rules.facts import ASIDE
 from remac_env.rules.scene import PublicScene
 from remac_env.rules.subtasks import STEP_ASIDE, WAIT, Subtask
@@ -33,7 +33,7 @@ def parts_of(steps: Sequence[Subtask], *, fine: bool = False) -> list[Part]:
         way, touched = step.moves, {other.target for other in parts[-1]}
         worked = any(not other.moves for other in parts[-1])
         if worked and held is None and (way or (fine and step.target not in touched)):
-            parts.append([] if way else [Subtask("navigate to", step.target)])
+            parts.append([] if way else [way_to(step.target)])
         parts[-1].append(step)
     return [tuple(part) for part in parts if part]
 

@@ -56,6 +56,11 @@ class Whereabouts:
             self.hand[robot] = None
 
 
+def way_to(target: str) -> Subtask:
+    """The drive there."""
+    return Subtask("navigate to", target)
+
+
 def hands(steps: Iterable[Subtask]) -> list[str | None]:
     """For each step, what one robot that runs them all holds just before it."""
     held: str | None = None

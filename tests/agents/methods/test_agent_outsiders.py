@@ -13,6 +13,9 @@ SEEDS = range(20)
 CC_IS_OPTIMAL = ("FetchSponge",)
 """The door is found shut with an empty hand on the way: opening it then costs nothing more."""
 
+CLEARS_AWAY = ("RinseCrab",)
+"""What is in the way is carried to a place of its own from mixed starts, which takes 1.15 rounds more than need be."""
+
 
 @pytest.fixture(autouse=True)
 def registered() -> None:
@@ -58,6 +61,6 @@ def test_the_staircase(task: str, starts: str) -> None:
     surplus = sum(report.final_plan_length for report in checked) - sum(best)
     assert surplus > 0 or task in CC_IS_OPTIMAL
     more = sum(report.initial_plan_length - least for report, least in zip(learned, best, strict=True)) / len(best)
-    assert 0 <= more <= 1.5, "what is in the way is carried to a place of its own: 1.15 rounds for RinseCrab"
+    assert 0 <= more <= (1.2 if task in CLEARS_AWAY and starts == "mixed" else 1)
     lengths = [sum(report.initial_plan_length for report in reports) for reports in (team, learned)]
     assert lengths[0] <= lengths[1]
